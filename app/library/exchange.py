@@ -9,9 +9,9 @@ import io
 import json
 import re
 import zipfile
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from pathlib import PurePosixPath
 from typing import IO, Any
 
@@ -20,6 +20,7 @@ from sqlalchemy import text
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
 from nav_model.base.errors import InputError
+from nav_model.base.npz_arrays import DAMAGED
 
 MAX_ARCHIVE = 20_000_000
 """The largest archive taken, in bytes as it comes."""
@@ -139,7 +140,9 @@ def _unpack(data: bytes) -> dict[str, bytes]:
                 with archive.open(entry) as file:
                     files[path] = _read(file, path, left)
                 left -= len(files[path])
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, RuntimeError, OSError) as error:
+    except InputError:
+        raise
+    except DAMAGED as error:
         raise InputError("archive", f"is not a zip this program reads: {error}") from error
     return files
 
@@ -180,6 +183,8 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
         raise
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(_LIST, f"is not the list of an exported library: {error!r}"[:300]) from error
+    if (count := sum(len(rows) for rows, _ in designs)) > _MAX_FILES:
+        raise InputError(_LIST, f"names {count} revisions; at most {_MAX_FILES} are read")
     if any(not rows for rows, _ in designs):
         raise InputError(_LIST, "names a design without a revision")
     return designs
@@ -192,7 +197,17 @@ def _history(rows: Sequence[dict[str, str]], files: dict[str, bytes]) -> list[Re
         if path not in files:
             raise InputError(_LIST, f"names {path[:80]!r}, which is not in the archive")
         saved = row["saved"]
-        if not re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d{1,6})?\+00:00", saved):
-            raise InputError(_LIST, f"{saved[:60]!r} is not a date such as 2026-11-21T09:30:00.000+00:00")
+        if not _is_past(saved):
+            raise InputError(_LIST, f"{saved[:60]!r} is not a date up to today such as 2026-11-21T09:30:00.000+00:00")
         history.append(revision_from_file(files[path], path, row["author"], row["note"], saved, row["name"]))
     return history
+
+
+def _is_past(saved: str) -> bool:
+    """Whether a date is one that the library writes, and has been; another machine's clock may be ahead by a day."""
+    if not re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d{1,6})?\+00:00", saved):
+        return False
+    try:
+        return datetime.fromisoformat(saved) <= datetime.now(UTC) + timedelta(days=1)
+    except ValueError:
+        return False

@@ -12,6 +12,7 @@ import hashlib
 import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from typing import Any
@@ -172,7 +173,7 @@ def list_reviews(library: Library) -> tuple[Review, ...]:
         )
         revisions = {own.key: own for own in map(as_revision, connection.execute(frozen).mappings())}
         return tuple(
-            _assembled(dict(head), items[head["id"]], comments[head["id"]], decisions[head["id"]], revisions)
+            _whole_or_in_doubt(dict(head), items[head["id"]], comments[head["id"]], decisions[head["id"]], revisions)
             for head in heads
         )
 
@@ -305,10 +306,16 @@ def _touch(connection: Connection, review: str) -> None:
     taken = None
     if "\0" not in review:
         taken = connection.execute(
-            text("UPDATE reviews SET version = version + 1 WHERE id = :review AND signed IS NULL"), {"review": review}
+            text(
+                "UPDATE reviews SET version = version + 1 WHERE id = :review AND signed IS NULL"
+                " AND signed_by IS NULL AND seal IS NULL AND signature IS NULL"
+            ),
+            {"review": review},
         )
     if taken is None or taken.rowcount != 1:
         standing = _load(connection, review)
+        if standing.signed is None:
+            raise InputError("review", f"It was {CHANGED} after it was signed. It never changes.")
         raise InputError(
             "review",
             f"{standing.title!r} was signed by {standing.signed_by}, {moment(standing.signed)}. It never changes.",
@@ -330,12 +337,32 @@ def _load(connection: Connection, review: str) -> Review:
     items = rows("SELECT * FROM review_items WHERE review = :review ORDER BY place")
     comments = rows("SELECT * FROM review_comments WHERE review = :review ORDER BY number")
     decisions = rows("SELECT * FROM review_decisions WHERE review = :review ORDER BY number")
-    revisions = {key: find(connection, key) for key in map(_key, items)}
-    return _assembled(heads[0], items, comments, decisions, revisions)
+    revisions = {}
+    for key in map(_key, items):
+        with suppress(InputError):  # it is gone, and the review in doubt
+            revisions[key] = find(connection, key)
+    return _whole_or_in_doubt(heads[0], items, comments, decisions, revisions)
 
 
 def _key(item: Mapping[str, Any]) -> str:
     return f"{item['design']}.{item['number']}"
+
+
+def _whole_or_in_doubt(head: dict[str, Any], *parts: Any) -> Review:
+    """A review from its rows; without what it is about, and in doubt, where they are damaged: one must not take the
+    others from everybody."""
+    try:
+        damaged = any(
+            isinstance(value, bytes) for row in (head, *parts[0], *parts[1], *parts[2]) for value in row.values()
+        )
+        if not damaged:
+            return _assembled(head, *parts)
+    except (KeyError, TypeError, ValueError, AttributeError):  # a revision is gone; a column holds another kind
+        pass
+    told: dict[str, Any] = {
+        name: value.decode("utf-8", "replace") if isinstance(value, bytes) else value for name, value in head.items()
+    }
+    return Review(**told, items=(), revisions=(), comments=(), decisions=(), doubt=CHANGED)
 
 
 def _assembled(
@@ -369,19 +396,22 @@ def _doubt(review: Review) -> str:
     if not frozen:
         return CHANGED
     if review.signed is None:
-        return ""
+        return CHANGED if review.signed_by or review.seal or review.signature else ""
     seal = _seal(review)
+    if review.seal == (earlier := _seal(review, _SEALED_AT_FIRST)):  # by a program before the verdict was sealed
+        seal = earlier
     return CHANGED if review.signature and review.seal != seal else doubt_about(seal, review.signature)
 
 
 _NOT_SEALED = ("seal", "signature", "doubt", "revisions")
-_SEALED_OF_REVISIONS = ("name", "author", "note", "saved", "origin")  # the text has its hash among the items
+_SEALED_AT_FIRST = ("name", "author", "note", "saved", "origin")  # the text has its hash among the items
+_SEALED_OF_REVISIONS = (*_SEALED_AT_FIRST, "closes", "verdict", "product")
 
 
-def _seal(review: Review) -> str:
+def _seal(review: Review, of_revisions: Sequence[str] = _SEALED_OF_REVISIONS) -> str:
     """SHA-256 over everything that is signed, except the seal itself."""
     content = {name: value for name, value in asdict(review).items() if name not in _NOT_SEALED}
-    content["revisions"] = [{name: getattr(own, name) for name in _SEALED_OF_REVISIONS} for own in review.revisions]
+    content["revisions"] = [{name: getattr(own, name) for name in of_revisions} for own in review.revisions]
     return _sha256(json.dumps(content, sort_keys=True, ensure_ascii=False))
 
 

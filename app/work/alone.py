@@ -7,9 +7,11 @@ its run and stayed small waits for the next, with all that it has loaded; there 
 from __future__ import annotations
 
 import asyncio
+import logging
 import multiprocessing
 import os
 import sys
+import traceback
 from collections.abc import Callable
 from functools import cache
 from multiprocessing.connection import Connection
@@ -20,6 +22,7 @@ from app.work import pool as workers
 from nav_model.base.errors import InputError
 from nav_model.base.processes import end_with_parent
 
+_LOGGER = logging.getLogger("navbudget")
 _SMALL = 400_000_000  # bytes: what a suborbital study leaves is half of it, most of that libraries and kernels
 WAITING = "waiting for another run to finish"
 
@@ -56,6 +59,12 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
                     outcome, held = content
                     if kind == "refused":
                         raise outcome
+                    if kind == "fault":
+                        held = None  # what it left behind is not known
+                        exception, raised = outcome
+                        fields = {"exception": exception, "raised": raised}
+                        _LOGGER.error("fault in a worker", extra={"fields": fields})
+                        raise RunLost("the run ended without an answer: a fault in NavBudget, which the log has")
                     return outcome
             except (EOFError, OSError) as error:
                 raise RunLost("the run ended without an answer; it may need more memory") from error
@@ -117,6 +126,11 @@ def _work(ends: Connection) -> None:
             answer: tuple[str, Any] = "refused", error
         except ValueError as error:
             answer = "refused", ValueError(str(error))  # not every kind of it survives the way
+        except Exception as error:  # noqa: BLE001  # for the log: on standard error its text may be a file's
+            place = [
+                f"{frame.filename}:{frame.lineno} {frame.name}" for frame in traceback.extract_tb(error.__traceback__)
+            ]
+            answer = "fault", (type(error).__name__, place[-5:])
         else:
             answer = "done", result
             del result

@@ -212,6 +212,8 @@ def _scalars(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, str], float 
 
 
 def _npz_columns(label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits) -> list[_Column]:
+    if array.ndim == 0 or not len(array):
+        raise InputError(name, f"array {label!r}: holds no samples")
     if len(array) > limits.rows:
         raise InputError(name, f"array {label!r}: {len(array)} rows; at most {limits.rows}")
     if array.ndim == 1:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import io
+import lzma
 import math
+import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Container
@@ -15,7 +18,14 @@ from numpy.typing import NDArray
 from nav_model.base.errors import InputError
 
 _MOST_MEMBERS = 200
-_DAMAGED = (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, RuntimeError, zlib.error)
+DAMAGED = (
+    zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, lzma.LZMAError, OSError, EOFError, NotImplementedError,
+    RuntimeError, ValueError, SyntaxError, tokenize.TokenError, TypeError, OverflowError, IndexError, KeyError,
+    AttributeError, struct.error,
+)  # fmt: skip
+"""All that the readers of archives and of NumPy's headers, which are Python text, were seen to raise for a damaged or
+hostile file: whoever calls them turns these into a refusal that names the file."""
+
 _HEADER_ALLOWANCE = 4096
 
 
@@ -35,8 +45,10 @@ def read_npz_arrays(
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             return _read_members(archive, file_name, most_bytes, kinds, names)
-    except _DAMAGED as error:
-        raise InputError(file_name, f"not a readable NPZ archive ({error})") from error
+    except InputError:
+        raise
+    except DAMAGED as error:
+        raise InputError(file_name, f"not a readable NPZ archive ({_said(error)})") from error
 
 
 def _read_members(
@@ -65,8 +77,8 @@ def _read_members(
         with archive.open(member) as handle:
             try:
                 arrays[name] = np.lib.format.read_array(handle, allow_pickle=False)
-            except ValueError as error:
-                raise InputError(file_name, f"{where}: {error}") from error
+            except DAMAGED as error:
+                raise InputError(file_name, f"{where}: {_said(error)}") from error
     return arrays
 
 
@@ -78,8 +90,13 @@ def _declared_size(handle: Any, file_name: str, where: str, kinds: str) -> int:
             np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
         )
         shape, _, dtype = read_header(handle, max_header_size=_HEADER_ALLOWANCE)
-    except ValueError as error:
-        raise InputError(file_name, f"{where}: not a readable .npy array ({error})") from error
+    except DAMAGED as error:
+        raise InputError(file_name, f"{where}: not a readable .npy array ({_said(error)})") from error
     if dtype.kind not in kinds:
         raise InputError(file_name, f"{where}: holds {dtype}, not numbers; objects and text are never unpacked")
     return math.prod(shape) * dtype.itemsize
+
+
+def _said(error: BaseException) -> str:
+    """The reason, without the file's own lines that an error of syntax quotes."""
+    return str(error.msg) if isinstance(error, SyntaxError) else str(error).partition("\n")[0]

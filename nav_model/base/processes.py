@@ -6,12 +6,15 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError, ProcessPoolExecutor
 from contextlib import suppress
+from multiprocessing.connection import wait
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
-from weakref import WeakSet
+
+_MOMENT = 0.01  # seconds
 
 
 def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> ProcessPoolExecutor:
@@ -31,32 +34,47 @@ def kill_workers() -> None:
     """End every process that a pool of this process started, whatever it is doing, and so the pools."""
     for process in multiprocessing.active_children():
         process.kill()
-    for pool in list(_pools):
-        pool.results._writer.close()
 
 
 class _Pool(ProcessPoolExecutor):
-    """A pool that shuts down when its processes are killed, even with cancelled tasks or a result half sent.
+    """A pool that breaks when one of its processes is killed, even with cancelled tasks or a result half sent.
 
     Python before 3.13 (python/cpython#108974) stops at the first cancelled future while it tells the others that a
     process has ended: with a traceback, and with a thread that writes for ever into a pipe that nobody reads. Every
-    Python waits for the rest of a result that a killed process was sending, as this process holds that end of the
-    pipe open too: `kill_workers` closes it.
+    Python waits for the rest of a result that a killed process was sending, as this process and the pool's others
+    hold that end of the pipe open too, and they in turn for the lock that it held: so each process is watched, and
+    when one dies the others are ended and the pipe is closed.
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self.results: Any = self._result_queue  # the pool forgets it when it is shut down, its thread does not
-        _pools.add(self)
+        # The pool forgets both when it is shut down, its threads do not.
+        self._results: Any = self._result_queue
+        self._started: Any = self._processes
+        self._watched: set[int] = set()
+        self._closing = threading.Lock()
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
         """As ever."""
         future = super().submit(*arguments, **options)
         future.__class__ = _Outcome
+        for number, process in list(self._started.items()):
+            if number not in self._watched:
+                self._watched.add(number)
+                threading.Thread(target=self._mourn, args=(process,), daemon=True).start()
         return future
 
-
-_pools: WeakSet[_Pool] = WeakSet()
+    def _mourn(self, process: Any) -> None:
+        """Wait for a process to end, and end the pool unless it ended well."""
+        wait([process.sentinel])
+        while process.exitcode is None:  # another thread has just asked, and is told in its place
+            time.sleep(_MOMENT)
+        if process.exitcode == 0:
+            return
+        for other in list(self._started.values()):
+            other.kill()
+        with self._closing:
+            self._results._writer.close()
 
 
 class _Outcome(Future[Any]):

@@ -135,3 +135,32 @@ def test_what_is_no_archive_of_designs_is_refused(library: Library, data: bytes)
     with pytest.raises(InputError):
         import_archive(library, data, "Zoe")
     assert library.designs() == ()
+
+
+@pytest.mark.parametrize(
+    ("rows", "saved", "said"),
+    [
+        (2001, "2026-11-21T09:30:00.000+00:00", "2001 revisions"),
+        (1, "9999-99-99T99:99:99+00:00", "not a date"),
+        (1, "9998-01-01T00:00:00+00:00", "not a date"),
+    ],
+)
+def test_a_list_is_bounded_in_rows_and_dates(
+    library: Library, mems: Budget, rows: int, saved: str, said: str
+) -> None:
+    row = {"file": "a.toml", "name": "a", "author": "Eve", "note": "", "saved": saved}
+    listed = json.dumps({"format": 1, "designs": [{"id": "x", "tags": [], "revisions": [row] * rows}]})
+    with pytest.raises(InputError, match=said):
+        import_archive(library, _zip({"a.toml": format_design(mems.design), "library.json": listed}), "Eve")
+    assert not library.designs()
+
+
+@pytest.mark.parametrize("kind", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2, zipfile.ZIP_DEFLATED])
+def test_a_damaged_entry_of_any_compression_is_refused(library: Library, mems: Budget, kind: int) -> None:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", kind) as archive:
+        archive.writestr("a.toml", format_design(mems.design))
+    broken = bytearray(data.getvalue())
+    broken[45:120] = b"\xff" * 75
+    with pytest.raises(InputError):
+        import_archive(library, bytes(broken), "Eve")

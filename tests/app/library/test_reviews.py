@@ -7,7 +7,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import create_engine, text
 
 from app.document.pane import html_of
 from app.library.reviews import (
@@ -149,6 +149,11 @@ def test_a_signed_review_never_changes(library: Library, review: Review) -> None
         "INSERT INTO review_comments SELECT id, 1, 1, '', 'Eve', '', 'late' FROM reviews",
         "UPDATE reviews SET signed_by = 'Eve'",
         "UPDATE reviews SET seal = NULL",
+        "UPDATE reviews SET signed = NULL",
+        "UPDATE reviews SET signed = NULL, signed_by = NULL, seal = NULL",
+        "UPDATE revisions SET closes = 1 - closes",
+        "UPDATE revisions SET verdict = 'Fine.'",
+        "UPDATE revisions SET product = '0'",
         "UPDATE review_items SET content_hash = '0' WHERE place = 1",
         "UPDATE revisions SET text = replace(text, '0', '1')",
     ],
@@ -215,3 +220,35 @@ def test_the_list_holds_what_each_review_says_of_itself(library: Library, review
         connection.execute(text("UPDATE review_comments SET comment = 'fine'"))
         connection.execute(text("UPDATE review_decisions SET reason = 'fine'"))
     assert {own.id: own.intact for own in list_reviews(library)} == {review.id: False, other.id: True}
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "DELETE FROM revisions WHERE rowid = (SELECT max(rowid) FROM revisions)",
+        "UPDATE revisions SET number = 9 WHERE rowid = (SELECT max(rowid) FROM revisions)",
+        "UPDATE revisions SET text = CAST(text AS BLOB) WHERE rowid = (SELECT max(rowid) FROM revisions)",
+        "UPDATE reviews SET title = CAST(title AS BLOB) WHERE title = 'Damaged'",
+    ],
+)
+def test_one_damaged_row_takes_no_other_review(library: Library, review: Review, mems: Budget, damage: str) -> None:
+    damaged = open_review(library, "Damaged", "Bob", [library.save(mems, "Bob").key])
+    with create_engine(library.engine.url).begin() as connection:  # without foreign keys
+        connection.execute(text(damage))
+    listed = {own.id: own for own in list_reviews(library)}
+    assert set(listed) == {review.id, damaged.id}
+    assert listed[damaged.id].title == "Damaged"
+    assert listed[review.id].intact
+    assert not listed[damaged.id].intact
+    assert not load_review(library, damaged.id).intact
+    with pytest.raises(InputError):
+        sign(library, damaged.id, "Bob", damaged.version)
+
+
+def test_a_review_that_was_signed_is_not_opened_again(library: Library, review: Review) -> None:
+    decided = _decided(library, review)
+    sign(library, review.id, "Chief", decided.version)
+    with library.write() as connection:
+        connection.execute(text("UPDATE reviews SET signed = NULL"))
+    with pytest.raises(InputError, match="never changes"):
+        add_comment(library, review.id, 1, "", "Eve", "late")

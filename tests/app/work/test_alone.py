@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from app.work import alone
-from app.work.alone import run_alone
+from app.work.alone import RunLost, run_alone
 
 
 @pytest.fixture(autouse=True)
@@ -58,3 +58,18 @@ def test_a_process_that_died_while_it_waited_is_not_taken(monkeypatch: pytest.Mo
     alone._waiting.append(Gone())  # type: ignore[arg-type]
     assert isinstance(alone._take(), New)
     assert not alone._waiting
+
+
+def _fail(*, progress: Any) -> None:
+    raise KeyError('\n{"event": "login"}')
+
+
+def test_a_fault_goes_to_the_log_and_none_of_its_text_anywhere(
+    caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(RunLost):
+        asyncio.run(run_alone(_fail, progress=lambda *_: None))
+    (record,) = caplog.records
+    assert record.__dict__["fields"]["exception"] == "KeyError"
+    assert "_fail" in record.__dict__["fields"]["raised"][-1]
+    assert "login" not in capfd.readouterr().err + str(record.__dict__)

@@ -58,7 +58,7 @@ def test_killed_workers_are_told_of_whatever_else_was_cancelled() -> None:
 
 
 _HALF_A_RESULT = """
-import os, struct, sys, time
+import os, signal, struct, sys, time
 from pathlib import Path
 from nav_model.base.processes import kill_workers, worker_pool
 
@@ -68,21 +68,30 @@ def send_half_a_result(told):
     while "result_queue" not in frame.f_locals:
         frame = frame.f_back
     os.write(frame.f_locals["result_queue"]._writer.fileno(), struct.pack("!i", 10**6) + b"half")
-    Path(told).touch()
+    Path('draft').write_text(str(os.getpid()))
+    os.replace('draft', told)
     time.sleep(600)
 
 if __name__ == "__main__":
-    with worker_pool(1) as pool:
-        asked = [pool.submit(send_half_a_result, "told"), pool.submit(os.getpid)]
+    with worker_pool({workers}) as pool:
+        asked = [pool.submit(send_half_a_result, "told"), pool.submit(time.sleep, 600)]
         while not Path("told").exists() and not asked[0].done():
             time.sleep(0.01)
-        kill_workers()
+        {kill}
         print([type(future.exception()).__name__ for future in asked])
 """
 
 
-def test_workers_killed_while_they_send_a_result_end_their_pool(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("workers", "kill"),
+    [
+        (1, "kill_workers()"),
+        (1, "os.kill(int(Path('told').read_text()), signal.SIGKILL)"),
+        (2, "os.kill(int(Path('told').read_text()), signal.SIGKILL)"),  # the other holds the pipe open
+    ],
+)
+def test_workers_killed_while_they_send_a_result_end_their_pool(tmp_path: Path, workers: int, kill: str) -> None:
     script = tmp_path / "script.py"
-    script.write_text(_HALF_A_RESULT, encoding="utf-8")
+    script.write_text(_HALF_A_RESULT.replace("{workers}", str(workers)).replace("{kill}", kill), encoding="utf-8")
     told = subprocess.check_output([sys.executable, str(script)], cwd=tmp_path, text=True, timeout=PATIENCE)
     assert told == "['BrokenProcessPool', 'BrokenProcessPool']\n"
