@@ -36,13 +36,14 @@ _STILL = """() => {
 
 _TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
-# What the cards say; boxes and curves change in the same turn.
+# The verdict and the margins, as values keep the units of what they are compared with; boxes and curves change in the
+# same turn.
 _SAYS = """() => {
   const said = [], roots = [document]
   for (const root of roots)
     for (const element of root.querySelectorAll("*")) {
       if (element.shadowRoot) roots.push(element.shadowRoot)
-      if (element.matches(".card .big")) said.push(element.innerText)
+      if (element.matches(".strip p, .card .mark")) said.push(element.innerText)
     }
   return said.join(" | ")
 }"""

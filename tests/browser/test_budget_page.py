@@ -143,7 +143,8 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
         expect(card(desk, name)).not_to_have_text(before)
     # Steps that reach a busy server one by one are changes of their own: 0.15, 0.153 or 0.157.
     expect(desk.get_by_text(re.compile(r"Compared with: Angle random walk 0\.15\d? °/√h"))).to_be_visible()
-    delta = desk.locator(".tile").filter(has_text="Quadratic phase").locator(".delta")
+    tile = desk.locator(".tile").filter(has=desk.get_by_text("Quadratic phase", exact=True))
+    delta = tile.locator(".delta")
     expect(delta).to_contain_text("+")
     desk.get_by_role("button", name="clear").click()
     expect(delta).to_have_count(0)
