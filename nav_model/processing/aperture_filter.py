@@ -2,8 +2,7 @@
 
 Over an aperture of T seconds an oscillation exp(i w t) has the Legendre coefficients (2m + 1) iᵐ j_m(x), with
 x = w T/2 and j_m the spherical Bessel function. Quadratic and cubic phase, the slope and what is left after autofocus
-are therefore integrals of the spectrum times functions of x alone: nodes, weights and filters are made once, and
-serve every design.
+are therefore integrals of the spectrum times functions of x alone.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ import math
 from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
 
@@ -23,15 +21,6 @@ _TERMS = 30
 _HIGHEST = 24  # order of j_m beyond which nothing is left of it below the seam
 OSCILLATING = 16 * math.pi
 """x beyond which filters are taken without their oscillation."""
-_LOWEST, _FARTHEST = 1e-9, 1e7
-
-
-class Table(NamedTuple):
-    """Nodes x, their weights for integrals over x from zero to infinity, and each filter at the nodes."""
-
-    nodes: Array
-    weights: Array
-    filters: Mapping[str, Array]
 
 
 def spherical_bessel(x: Array, highest: int = 3) -> Array:
@@ -78,82 +67,29 @@ def _left(x: Array, taken: Array) -> dict[str, Array]:
     return {"left_3": rest, "left_2": rest + taken[3], "left_1": rest + taken[3] + taken[2]}
 
 
-def filters(x: Array, *, turning: bool = True) -> dict[str, Array]:
-    """Each filter at x = w T/2; without ``turning`` those of the turning line of sight are left out.
+def filters(x: Array) -> dict[str, Array]:
+    """Each filter at x = w T/2.
 
     ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ (as in `nav_model.aperture.phase`), ``left_1`` to
     ``left_3`` of the mean square after autofocus to that order, ``slope`` of half the aperture times the slope
-    of the line, ``turned`` of the quadratic from an along-track error through the turning line of sight, for a turn
-    of one over half the aperture [S-2], ``curved`` of the quadratic that the square of that turn makes,
-    ``with_curved`` of its covariance with the quadratic, ``cubic_turned``, ``cubic_curved`` and
-    ``cubic_with_curved`` of the cubics alike, ``mean`` of the mean over the aperture, ``whole`` of the
-    error itself.
+    of the line, ``mean`` of the mean over the aperture.
     """
     x = as_numbers(x)
-    j0, j1, j2, j3, *more = spherical_bessel(x, 5 if turning else 3)
+    j0, j1, j2, j3 = spherical_bessel(x)
     square = np.stack([j0**2, 3 * j1**2, 5 * j2**2, 7 * j3**2])
-    found = _left(x, square) | {
+    return _left(x, square) | {
         "quadratic": 9 / 4 * 5 * square[2],
         "cubic": 25 / 4 * 7 * square[3],
         "slope": 3 * square[1],
         "mean": square[0],
-        "whole": np.ones_like(x),
     }
-    if turning:
-        curved = j0 - 55 / 14 * j2 + 18 / 7 * more[0]
-        cubic = 6 / 5 * j1 - 161 / 45 * j3 + 20 / 9 * more[1]
-        found |= {
-            "turned": (3 * j1 - 9 / 2 * j3) ** 2,
-            "curved": curved**2,
-            "with_curved": -15 / 2 * j2 * curved,
-            "cubic_turned": 25 / 4 * (3 * j2 - 4 * more[0]) ** 2,
-            "cubic_curved": 25 / 4 * cubic**2,
-            "cubic_with_curved": -25 / 4 * 7 * j3 * cubic,
-        }
-    return found
 
 
 AVERAGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
         "quadratic": (0.0, 9 / 8 * 25), "cubic": (0.0, 25 / 8 * 49), "slope": (0.0, 9 / 2), "mean": (0.0, 1 / 2),
-        "turned": (0.0, (3 + 9 / 2) ** 2 / 2), "curved": (0.0, (15 / 2) ** 2 / 2),
-        "with_curved": (0.0, (15 / 2) ** 2 / 2),
-        **dict.fromkeys(("cubic_turned", "cubic_curved", "cubic_with_curved"), (0.0, 25 / 8 * 49)),
-        "whole": (1.0, 0.0),
         **{f"left_{n}": (1.0, -sum((2 * m + 1) / 2 for m in range(n + 1))) for n in (1, 2, 3)},
     }
 )  # fmt: skip
 """Each filter far above x = 1 without its oscillation: the one plus the other over x². Beyond `OSCILLATING`, a
 multiple of pi/2, what oscillates integrates to nothing in first order."""
-
-
-@cache
-def table() -> Table:
-    """Nodes for every design: Gauss and Legendre on panels, even in log x below 2 and beyond the oscillation.
-
-    Spectra have their poles 30° or more off the real axis, which panels of a factor four and ten nodes resolve
-    to 1e-6 wherever they lie between 1e-8 and 1e6.
-    """
-    rise = math.log(4)
-    low = np.exp(np.arange(math.log(_LOWEST), math.log(0.9), rise))
-    edges = np.concatenate([low, [1.0, 2.0, 3.5, 5.0], np.linspace(7.5, OSCILLATING, 14)])
-    far = np.geomspace(OSCILLATING, _FARTHEST, 10)
-    near_x, near_w = _panels(edges, np.where(edges[1:] <= 1.0, 1, 0), 10)
-    far_x, far_w = _panels(far, np.ones(len(far) - 1), 10)
-    near, beyond = filters(near_x), {name: a + b / far_x**2 for name, (a, b) in AVERAGES.items()}
-    return Table(
-        np.concatenate([near_x, far_x]),
-        np.concatenate([near_w, far_w]),
-        MappingProxyType({name: np.concatenate([near[name], beyond[name]]) for name in near}),
-    )
-
-
-def _panels(edges: Array, logarithmic: Array, points: int) -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(points)
-    x, w = [], []
-    for low, high, log in zip(edges[:-1], edges[1:], logarithmic, strict=True):
-        a, b = (math.log(low), math.log(high)) if log else (low, high)
-        at, dx = (a + b) / 2 + (b - a) / 2 * nodes, (b - a) / 2 * weights
-        x.append(np.exp(at) if log else at)
-        w.append(dx * np.exp(at) if log else dx)
-    return np.concatenate(x), np.concatenate(w)

@@ -128,7 +128,7 @@ def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
     )  # fmt: skip
     amplitude = source.amplitude * np.sqrt(left + _NEVER) + 0 * aperture[..., None]
     if len(w):
-        through = filters(w / 2 * aperture[..., None], turning=False)
+        through = filters(w / 2 * aperture[..., None])
         for name in _FILTERS:
             found[name] = found[name] + np.sum(amplitude**2 / 2 * through[name], axis=-1)
     for curve, power in ((source.accelerations, 4), (source.displacements, 0)):
@@ -221,7 +221,7 @@ def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
     x = w / 2 * aperture[row, None]
     far = (np.pi * middle * aperture[row].real > OSCILLATING) & ~narrow_x[row, place]
     whole, falling = density.sum(axis=1), np.sum(density[far] / x[far] ** 2, axis=1)
-    close, near = density[~far], filters(x[~far], turning=False)
+    close, near = density[~far], filters(x[~far])
     cells = middle * aperture[row].real
     found = np.zeros((len(rows), len(_FILTERS) + 2), density.dtype)
     part = np.empty_like(whole)
