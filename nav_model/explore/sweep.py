@@ -1,15 +1,18 @@
 """Runs a sweep: parts in parallel, each written completely or not at all, then joined into one file.
 
 A part is written beside its place, flushed to the disk and renamed into it, so a process killed at any moment
-leaves only whole parts, and starting again computes only what is missing. Parts depend on nothing but the plan,
-so one process, many processes and a Dask cluster write the same file.
+leaves only whole parts. Its name holds its digest, which is checked before it is used again and when it is joined:
+starting again computes what is missing or was changed. Parts depend on nothing but the plan, so one process, many
+processes and a Dask cluster write the same file.
 """
 
 from __future__ import annotations
 
 import csv
 import functools
+import hashlib
 import io
+import itertools
 import json
 import os
 import shutil
@@ -65,7 +68,8 @@ def run_sweep(
     Raises
     ------
     InputError
-        For another ending, a folder that cannot be written, or parts that belong to another sweep.
+        For another ending, a folder that cannot be written, parts that belong to another sweep or are links, and a
+        part that changes during the run.
     """
     target = Path(output)
     if target.suffix not in SUFFIXES:
@@ -73,16 +77,19 @@ def run_sweep(
     if target.suffix == ".parquet":
         _arrow()
     parts = _open_parts(plan, target)
-    missing = [n for n in range(plan.parts) if not _part(parts, n, target).exists()]
+    ready = _ready(plan, parts, target.suffix)
+    missing = [n for n in range(plan.parts) if n not in ready]
     kept = plan.rows - sum(_size(plan, n) for n in missing)
     done = kept
     progress(done, plan.rows)
     with _executor(workers, scheduler) as (executor, at_once):
         for n, content in _results(executor, at_once, plan, missing, target.suffix):
-            _write(_part(parts, n, target), content)
+            ready[n] = parts / f"{n:08d}-{_digest(plan, n, content)}{target.suffix}"
+            _write(ready[n], content)
             done += _size(plan, n)
             progress(done, plan.rows)
-    _join(plan, parts, target)
+    _join(plan, ready, target)
+    shutil.rmtree(parts)
     return kept
 
 
@@ -90,8 +97,21 @@ def _size(plan: Plan, n: int) -> int:
     return min(plan.rows_per_part, plan.rows - n * plan.rows_per_part)
 
 
-def _part(parts: Path, n: int, target: Path) -> Path:
-    return parts / f"{n:08d}{target.suffix}"
+def _digest(plan: Plan, n: int, content: bytes) -> str:
+    """SHA-256 of a part, of its place and of its plan, so that no part passes for another."""
+    return hashlib.sha256(f"{plan.identity} {n}\n".encode() + content).hexdigest()
+
+
+def _ready(plan: Plan, parts: Path, suffix: str) -> dict[int, Path]:
+    """The parts of an earlier run that are as they were written."""
+    ready = {}
+    for path in parts.glob(f"*{suffix}"):
+        number, _, digest = path.stem.partition("-")
+        if path.is_symlink() or not path.is_file():
+            raise InputError(str(path), "is not a file but a link or a folder; remove it")
+        if number.isdecimal() and digest == _digest(plan, int(number), path.read_bytes()):
+            ready[int(number)] = path
+    return ready
 
 
 def _open_parts(plan: Plan, target: Path) -> Path:
@@ -101,11 +121,15 @@ def _open_parts(plan: Plan, target: Path) -> Path:
     stated = {"identity": plan.identity, "rows": plan.rows, "rows_per_part": plan.rows_per_part}
     try:
         parts.mkdir(exist_ok=True)
-        if manifest.exists():
-            if json.loads(manifest.read_text()) != stated:
-                raise InputError(str(parts), "holds parts of another sweep; remove it, or choose another output")
-        else:
+        if parts.is_symlink():
+            raise InputError(str(parts), "is a link; remove it, or choose another output")
+        if not manifest.exists():
             _write(manifest, json.dumps(stated).encode())
+        elif manifest.read_bytes() != json.dumps(stated).encode():
+            raise InputError(
+                str(parts),
+                "holds parts of another sweep, or its plan.json is damaged; remove it, or choose another output",
+            )
     except OSError as error:
         raise InputError(str(parts), f"cannot be written: {error.strerror}") from error
     return parts
@@ -314,28 +338,38 @@ def _arrow() -> tuple[Any, Any]:
     return pyarrow, pyarrow.parquet
 
 
-def _join(plan: Plan, parts: Path, target: Path) -> None:
-    """All parts, in order, into the output; then the parts go."""
+def _join(plan: Plan, parts: Mapping[int, Path], target: Path) -> None:
+    """All parts, in order, into the output."""
     beside = target.with_name(target.name + ".tmp")
-    names = [_part(parts, n, target) for n in range(plan.parts)]
+    contents = (_checked(plan, n, parts[n]) for n in range(plan.parts))
     try:
         if target.suffix == ".parquet":
             _, parquet = _arrow()
-            with parquet.ParquetWriter(beside, parquet.read_schema(names[0])) as writer:
-                for name in names:
-                    writer.write_table(parquet.read_table(name))
+            tables = (parquet.read_table(io.BytesIO(content)) for content in contents)
+            first = next(tables)
+            with parquet.ParquetWriter(beside, first.schema) as writer:
+                for table in itertools.chain([first], tables):
+                    writer.write_table(table)
         else:
             with beside.open("wb") as whole:
-                for n, name in enumerate(names):
-                    with name.open("rb") as part:
-                        if n:
-                            part.readline()  # the header is written once
-                        shutil.copyfileobj(part, whole)
+                for n, content in enumerate(contents):
+                    # The header is written once.
+                    whole.write(content[content.index(b"\n") + 1 :] if n else content)
         with beside.open("rb") as whole:
             os.fsync(whole.fileno())
         os.replace(beside, target)
     finally:
         beside.unlink(missing_ok=True)
-    finished = parts.with_name(parts.name + ".done")
-    os.replace(parts, finished)
-    shutil.rmtree(finished)
+
+
+def _checked(plan: Plan, n: int, path: Path) -> bytes:
+    """A part's content; InputError unless it is as it was written, with every row of the plan."""
+    content = path.read_bytes()
+    if _digest(plan, n, content) != path.stem.partition("-")[2]:
+        raise InputError(str(path), "was changed while the sweep ran; the same command computes it again")
+    rows = (
+        content.count(b"\n") - 1 if path.suffix == ".csv" else _arrow()[1].read_metadata(io.BytesIO(content)).num_rows
+    )
+    if rows != _size(plan, n):
+        raise InputError(str(path), f"holds {rows} rows instead of {_size(plan, n)}; remove it, and start again")
+    return content

@@ -9,6 +9,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design.file import format_design
 from nav_model.design.presets import preset_fill
+from nav_model.explore import sweep
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
 
@@ -97,13 +98,96 @@ def test_killed_midway_it_goes_on_where_it_was(plan_file, tmp_path, kill_during_
     assert out.read_bytes() == whole.read_bytes()
 
 
-def test_parts_of_another_sweep_are_not_taken(plan_file, tmp_path):
+@pytest.mark.parametrize("stated", ['{"identity": "another"}', "", '{"identity": ', "["])
+def test_parts_of_another_sweep_are_not_taken(plan_file, tmp_path, stated):
     out = tmp_path / "out.csv"
     parts = tmp_path / "out.csv.parts"
     parts.mkdir()
-    (parts / "plan.json").write_text('{"identity": "another"}')
+    (parts / "plan.json").write_text(stated)
     with pytest.raises(InputError, match="another sweep"):
         run_sweep(read_plan(plan_file), out)
+
+
+class Stop(Exception):
+    """A run ends."""
+
+
+def _stop_after(rows):
+    def progress(done, total):
+        if done >= rows:
+            raise Stop
+
+    return progress
+
+
+def _halve(part, other):
+    part.write_bytes(part.read_bytes()[: part.stat().st_size // 2])
+
+
+def _change(part, other):
+    content = bytearray(part.read_bytes())
+    content[len(content) // 2] ^= 1
+    part.write_bytes(content)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda part, other: part.write_bytes(b""),
+        _halve,
+        _change,
+        lambda part, other: part.write_bytes(other.read_bytes()),
+        lambda part, other: part.unlink(),
+    ],
+)
+def test_a_damaged_part_is_computed_again(plan_file, tmp_path, suffix, damage):
+    plan = read_plan(plan_file)
+    run_sweep(plan, tmp_path / f"whole{suffix}")
+    out = tmp_path / f"out{suffix}"
+    with pytest.raises(Stop):
+        run_sweep(plan, out, progress=_stop_after(28))
+    part, other = sorted(out.with_name(out.name + ".parts").glob(f"*{suffix}"))[1:3]
+    damage(part, other)
+    assert run_sweep(plan, out) == 3 * plan.rows_per_part
+    assert out.read_bytes() == (tmp_path / f"whole{suffix}").read_bytes()
+
+
+def test_a_part_that_is_a_link_is_refused_by_its_name(plan_file, tmp_path):
+    plan, out = read_plan(plan_file), tmp_path / "out.csv"
+    with pytest.raises(Stop):
+        run_sweep(plan, out, progress=_stop_after(28))
+    part = sorted((tmp_path / "out.csv.parts").glob("*.csv"))[1]
+    part.rename(tmp_path / "elsewhere")
+    part.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(InputError, match=rf"{part.name}.*link"):
+        run_sweep(plan, out)
+    assert not out.exists()
+
+
+def test_a_part_changed_while_the_sweep_runs_is_not_joined(plan_file, tmp_path):
+    plan, out = read_plan(plan_file), tmp_path / "out.csv"
+    parts = tmp_path / "out.csv.parts"
+
+    def progress(done, total):
+        if done == total:
+            _change(sorted(parts.glob("*.csv"))[1], None)
+
+    with pytest.raises(InputError, match=r"00000001.* was changed"):
+        run_sweep(plan, out, progress=progress)
+    assert not out.exists()
+    assert run_sweep(plan, out) == plan.rows - plan.rows_per_part
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_part_that_lacks_rows_is_not_joined(plan_file, tmp_path, suffix, monkeypatch):
+    whole = sweep.evaluate
+    monkeypatch.setattr(
+        sweep, "evaluate", lambda plan, start, stop: whole(plan, start, stop - (start == plan.rows_per_part))
+    )
+    with pytest.raises(InputError, match=r"00000001.* holds 6 rows instead of 7"):
+        run_sweep(read_plan(plan_file), tmp_path / f"out{suffix}")
+    assert not (tmp_path / f"out{suffix}").exists()
 
 
 def test_the_same_file_from_a_cluster_of_two_processes(plan_file, tmp_path):
