@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from app.dashboard.lifeline import THEME_COOKIE
 from app.subjects import SUBJECTS
-from app.upstream.connecting_cookies import connecting_cookies
+from app.upstream.late_session import connecting_cookies
 
 _COOKIE = "navbudget-opening"
 OPENING_SCRIPT = (

@@ -18,8 +18,7 @@ from app.serving.logins import Logins
 from app.serving.logs import event
 from app.serving.passwords import MAX_NAME, MAX_PASSWORD, Passwords
 from app.serving.rules import Rules
-from app.upstream.login_cookie import CookieForThisSite
-from app.upstream.token_encryption import encrypt_tokens
+from app.upstream.login import CookieForThisSite, encrypt_tokens
 
 _LOGIN = "login"  # the cookie that the store knows; "user", which Panel reads, only carries the name
 

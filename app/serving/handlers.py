@@ -22,12 +22,10 @@ from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules
-from app.upstream.first_changes import FirstChanges
-from app.upstream.frames_at_once import FramesAtOnce
+from app.upstream.connection import FramesAtOnce, LostConnection, NoTracebacks
 from app.upstream.late_session import new_token
-from app.upstream.lost_connection import LostConnection
-from app.upstream.routes import serve_only
-from app.upstream.tracebacks import NoTracebacks
+from app.upstream.requests import serve_only
+from app.upstream.sending import FirstChanges
 
 # Bokeh compiles its callbacks and carries its model in the page, so scripts cannot be held to files; what holds is
 # that nothing comes from, goes to, or frames us from elsewhere.

@@ -34,17 +34,13 @@ from app.subjects import SUBJECTS
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
-from app.upstream import first_changes, one_write, writes
-from app.upstream.answers_in_progress import let_nobody_new_in
-from app.upstream.ask_first import ask_first
 from app.upstream.browser import head_script
-from app.upstream.class_parameters import copy_none
-from app.upstream.given_socket import listen_on
 from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
-from app.upstream.page_marks import mark_own_part
-from app.upstream.proxy_headers import believe_proxies_only
-from app.upstream.request_location import read_any_address
+from app.upstream.listening import let_nobody_new_in, listen_on
+from app.upstream.rendering import copy_none, mark_own_part
+from app.upstream.requests import ask_first, believe_proxies_only, read_any_address
+from app.upstream.sending import keep_first_changes, send_in_order, write_once
 from app.work import pool as workers
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -54,7 +50,10 @@ from nav_model.design.link import from_query
 _TITLE = "NavBudget"
 _VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
 """Before any script asks for the width of the window: a phone would say that of a desk."""
-COMPONENTS = ("app.ui.anchored_text", "app.ui.decision_table", "app.ui.sortable_table", "app.upstream.file_input")
+COMPONENTS = (
+    "app.ui.anchored_text", "app.ui.decision_table", "app.ui.sortable_table", "app.ui.verdict_switch",
+    "app.upstream.file_input",
+)  # fmt: skip
 """Modules with parts for the browser that pages load late. They are imported before anybody comes: Panel makes a part
 that one visitor's tab is the first to import known to one open page, and every other page breaks on it."""
 _MAX_BODY = 65_536  # of a posted form; files travel over the page's own connection
@@ -135,9 +134,9 @@ def serve_on(
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     settings.simple_ids = True  # as it is unless said; said, it is not looked up anew for each id
     settings.perform_document_validation = False  # warns of empty layouts, at each look at a document
-    writes.repair()
-    one_write.repair()
-    first_changes.repair()
+    send_in_order()
+    write_once()
+    keep_first_changes()
     read_any_address()
     look_at_what_was_given()
     copy_none()

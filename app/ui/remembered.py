@@ -7,7 +7,7 @@ from urllib.parse import unquote
 
 import param
 
-from app.upstream.connecting_cookies import connecting_cookies
+from app.upstream.late_session import connecting_cookies
 from app.upstream.plain_script import PlainScript
 
 DISPLAY_COOKIE = "navbudget-show"

@@ -1,4 +1,4 @@
-"""Overrides of Panel, Bokeh, Tornado and panel-material-ui, one per file.
+"""Overrides of Panel, Bokeh, Tornado and panel-material-ui, one subject a file.
 
 Each file says what the library does, the version it was written for, the upstream issue or pull request, and which
 test shows the library as shipped still doing so: when that test fails, the file can go. What Numba does otherwise

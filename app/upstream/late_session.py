@@ -7,6 +7,15 @@ each visitor gets it with a token of a session that does not exist yet.
 Written for: Panel 1.9.4, Bokeh 3.9.2
 Upstream: none found, searched 2026-11-22
 Needless when: tests/app/upstream/test_late_session.py::test_as_shipped_who_only_looks_makes_a_session fails
+
+A session sees the cookies its browser connects with, also those set since the page was asked for.
+
+Bokeh hands a session the cookies that its token holds, which are those of the request for the page: what a script in
+the page has set by then is not among them.
+
+Written for: Bokeh 3.9.2
+Upstream: none found, searched 2026-11-22
+Needless when: tests/app/upstream/test_connecting_cookies.py::test_as_shipped_a_session_sees_old_cookies fails
 """
 
 from __future__ import annotations
@@ -16,6 +25,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 
 import bokeh.resources
+import panel as pn
 from bokeh.document import Document
 from bokeh.server.views.static_handler import StaticHandler
 from bokeh.util.token import generate_jwt_token, generate_session_id
@@ -58,3 +68,12 @@ def sheets_from_here(document: Document) -> None:
     Panel says so only where a page is sent with its session, and otherwise takes them from the network.
     """
     document.template_variables["dist_url"] = LOCAL_DIST
+
+
+def connecting_cookies() -> dict[str, str]:
+    """Cookies of the connection for which a session is made; none outside one."""
+    context = pn.state.curdoc.session_context if pn.state.curdoc else None
+    if context is None or context.request is None:
+        return {}
+    connecting = context.request._request  # what the proxy with the token's cookies stands for
+    return {name: morsel.value for name, morsel in connecting.cookies.items()}

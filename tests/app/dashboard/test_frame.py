@@ -12,7 +12,7 @@ from panel.reactive import ReactiveCustomBase
 from app.dashboard.frame import Frame
 from app.serving.server import first_design
 from app.session import Session
-from app.upstream.page_marks import mark_own_part
+from app.upstream.rendering import mark_own_part
 
 # The Material download button passes both names of one argument to its own base class.
 pytestmark = [

@@ -9,7 +9,7 @@ from typing import Any
 
 from bokeh.server.server import BaseServer
 
-from app.upstream.answers_in_progress import let_nobody_new_in
+from app.upstream.listening import let_nobody_new_in
 
 
 def _done(stop: Callable[[Any], None]) -> list[str]:

@@ -11,7 +11,7 @@ from bokeh.document import Document
 from panel.custom import ReactiveESM
 from panel.reactive import Syncable
 
-from app.upstream.class_parameters import copy_none
+from app.upstream.rendering import copy_none
 
 _PLACES = ((ReactiveESM, "_get_properties"), (ReactiveESM, "_get_children"), (Syncable, "_init_params"))
 _AS_SHIPPED = [getattr(*place) for place in _PLACES]

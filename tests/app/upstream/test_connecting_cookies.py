@@ -10,7 +10,7 @@ from bokeh.document import Document
 from bokeh.server.contexts import _RequestProxy
 from panel.io.state import set_curdoc
 
-from app.upstream.connecting_cookies import connecting_cookies
+from app.upstream.late_session import connecting_cookies
 
 
 def _session() -> Document:

@@ -27,17 +27,19 @@ OVERRIDES = [
 @pytest.mark.parametrize("path", OVERRIDES, ids=lambda path: path.stem)
 def test_it_says_version_source_and_end(path: Path) -> None:
     text = re.sub(r"^// ?", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    written = re.search(r"^Written for: (.+)$", text, re.MULTILINE)
+    written = re.findall(r"^Written for: (.+)$", text, re.MULTILINE)
     assert written
-    for name, number in re.findall(r"([\w-]+) (\d+(?:\.\d+)+)", written[1]):
+    for name, number in re.findall(r"([\w-]+) (\d+(?:\.\d+)+)", " ".join(written)):
         same = number.split(".")[:2]
         assert version(name).split(".")[:2] == same, (
             f"{name} {version(name)}: see whether it still holds, then say so"
         )
-    assert re.search(r"^Upstream: .*(?:[\w-]+/[\w-]+#\d+|none found, searched \d{4}-\d\d-\d\d)", text, re.MULTILINE)
-    ends = re.search(r"^Needless when: (tests/\S+)::(\w+) fails$", text, re.MULTILINE)
-    assert ends
-    assert f"def {ends[2]}(" in (ROOT / ends[1]).read_text(encoding="utf-8")
+    known = r"^Upstream: .*(?:[\w-]+/[\w-]+#\d+|none found, searched \d{4}-\d\d-\d\d)"
+    assert len(re.findall(known, text, re.MULTILINE)) == len(written)
+    ends = re.findall(r"^Needless when: (tests/\S+)::(\w+) fails$", text, re.MULTILINE)
+    assert len(ends) == len(written)
+    for file, test in ends:
+        assert f"def {test}(" in (ROOT / file).read_text(encoding="utf-8")
 
 
 def test_every_script_reaches_the_browser() -> None:

@@ -17,7 +17,7 @@ from panel.io.server import WSHandler
 from tornado.ioloop import IOLoop
 from waiting import PATIENCE
 
-from app.upstream import first_changes
+from app.upstream import sending
 
 
 @pytest.mark.long
@@ -29,7 +29,7 @@ def test_as_shipped_a_change_before_it_is_ready_is_lost(shipped: dict[str, Any])
 def test_what_a_hold_collects_once_the_document_is_sent_is_told(
     asked: str, told: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(panel_document, "_drain_unconnected_events", first_changes._collected)
+    monkeypatch.setattr(panel_document, "_drain_unconnected_events", sending._collected)
     document, changes = Document(), list[Any]()
     document.on_change(changes.append)
 
@@ -39,7 +39,7 @@ def test_what_a_hold_collects_once_the_document_is_sent_is_told(
         return "the reply"
 
     monkeypatch.setattr(WSHandler, "_handle", replies)
-    handler = first_changes.FirstChanges.__new__(first_changes.FirstChanges)
+    handler = sending.FirstChanges.__new__(sending.FirstChanges)
     handler.connection = SimpleNamespace(session=SimpleNamespace(document=document))
     assert asyncio.run(handler._handle(SimpleNamespace(msgtype=asked))) == "the reply"
     assert not changes
@@ -49,7 +49,7 @@ def test_what_a_hold_collects_once_the_document_is_sent_is_told(
 
 
 def test_what_a_task_changes_meanwhile_is_told_once_the_session_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(panel_document, "_drain_unconnected_events", first_changes._collected)
+    monkeypatch.setattr(panel_document, "_drain_unconnected_events", sending._collected)
 
     async def change() -> list[str]:
         document, told = Document(), asyncio.Queue[str]()
@@ -63,7 +63,7 @@ def test_what_a_task_changes_meanwhile_is_told_once_the_session_is_free(monkeypa
                 told.put_nowait(event.title)
 
         session.subscribe(Connection())
-        first_changes._sent.add(document)
+        sending._sent.add(document)
         with pn.io.hold(document):
             document.title = "by a task"
         found = [await asyncio.wait_for(told.get(), PATIENCE)]

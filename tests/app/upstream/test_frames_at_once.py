@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from panel.io.server import WSHandler
 
-from app.upstream.frames_at_once import FramesAtOnce
+from app.upstream.connection import FramesAtOnce
 
 
 @pytest.mark.long

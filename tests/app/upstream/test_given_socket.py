@@ -8,7 +8,7 @@ from typing import Any
 import bokeh.server.server
 import pytest
 
-from app.upstream.given_socket import listen_on
+from app.upstream.listening import listen_on
 
 
 def test_as_shipped_the_server_binds_by_itself(shipped: dict[str, Any]) -> None:

@@ -7,7 +7,7 @@ from panel.auth import BasicLoginHandler
 from tornado.httputil import HTTPServerRequest, RequestStartLine
 from tornado.web import Application
 
-from app.upstream.login_cookie import CookieForThisSite
+from app.upstream.login import CookieForThisSite
 
 
 class _Connection:

@@ -9,7 +9,7 @@ import pytest
 from bokeh.server.connection import ServerConnection
 from panel.io.server import WSHandler
 
-from app.upstream.lost_connection import LostConnection
+from app.upstream.connection import LostConnection
 
 
 def _lost(kind: type[WSHandler]) -> WSHandler:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from panel.io.server import WSHandler
 
-from app.upstream.tracebacks import NoTracebacks
+from app.upstream.connection import NoTracebacks
 
 
 def test_as_shipped_a_fault_is_told_with_its_traceback(shipped: dict[str, Any]) -> None:

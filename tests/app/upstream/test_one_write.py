@@ -16,7 +16,7 @@ from tornado.testing import bind_unused_port
 from tornado.web import Application
 from waiting import PATIENCE
 
-from app.upstream.one_write import _answer, _dispatch
+from app.upstream.sending import _answer, _dispatch
 
 _TEXTS = ['{"msgid": "1"}', "{}", "ü" * 200]  # lengths on both sides of each way to say one
 _ARRAYS = [b"", b"\x00" * 125, bytes(range(126)), b"x" * 65535, b"y" * 65536]

@@ -10,7 +10,7 @@ from bokeh.document import Document
 from bokeh.model import Model
 from panel.reactive import ReactiveCustomBase
 
-from app.upstream.page_marks import mark_own_part
+from app.upstream.rendering import mark_own_part
 
 
 def _walks(monkeypatch: pytest.MonkeyPatch) -> tuple[int, Model]:

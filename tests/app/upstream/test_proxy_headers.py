@@ -9,7 +9,7 @@ from typing import Any
 from tornado.httpserver import _HTTPRequestContext
 from tornado.httputil import HTTPHeaders
 
-from app.upstream import proxy_headers
+from app.upstream import requests
 
 _SENT = HTTPHeaders(
     {"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https", "X-Real-Ip": "127.0.0.1", "X-Scheme": "http"}
@@ -23,11 +23,11 @@ def _context() -> _HTTPRequestContext:
 
 def test_as_shipped_a_visitor_chooses_an_address() -> None:
     context = _context()
-    proxy_headers._shipped(context, _SENT)
+    requests._shipped(context, _SENT)
     assert (context.remote_ip, context.protocol) == ("127.0.0.1", "http")
 
 
 def test_what_the_proxy_says_holds() -> None:
     context = _context()
-    proxy_headers._apply(context, _SENT)
+    requests._apply(context, _SENT)
     assert (context.remote_ip, context.protocol) == ("192.0.2.7", "https")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from panel.io import location
 
-from app.upstream.request_location import _params
+from app.upstream.requests import _params
 
 _SHIPPED = location._get_location_params
 

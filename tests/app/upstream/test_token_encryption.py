@@ -9,7 +9,7 @@ from cryptography.fernet import Fernet
 from panel.config import config
 from panel.io.state import state
 
-from app.upstream.token_encryption import encrypt_tokens
+from app.upstream.login import encrypt_tokens
 
 
 def test_as_shipped_a_key_encrypts_nothing(shipped: dict[str, Any]) -> None:

@@ -13,7 +13,7 @@ from bokeh.document import Document
 from bokeh.server.connection import ServerConnection
 from tornado.locks import Lock
 
-from app.upstream import writes
+from app.upstream import sending
 
 
 @dataclass
@@ -24,7 +24,7 @@ class _Hands:
     bokeh: Callable[..., Awaitable[None]]
 
 
-_OURS = _Hands(writes._panels, writes._bokehs)
+_OURS = _Hands(sending._panels, sending._bokehs)
 _AS_SHIPPED = _Hands(panel_document.schedule_write_events, ServerConnection.send_patch_document)
 
 
@@ -134,7 +134,7 @@ def test_a_fault_in_a_message_does_not_hold_up_the_line(monkeypatch: pytest.Monk
 
         connection = _Connection(monkeypatch, written)
         try:
-            await writes._bokehs(connection, "x")  # type: ignore[arg-type]
+            await sending._bokehs(connection, "x")  # type: ignore[arg-type]
         finally:
             assert connection._socket.write_lock._block._value == 1, "the line goes on"
 

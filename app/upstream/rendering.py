@@ -1,4 +1,6 @@
-"""A component is rendered from the parameters of its class, and looks at each once.
+"""A component is made from what its class has, and marks itself alone.
+
+A component is rendered from the parameters of its class, and looks at each once.
 
 As shipped, to render a component Panel asks each of its fifty parameters for a copy of its own: half of a page's
 time in Param, and as many objects that stay as long as the page. Before that it lists, for each parameter, all of
@@ -7,6 +9,16 @@ them again. Copies that are there, as where one component has bounds of its own,
 Written for: Panel 1.9.4, Param 2.4.2
 Upstream: none found, searched 2026-11-23
 Needless when: tests/app/upstream/test_class_parameters.py::test_as_shipped_rendering_copies_every_parameter fails
+
+A component marks only itself as belonging to its page, without walking through its parts.
+
+When a component is made, and each time anything of one with parts changes, Panel marks everything below it as
+belonging to its page: at each level again, and for the page's frame the whole document. But each part has marked
+itself when it was made.
+
+Written for: Panel 1.9.4, panel-material-ui 0.16.6
+Upstream: none found, searched 2026-11-22
+Needless when: tests/app/upstream/test_page_marks.py::test_as_shipped_a_change_walks_through_the_page fails
 """
 
 from __future__ import annotations
@@ -15,7 +27,7 @@ from functools import cache
 from typing import Any
 
 from panel.custom import ReactiveESM
-from panel.reactive import Syncable
+from panel.reactive import ReactiveCustomBase, Syncable
 from panel.viewable import is_viewable_param
 
 _shipped = ReactiveESM._get_properties
@@ -60,3 +72,13 @@ def copy_none() -> None:
     ReactiveESM._get_properties = _get_properties
     ReactiveESM._get_children = _get_children
     Syncable._init_params = _init_params
+
+
+def _mark(_: type[ReactiveCustomBase], props: Any, ref: str) -> None:
+    if (mark := f"__ref:{ref}") not in props.tags:
+        props.tags.append(mark)
+
+
+def mark_own_part() -> None:
+    """Install the override; the server calls it once, before it serves."""
+    ReactiveCustomBase._patch_datamodel_ref = classmethod(_mark)
