@@ -1,4 +1,4 @@
-"""Charts on paper: live text, the right number of things drawn, the same bytes twice."""
+"""Charts on paper: all is named in live text and told apart in grey, and the same bytes come out twice."""
 
 from __future__ import annotations
 
@@ -11,9 +11,22 @@ import matplotlib
 import numpy as np
 import pytest
 
-from app.charts.kinds import Band, Bar, BarChart, Chart, Limit, Line, Points, Span
+from app.charts.kinds import (
+    Band,
+    Bar,
+    BarChart,
+    Chart,
+    Dot,
+    DotChart,
+    Limit,
+    Line,
+    MapChart,
+    PictureChart,
+    Points,
+    Span,
+)  # fmt: skip
 from app.charts.print.look import plain_number, power_of_ten
-from app.charts.print.svg import FONT, to_svg
+from app.charts.print.svg import FONT, WIDTH, to_svg
 from app.charts.styles import STYLES
 from app.subjects.budget.charts import BUDGET_CHARTS
 from nav_model.budget import Budget, analyse
@@ -34,30 +47,66 @@ def texts(svg: str) -> list[str]:
     return ["".join(element.itertext()).strip() for element in ET.fromstring(svg).iter(f"{SVG}text")]
 
 
-@pytest.mark.parametrize("chart", BUDGET_CHARTS, ids=lambda chart: chart.__name__)
-def test_the_same_chart_gives_the_same_bytes(chart, budget):
-    assert to_svg(chart(budget)) == to_svg(chart(budget))
+def dots(**changes) -> DotChart:
+    rows = (
+        Dot("one", 10.0, 11.0, 5.0, 20.0, "[T-15]"),
+        Dot("two", math.nan, 300.0, 100.0, 900.0, "runs only"),
+    )
+    return DotChart(**{"key": "k", "title": "T", "x_label": "phase [°]", "dots": rows, "limit": 20.0,
+                       "millimetres": 0.1, **changes})  # fmt: skip
+
+
+def winners(**changes) -> MapChart:
+    x, y = np.geomspace(1.0, 100.0, 30), np.geomspace(0.01, 1.0, 20)
+    left = np.broadcast_to(x < 10.0, (20, 30))
+    parts = {
+        "key": "m", "title": "T", "x_label": "aperture time [s]", "y_label": "fix noise [m]",
+        "value_label": "phase [°]",
+        "x": x, "y": y, "winner": np.where(left, 0, 1), "values": np.ones((20, 30)), "names": ("2 INS", "5 fit"),
+        "styles": ("strategy 2", "strategy 5"),
+        "points": (
+            Points("catalogue", "radars", np.array([2.0, 50.0]), np.array([0.1, 0.1]), ("near", "far"), "reference"),
+            Points("design", "this design", np.array([5.0]), np.array([0.5]), ("here",), "limit", "cross"),
+        ),
+        "contour": Line("limit", "phase limit", np.array([3.0, 3.0]), np.array([0.01, 1.0]), "limit"),
+    }  # fmt: skip
+    return MapChart(**{**parts, **changes})
+
+
+def pictures(count: int = 4) -> PictureChart:
+    return PictureChart(
+        key="p", title="T", x_label="azimuth [m]", y_label="range [m]", x=np.linspace(-2, 2, 21),
+        y=np.linspace(-1, 1, 11), power_db=np.full((count, 11, 21), -20.0),
+        names=tuple(f"strategy {i}" for i in range(count)), captions=tuple(f"brightest {i} dB" for i in range(count)),
+        reference="over the error-free peak; the typical run",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("chart", [*BUDGET_CHARTS, dots, winners, pictures], ids=lambda chart: chart.__name__)
+def test_every_kind_prints_the_same_twice_in_the_report_face(chart, budget):
+    def described():
+        return chart(budget) if chart in BUDGET_CHARTS else chart()
+
+    svg = to_svg(described())
+    assert svg == to_svg(described())
+    families = {name for names in re.findall(r"font-family: ([^;\"]*)", svg) for name in names.split(", ")}
+    assert families == {f"'{FONT}'"}
+    assert float(ET.fromstring(svg).get("width").removesuffix("pt")) == pytest.approx(WIDTH / 25.4 * 72)
+    assert "http" not in re.sub(r'(xmlns(:\w+)?|rdf:\w+|rdf:resource)="[^"]*"|<!DOCTYPE[^>]*>', "", svg)
 
 
 @pytest.mark.parametrize("chart", BUDGET_CHARTS, ids=lambda chart: chart.__name__)
-def test_every_series_is_named_in_live_text_in_the_report_face(chart, budget):
+def test_every_series_is_named_in_live_text(chart, budget):
     described = chart(budget)
-    svg = to_svg(described)
-    words = texts(svg)
+    words = texts(to_svg(described))
     if isinstance(described, BarChart):
-        expected = {
-            described.first_label,
-            described.second_label,
-            *(bar.label for bar in described.bars if bar.first > 0),
-        }
+        expected = {described.first_label, described.second_label}
+        expected |= {bar.label for bar in described.bars if bar.first > 0}
         assert not {bar.label for bar in described.bars if bar.first == 0} & set(words)  # nothing of that source
     else:
         expected = {x.label for group in (described.lines, described.bands, described.points, described.spans)
                     for x in group}  # fmt: skip
     assert expected <= set(words)
-    families = {name for names in re.findall(r"font-family: ([^;\"]*)", svg) for name in names.split(", ")}
-    assert families == {f"'{FONT}'"}
-    assert "http" not in re.sub(r'(xmlns(:\w+)?|rdf:\w+|rdf:resource)="[^"]*"|<!DOCTYPE[^>]*>', "", svg)
 
 
 def plain_chart(**changes) -> Chart:
@@ -113,9 +162,11 @@ def test_log_axes_are_powers_of_ten():
     assert {"1", "10", "100"} <= set(words)
 
 
+_BARS = (Bar("one", 3.0, 1.0, 0.3, 0.1, ""), Bar("two", 2.0, math.nan, 0.2, math.nan, ""))
+
+
 def test_bars_of_the_second_kind_are_hatched_so_grey_tells_them_apart():
-    bars = (Bar("one", 3.0, 1.0, 0.3, 0.1, ""), Bar("two", 2.0, math.nan, 0.2, math.nan, ""))
-    svg = to_svg(BarChart("k", "T", "x [°]", "plain", "hatched", bars, 2.5, math.nan))
+    svg = to_svg(BarChart("k", "T", "x [°]", "plain", "hatched", _BARS, 2.5, math.nan))
     assert "<pattern" in svg
     assert "limit on plain, at 1σ" in texts(svg)
     assert "limit on hatched, at 1σ" not in texts(svg)
@@ -136,10 +187,58 @@ def test_no_curve_at_all_still_makes_a_chart():
 
 
 def test_a_last_row_with_one_bar_alone_stays_inside_the_frame():
-    bars = (Bar("one", 3.0, 1.0, 0.3, 0.1, ""), Bar("two", 2.0, math.nan, 0.2, math.nan, ""))
-    svg = ET.fromstring(to_svg(BarChart("k", "T", "x [°]", "plain", "hatched", bars, math.nan, math.nan)))
-
+    svg = ET.fromstring(to_svg(BarChart("k", "T", "x [°]", "plain", "hatched", _BARS, math.nan, math.nan)))
     bottom = max(float(y) for y in re.findall(r"[ML] [\d.]+ ([\d.]+)", svg.find(".//*[@id='patch_2']/*").get("d")))
     text = next(t for t in svg.iter(f"{SVG}text") if "".join(t.itertext()).strip() == "two")
     place = text.get("y") or re.findall(r"[\d.]+", text.get("transform"))[1]
     assert float(place) + 5 < bottom  # the label's line, and half a row of the bar under it
+
+
+def test_dots_name_rows_and_all_they_show():
+    legend = {"formula, 1σ", "runs, rms", "runs, 5 to 95 %", "limit (scaled to 1σ)"}
+    assert {"one", "two", "phase [°]", *legend} <= set(texts(to_svg(dots())))
+    bare = dots(dots=(Dot("one", 10.0, math.nan, math.nan, math.nan, ""),), limit=math.nan)
+    words = texts(to_svg(bare))
+    assert not {"runs, rms", "limit (scaled to 1σ)"} & set(words)
+
+
+def test_the_closed_form_is_another_mark_than_the_runs_not_only_another_colour():
+    marks = [use.get("style") for use in ET.fromstring(to_svg(dots())).iter(f"{SVG}use") if use.get("style")]
+    orange, blue = STYLES["vertical"].colour, STYLES["horizontal"].colour
+    hollow = ["fill-opacity: 0" in style for style in marks if f"stroke: {orange}" in style]
+    filled = [f"fill: {blue}" in style for style in marks if f"stroke: {blue}" in style]
+    assert hollow == [True, True]  # the one closed form, and its entry in the legend
+    assert filled == [True, True, True]
+
+
+def test_regions_of_a_map_are_named_in_place_and_hatched():
+    svg = to_svg(winners())
+    words = texts(svg)
+    assert words.count("2 INS") == words.count("5 fit") == 2  # in place and in the legend
+    assert len(ET.fromstring(svg).findall(f".//{SVG}pattern")) >= 1
+    assert {"phase limit", "radars", "this design", "near", "far", "here"} <= set(words)
+
+
+def test_a_region_that_is_nowhere_is_neither_drawn_nor_named():
+    words = texts(to_svg(winners(winner=np.zeros((20, 30), int))))
+    assert "5 fit" not in words
+    assert words.count("2 INS") == 2
+
+
+def test_names_of_points_do_not_cover_one_another():
+    crowd = Points("c", "crowd", np.full(12, 5.0), np.geomspace(0.1, 0.11, 12), tuple(f"unit {i}" for i in range(12)),
+                   "reference")  # fmt: skip
+    named = [word for word in texts(to_svg(winners(points=(crowd,)))) if word.startswith("unit")]
+    assert 1 <= len(named) < 6
+
+
+@pytest.mark.parametrize("count", [1, 3, 4, 9])
+def test_pictures_have_name_caption_axes_and_one_scale(count):
+    svg = to_svg(pictures(count))
+    words = texts(svg)
+    for i in range(count):
+        assert f"strategy {i}" in words
+        assert f"brightest {i} dB" in words
+    assert words.count("power [dB] over the error-free peak") == 1
+    assert {"azimuth [m]", "range [m]"} <= set(words)
+    assert len(ET.fromstring(svg).findall(f".//{SVG}image")) >= count

@@ -6,6 +6,7 @@ import random
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,7 +15,7 @@ import pytest
 
 from app.library.store import Library
 from nav_model.budget import Budget, analyse
-from nav_model.design.file import read_design
+from nav_model.design.file import parse_design, read_design
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "examples"
@@ -70,3 +71,33 @@ def kill_during_saves() -> Callable[..., set[str]]:
         return set(answered)
 
     return kill
+
+
+@pytest.fixture(scope="session")
+def check_whole() -> Callable[[Library, set[str]], None]:
+    """Every answered save is there, and whatever is there is whole."""
+
+    def check(library: Library, answered: set[str]) -> None:
+        assert answered
+        kept = {saved.id for saved in library.designs()}
+        assert {key.partition(".")[0] for key in answered} <= kept
+        for design in kept:
+            (revision,) = library.revisions(design)
+            assert parse_design(revision.text).content_hash == revision.content_hash
+            assert len(revision.note) == 4000
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def at_once() -> Callable[..., None]:
+    """Call a function in a thread for each argument, and wait for their end."""
+
+    def run(work: Callable[..., object], *arguments: object) -> None:
+        threads = [threading.Thread(target=work, args=(argument,)) for argument in arguments]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+
+    return run

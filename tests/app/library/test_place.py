@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import os
 import sqlite3
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from app.cli import main
 from app.library.place import look_at
 from app.library.store import Library
 from nav_model.base.errors import InputError
@@ -125,17 +122,3 @@ def test_what_is_no_library_is_refused_and_left_as_it_is(tmp_path: Path, stateme
 def test_a_nul_in_the_path_is_told(tmp_path: Path, name: str) -> None:
     with pytest.raises(InputError, match=r"library: .*(NUL|null byte)"):
         Library(name if "://" in name else str(tmp_path / name))
-
-
-def test_an_unusable_library_is_told_before_the_server_starts(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "photo.db").write_bytes(b"\xff\xd8\xff" * 1000)
-    assert main(["serve", "--port", "0", "--library", str(tmp_path / "photo.db")]) == 2
-    assert "not a database" in capsys.readouterr().err
-    done = subprocess.run(
-        [sys.executable, "-m", "app", "serve", "--port", "0", "--library", str(tmp_path / "photo.db" / "x.db")],
-        capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1

@@ -23,7 +23,6 @@ from app.library.schema import STEPS
 from app.library.store import Conflict, Library
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.design.file import parse_design
 
 pytestmark = pytest.mark.long
 
@@ -63,19 +62,8 @@ def cluster() -> Iterator[Server]:
     data = str(folder / "data")
     quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT, "cwd": folder}
     try:
-        initdb = [
-            _program("initdb"),
-            "-D",
-            data,
-            "-U",
-            "nav",
-            "--auth=trust",
-            "-E",
-            "UTF8",
-            "--locale=C",
-            "--no-sync",
-        ]
-        subprocess.run([*run, *initdb], **quiet)
+        initdb = [_program("initdb"), "-D", data, "-U", "nav", "--auth=trust"]
+        subprocess.run([*run, *initdb, "-E", "UTF8", "--locale=C", "--no-sync"], **quiet)
         start = [_program("pg_ctl"), "-D", data, "-o", options, "-l", str(folder / "log"), "-w", "start"]
         stop = [_program("pg_ctl"), "-D", data, "-m", "immediate", "-w", "stop"]
 
@@ -134,7 +122,7 @@ def test_designs_reviews_and_archives_work_alike(shared: Library, library: Libra
         shared.revisions("x\0y")
 
 
-def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget) -> None:
+def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget, at_once: Callable[..., None]) -> None:
     design = shared.save(mems, "Ann").design
     told: list[str] = []
     met = threading.Barrier(4)
@@ -153,11 +141,7 @@ def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget) -> None
                 except Conflict:
                     told.append(author)
 
-    threads = [threading.Thread(target=write, args=(f"writer {i}",)) for i in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    at_once(write, *(f"writer {i}" for i in range(4)))
     history = shared.revisions(design)
     assert [r.number for r in history] == list(range(61, 0, -1))
     for i in range(4):
@@ -166,15 +150,16 @@ def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget) -> None
 
 
 def test_kills_during_saves_lose_nothing_that_was_answered(
-    shared: Library, server: str, kill_during_saves: Callable[..., set[str]]
+    shared: Library,
+    server: str,
+    kill_during_saves: Callable[..., set[str]],
+    check_whole: Callable[[Library, set[str]], None],
 ) -> None:
-    answered = kill_during_saves(server, kills=4, saves=50, seed=8)
-    assert answered
-    _check_whole(shared, answered)
+    check_whole(shared, kill_during_saves(server, kills=4, saves=50, seed=8))
 
 
 def test_a_crash_of_the_database_loses_nothing_that_was_answered(
-    shared: Library, cluster: Server, mems: Budget
+    shared: Library, cluster: Server, mems: Budget, check_whole: Callable[[Library, set[str]], None]
 ) -> None:
     answered: set[str] = set()
     refused: list[str] = []
@@ -200,37 +185,25 @@ def test_a_crash_of_the_database_loses_nothing_that_was_answered(
         thread.join()
     assert refused, "no crash fell among the saves: the test shows nothing"
     assert all(said.startswith("library: ") for said in refused)
-    _check_whole(shared, answered)
+    check_whole(shared, answered)
 
 
-def _check_whole(library: Library, answered: set[str]) -> None:
-    """Every answered save is there, and whatever is there is whole."""
-    kept = {saved.id for saved in library.designs()}
-    assert {key.partition(".")[0] for key in answered} <= kept
-    for design in kept:
-        (revision,) = library.revisions(design)
-        assert parse_design(revision.text).content_hash == revision.content_hash
-        assert len(revision.note) == 4000
-
-
-def test_several_processes_that_open_an_old_library_migrate_it_once(shared: Library, server: str) -> None:
+def test_several_processes_that_open_an_old_library_migrate_it_once(
+    shared: Library, server: str, at_once: Callable[..., None]
+) -> None:
     with shared.write() as connection:
         for table in _TABLES[:4]:
             connection.execute(text(f"DROP TABLE {table}"))
         connection.execute(text("UPDATE schema_version SET version = 2"))
     failed: list[Exception] = []
 
-    def open_it() -> None:
+    def open_it(_: int) -> None:
         try:
             Library(server).close()
         except InputError as error:
             failed.append(error)
 
-    threads = [threading.Thread(target=open_it) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    at_once(open_it, *range(4))
     assert not failed
     with shared.read() as connection:
         assert connection.execute(text("SELECT version FROM schema_version")).scalars().all() == [len(STEPS)]

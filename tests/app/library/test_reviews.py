@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 import sqlite3
-import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from sqlalchemy import create_engine, text
 
 from app.document.pane import html_of
-from app.library.reviews import (
-    Review,
-    add_comment,
-    decide,
-    list_reviews,
-    load_review,
-    open_review,
-    sign,
-    version_of,
-)
+from app.library.reviews import Review, add_comment, decide, list_reviews, load_review, open_review, sign, version_of
 from app.library.store import Conflict, Library
 from app.subjects.review.overview import overview
 from nav_model.base.errors import InputError
@@ -170,16 +161,14 @@ def test_a_change_behind_the_librarys_back_is_found(
     assert not load_review(library, review.id).intact
 
 
-def test_two_reviewers_at_once_lose_no_comment(library: Library, review: Review) -> None:
+def test_two_reviewers_at_once_lose_no_comment(
+    library: Library, review: Review, at_once: Callable[..., None]
+) -> None:
     def talk(author: str) -> None:
         for i in range(10):
             add_comment(library, review.id, 1, "", author, str(i))
 
-    threads = [threading.Thread(target=talk, args=(author,)) for author in ("Bob", "Eve")]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    at_once(talk, "Bob", "Eve")
     said = load_review(library, review.id).comments
     assert sorted((c.author, c.comment) for c in said) == sorted(
         (a, str(i)) for a in ("Bob", "Eve") for i in range(10)

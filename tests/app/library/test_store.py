@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import multiprocessing
 import sqlite3
-import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -140,19 +139,14 @@ def _check_history(library: Library, design: str, writers: int, count: int) -> N
         assert own == [str(i) for i in range(count)]
 
 
-def test_threads_lose_no_revision(library: Library, mems: Budget) -> None:
+def test_threads_lose_no_revision(library: Library, mems: Budget, at_once: Callable[..., None]) -> None:
     design = library.save(mems, "Ann").design
     told: list[int] = []
-    threads = [
-        threading.Thread(
-            target=lambda name: told.append(_save_stubbornly(library, design, mems, name, 10)), args=(f"writer {i}",)
-        )
-        for i in range(4)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+
+    def write(name: str) -> None:
+        told.append(_save_stubbornly(library, design, mems, name, 10))
+
+    at_once(write, *(f"writer {i}" for i in range(4)))
     _check_history(library, design, 4, 10)
     assert sum(told) > 0, "the writers never met: the test shows nothing"
 
@@ -174,39 +168,25 @@ def test_processes_lose_no_revision(tmp_path: Path, mems: Budget) -> None:
     library.close()
 
 
-@pytest.mark.long
+@pytest.mark.parametrize(
+    ("kills", "saves", "seed"),
+    [pytest.param(5, 40, 6, marks=pytest.mark.long), pytest.param(200, 6, 7, marks=pytest.mark.slow)],
+)
 def test_kills_during_saves_lose_nothing_that_was_answered(
-    tmp_path: Path, kill_during_saves: Callable[..., set[str]]
+    tmp_path: Path,
+    kill_during_saves: Callable[..., set[str]],
+    check_whole: Callable[[Library, set[str]], None],
+    kills: int,
+    saves: int,
+    seed: int,
 ) -> None:
     path = tmp_path / "library.db"
-    _check_after_crash(path, kill_during_saves(str(path), kills=5, saves=40, seed=6))
-
-
-@pytest.mark.slow
-def test_two_hundred_kills_lose_nothing_that_was_answered(
-    tmp_path: Path, kill_during_saves: Callable[..., set[str]]
-) -> None:
-    path = tmp_path / "library.db"
-    _check_after_crash(path, kill_during_saves(str(path), kills=200, saves=6, seed=7))
-
-
-def _check_whole(library: Library, answered: set[str]) -> None:
-    """Every answered save is there, and whatever is there is whole."""
-    assert answered
-    kept = {saved.id for saved in library.designs()}
-    assert {key.partition(".")[0] for key in answered} <= kept
-    for design in kept:
-        (revision,) = library.revisions(design)
-        assert parse_design(revision.text).content_hash == revision.content_hash
-        assert len(revision.note) == 4000
-
-
-def _check_after_crash(path: Path, answered: set[str]) -> None:
+    answered = kill_during_saves(str(path), kills, saves, seed)
     raw = sqlite3.connect(path)
     assert raw.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
     raw.close()
     library = Library(path)
-    _check_whole(library, answered)
+    check_whole(library, answered)
     library.close()
 
 
@@ -235,23 +215,12 @@ def _old_library(path: Path, version: int) -> None:
             raw.execute(statement)
     raw.execute("INSERT INTO designs VALUES ('0123456789abcdef', 'Old one', 1, 0)")
     text = format_design(Design({"name": "Old one"}))
-    columns = "design, number, name, author, note, saved, text, content_hash, closes, verdict, product"
-    raw.execute(
-        f"INSERT INTO revisions ({columns}) VALUES (?,?,?,?,?,?,?,?,?,?,?)",
-        (
-            "0123456789abcdef",
-            1,
-            "Old one",
-            "Ann",
-            "",
-            "2025-01-02T03:04:05.000+00:00",
-            text,
-            "0" * 64,
-            None,
-            "",
-            "0.0",
-        ),
-    )
+    row = {
+        "design": "0123456789abcdef", "number": 1, "name": "Old one", "author": "Ann", "note": "",
+        "saved": "2025-01-02T03:04:05.000+00:00", "text": text, "content_hash": "0" * 64, "verdict": "",
+        "product": "0.0",
+    }  # fmt: skip
+    raw.execute(f"INSERT INTO revisions ({', '.join(row)}) VALUES ({', '.join(f':{name}' for name in row)})", row)
     raw.commit()
     raw.close()
 

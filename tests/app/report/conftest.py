@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import pypdf
 import pytest
 
 from app.document.blocks import Cell, Report, Table
@@ -47,3 +50,19 @@ def cells() -> Callable[[Report], list[Cell]]:
     return lambda report: [
         cell for block in report.blocks() if isinstance(block, Table) for row in block.rows for cell in row
     ]
+
+
+@pytest.fixture(scope="session")
+def placed() -> Callable[[bytes], list[tuple[str, float]]]:
+    """The text of each page of a PDF, and where the rightmost piece of it begins, in points."""
+
+    def read(page: pypdf.PageObject) -> tuple[str, float]:
+        edges = [0.0]
+
+        def see(text: str, cm: list[float], tm: list[float], *_: Any) -> None:
+            if text.strip():
+                edges.append(tm[4] * cm[0] + cm[4])
+
+        return page.extract_text(visitor_text=see), max(edges)
+
+    return lambda data: [read(page) for page in pypdf.PdfReader(io.BytesIO(data)).pages]

@@ -233,11 +233,16 @@ def test_a_noted_origin_stands_in_the_table_of_inputs(mems):
     key = "imu.angle_random_walk"
     noted = mems.design.replace({key: walk}, {key: "°/√h"}, {key: origin})
     report = report_of([analyse(noted)], NOW)
-    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
-    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
+    row = next(row for row in table(report, "d-inputs-table").rows if row[0].text == "Angle random walk")
     assert (row[1].mark, row[2].text) == ("noted", origin)
-    stale = noted.replace({"imu.angle_random_walk": 2 * walk})
-    report = report_of([analyse(stale)], NOW)
-    inputs = next(b for b in report.blocks() if isinstance(b, Table) and b.key == "d-inputs-table")
-    row = next(row for row in inputs.rows if row[0].text == "Angle random walk")
+    report = report_of([analyse(noted.replace({key: 2 * walk}))], NOW)
+    row = next(row for row in table(report, "d-inputs-table").rows if row[0].text == "Angle random walk")
     assert row[1].mark != "noted"
+
+
+def test_only_an_absent_requirement_is_not_checked():
+    rows = table(report_of([analyse(Design())], NOW), "d-inputs-table").rows
+    absent = [(row[0].text, row[2].text) for row in rows if len(row) == 3 and row[1].text == "not given"]
+    limits = {str(limit.label) for limit in INPUTS["requirements"].values()}
+    assert {label for label, holds in absent if holds == "not checked"} <= limits
+    assert dict(absent)["Velocity noise"] == "no velocity"

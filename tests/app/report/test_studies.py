@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import pickle
 import re
@@ -10,7 +9,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import pypdf
 import pytest
 
 from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Equations, Section, Symbols, Table, Text
@@ -72,20 +70,9 @@ def html(told, design) -> str:
 
 
 @pytest.fixture(scope="module")
-def pages(told, design) -> list[tuple[str, float]]:
-    """The text of each page of the PDF, and where the rightmost piece of it begins, in points."""
-    data = report_bytes([analyse(design)], ".pdf", NOW, studies=[told])
-    return [_read(page) for page in pypdf.PdfReader(io.BytesIO(data)).pages]
-
-
-def _read(page: pypdf.PageObject) -> tuple[str, float]:
-    edges = [0.0]
-
-    def see(text: str, cm: list[float], tm: list[float], *_: Any) -> None:
-        if text.strip():
-            edges.append(tm[4] * cm[0] + cm[4])
-
-    return page.extract_text(visitor_text=see), max(edges)
+def pages(told, design, placed) -> list[tuple[str, float]]:
+    found: list[tuple[str, float]] = placed(report_bytes([analyse(design)], ".pdf", NOW, studies=[told]))
+    return found
 
 
 def table(told: tuple[Section, ...], key: str) -> Table:

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import http.client
-import os
 import re
 import subprocess
-import sys
 import urllib.parse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pytest
+from served import serving as serving_process
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 from waiting import PATIENCE
@@ -53,10 +52,13 @@ class Served:
         connection.close()
         return answer.status, text, answer.headers
 
-    def log_in(self, name: str, password: str, path: str = "/login") -> tuple[int, str, http.client.HTTPMessage]:
-        found = _XSRF.search(self.ask(path)[1])
+    def log_in(
+        self, name: str, password: str, path: str = "/login", form: str = "", **headers: str
+    ) -> tuple[int, str, http.client.HTTPMessage]:
+        """By the form of the path, or of another one."""
+        found = _XSRF.search(self.ask(form or path)[1])
         assert found
-        return self.ask(path, {"_xsrf": found[1], "username": name, "password": password})
+        return self.ask(path, {"_xsrf": found[1], "username": name, "password": password}, **headers)
 
     def token(self, path: str = "/") -> str:
         """Of a newly opened page."""
@@ -116,24 +118,9 @@ class Served:
 
 
 @contextmanager
-def _serving(*options: str, log: Path | None = None, program: Sequence[str] = ("-m", "app")) -> Iterator[Served]:
-    with open(log or os.devnull, "w") as errors:
-        process = subprocess.Popen(
-            [sys.executable, *program, "serve", "--port", "0", *options],
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            text=True,
-        )
-        assert process.stdout is not None
-        with process:
-            line = process.stdout.readline()
-            assert line.startswith("NavBudget on http://"), line
-            try:
-                yield Served(process, int(line.rpartition(":")[2]))
-            finally:
-                if process.poll() is None:
-                    process.terminate()
-                assert process.wait(PATIENCE) == 0
+def _serving(*options: str, **named: Any) -> Iterator[Served]:
+    with serving_process(*options, **named) as (address, process):
+        yield Served(process, int(address.rpartition(":")[2]))
 
 
 @pytest.fixture(scope="session")

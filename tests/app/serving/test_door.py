@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import http.client
 import json
-import re
 import urllib.parse
 from collections.abc import Iterator
 from dataclasses import replace
@@ -79,10 +77,7 @@ def test_an_odd_way_on_is_refused_or_followed_and_never_a_fault(visitor: Any, wa
     status, _, headers = visitor.log_in("ada", PASSWORD, path) if visitor.ask(path)[0] == 200 else visitor.ask(path)
     assert status in (302, 400)
     assert not any(sign in headers.get("Location", "") for sign in "\r\n")
-    found = re.search(r'name="_xsrf" value="([^"]+)"', visitor.ask("/login")[1])
-    assert found
-    body = {"_xsrf": found[1], "username": "ada", "password": PASSWORD}
-    assert visitor.ask(path, body)[0] in (302, 400)
+    assert visitor.log_in("ada", PASSWORD, path, form="/login")[0] in (302, 400)
 
 
 @pytest.mark.parametrize(
@@ -215,20 +210,11 @@ def _write_people(people: Path) -> None:
     people.write_text("".join(f"{password_line(name, PASSWORD)}\n" for name in ("ada", "bob", "cyd", "dee")))
 
 
-def _attempt(served: Any, name: str, password: str, **headers: str) -> tuple[int, str, http.client.HTTPMessage]:
-    found = re.search(r'name="_xsrf" value="([^"]+)"', served.ask("/login")[1])
-    assert found
-    answer: tuple[int, str, http.client.HTTPMessage] = served.ask(
-        "/login", {"_xsrf": found[1], "username": name, "password": password}, **headers
-    )
-    return answer
-
-
 def test_tries_are_counted_over_all_processes_and_for_an_account_from_everywhere(team: Any) -> None:
     served = replace(team[0], cookies={})
 
     def attempt(password: str, peer: str, name: str = "cyd") -> int:
-        return _attempt(served, name, password, **{"X-Forwarded-For": peer})[0]
+        return int(served.log_in(name, password, **{"X-Forwarded-For": peer})[0])
 
     assert [attempt("guess", f"192.0.2.{peer}") for peer in range(10)] == [401] * 10
     assert attempt(PASSWORD, "192.0.2.99") == 429  # cyd's account, from an address that never failed
@@ -245,7 +231,7 @@ def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(team: Any) -> None:
             assert served.ask("/metrics", **{"X-Forwarded-For": peer}, **sent)[0] == 403
     forwarded = {"X-Forwarded-For": "192.0.2.7", "X-Forwarded-Proto": "https"}
     claimed = {"X-Real-Ip": "192.0.2.8", "X-Scheme": "http"}
-    _, _, headers = _attempt(served, "ada", PASSWORD, **forwarded, **claimed)
+    _, _, headers = served.log_in("ada", PASSWORD, **forwarded, **claimed)
     (user,) = (line for line in headers.get_all("Set-Cookie") or [] if line.startswith("user="))
     assert "Secure" in user
 

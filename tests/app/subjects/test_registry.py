@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import app.subjects
-from app.subjects import BY_KEY, STUDIES, SUBJECTS, Subject
+from app.subjects import STUDIES, SUBJECTS, Subject
 
 
 @pytest.mark.parametrize("subject", SUBJECTS, ids=lambda subject: subject.key)
@@ -46,8 +46,3 @@ def test_reading_the_registry_loads_no_subject() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_a_part_is_loaded_by_name() -> None:
-    assert BY_KEY["budget"].load("report").__name__ == "app.subjects.budget.report"
-    assert BY_KEY["budget"].load("page").__name__ == "BudgetPage"

@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 import multiprocessing
 import os
+import time
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from waiting import PATIENCE, soon
 
 from app.work import alone
 from app.work.alone import RunLost, run_alone
@@ -45,6 +47,24 @@ def test_a_process_that_stayed_small_does_the_next_run_and_no_other_waits(monkey
         assert first not in [child.pid for child in multiprocessing.active_children()]
 
     asyncio.run(runs())
+
+
+def _for_an_hour(*, progress: Any) -> None:
+    progress(0.0, "begun")
+    time.sleep(3600)
+
+
+def test_cancelling_a_run_ends_it_at_once() -> None:
+    async def cancelled() -> None:
+        begun: list[str] = []
+        task = asyncio.create_task(run_alone(_for_an_hour, progress=lambda _, what: begun.append(what)))
+        await soon(lambda: begun, "the run in its process")
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await asyncio.wait_for(task, PATIENCE)
+        assert not multiprocessing.active_children()
+
+    asyncio.run(cancelled())
 
 
 def test_a_process_that_died_while_it_waited_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:

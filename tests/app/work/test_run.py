@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from typing import Any
 
 import pytest
 
@@ -11,6 +12,13 @@ from app.ui.run_bar import RunBar, progress_html
 from app.work.run import Clock, Progress, Run
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+
+
+def to_the_end(run: Run, work: Any) -> None:
+    async def main() -> None:
+        await run.start(work)
+
+    asyncio.run(main())
 
 
 def test_the_time_left_is_the_time_spent_over_the_share_done():
@@ -45,10 +53,7 @@ def test_a_run_tells_shows_and_ends_with_its_result():
         run.show("partial")
         return "whole"
 
-    async def main() -> None:
-        await run.start(work)
-
-    asyncio.run(main())
+    to_the_end(run, work)
     assert seen == [(True, None, None), (True, "half", None), (True, "half", "partial"), (False, None, "whole")]
     assert run.message == ""
 
@@ -62,10 +67,7 @@ def test_what_is_refused_becomes_the_message_and_keeps_the_last_result(error: Ex
     async def work(_: Run) -> None:
         raise error
 
-    async def main() -> None:
-        await run.start(work)
-
-    asyncio.run(main())
+    to_the_end(run, work)
     assert (run.running, run.progress, run.result, run.message) == (False, None, "last", str(error))
 
 
@@ -75,11 +77,8 @@ def test_a_fault_of_ours_ends_the_run_and_is_not_swallowed():
     async def work(_: Run) -> None:
         raise KeyError("ours")
 
-    async def main() -> None:
-        with pytest.raises(KeyError):
-            await run.start(work)
-
-    asyncio.run(main())
+    with pytest.raises(KeyError):
+        to_the_end(run, work)
     assert not run.running
 
 

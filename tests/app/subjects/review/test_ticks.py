@@ -1,4 +1,4 @@
-"""Designs ticked in the library are picked, however fast, and in whatever order the library answers."""
+"""The library of the Review page: designs ticked are picked, however fast and in whatever order it answers."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.review.desk import Desk
 from app.subjects.review.library_view import LibraryView
+from app.subjects.review.room import ReviewRoom
 from nav_model.budget import analyse
 
 pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style'")
@@ -90,6 +91,13 @@ def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[
         return asyncio.run(told())
 
     return run
+
+
+def test_an_empty_library_is_said_to_have_no_review(tmp_path: Path) -> None:
+    use_library(str(tmp_path / "library.db"))
+    room = ReviewRoom(Desk(Session(first_design())))
+    asyncio.run(room.refresh())
+    assert room.answer.word == "No review yet"
 
 
 @pytest.mark.parametrize(

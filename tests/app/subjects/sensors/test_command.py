@@ -73,18 +73,8 @@ def test_archive_of_counts_with_named_arrays(tmp_path: Path, capsys: pytest.Capt
 def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / "flight.csv"
     np.savetxt(path, table(factor=4.0), delimiter=",", header=HEADER, comments="", fmt="%.9g")
-    command = [
-        "allan",
-        str(path),
-        "--rate",
-        "100",
-        "--motion",
-        "--bench-arw",
-        "0.3 °/√h",
-        "--bench-vrw",
-        "0.05 m/s/√h",
-    ]
-    assert main(command) == 0
+    bench = ["--bench-arw", "0.3 °/√h", "--bench-vrw", "0.05 m/s/√h"]
+    assert main(["allan", str(path), "--rate", "100", "--motion", *bench]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["vibration_factor"] == pytest.approx(4.0, rel=0.05)
     assert "as white noise" in data["qualification"]

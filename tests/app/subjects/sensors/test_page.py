@@ -12,7 +12,6 @@ import numpy as np
 import panel as pn
 import pytest
 from bokeh.models import ColumnDataSource
-from waiting import PATIENCE, soon
 
 from app.document.pane import html_of
 from app.serving.server import first_design
@@ -25,7 +24,6 @@ from app.subjects.sensors.tables import coefficient_tables, origin_table
 from app.work import alone
 from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.log_file import LogOptions
 from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
 from nav_model.design.catalogue import catalogue
@@ -131,24 +129,6 @@ def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
     assert f"{found.axes[0].factor:.3g}</td>" in panel.moving.table.object
     panel.moving.use.clicks += 1
     assert session.design.imu.vibration_factor == pytest.approx(6.0, rel=0.05)
-
-
-def test_cancel_ends_the_process_at_once(tmp_path: Path):
-    path = tmp_path / "long.npz"
-    noise = np.random.default_rng(1).standard_normal((400_000, 3)) * 1e-3
-    np.savez(path, gyro_rads=noise)
-    said: list[str] = []
-
-    async def cancelled() -> None:
-        request = LogRequest(path, options=LogOptions(rate_hz=100.0, gyro_unit="rad/s"))
-        task = asyncio.create_task(run_alone(study_log, request, progress=lambda fraction, what: said.append(what)))
-        await soon(lambda: said, "word of the study")
-        task.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await asyncio.wait_for(task, PATIENCE)
-
-    asyncio.run(cancelled())
-    assert "done" not in said
 
 
 def test_a_refusal_comes_back_with_its_key(tmp_path: Path):

@@ -137,28 +137,18 @@ def test_a_flight_that_cannot_be_flown_is_said_in_words() -> None:
     assert run.message.startswith("duration: 60.0 cannot be simulated; the turns take")
 
 
-@pytest.mark.parametrize(
-    ("text", "outages"),
-    [("", ()), (" ", ()), ("200,300", ((200, 300),)), ("50, 80; 200,300;", ((50, 80), (200, 300)))],
-)
-def test_outages_as_people_write_them(text: str, outages: tuple[tuple[float, float], ...]) -> None:
-    assert outages_of(text) == outages
-
-
-@pytest.mark.parametrize("text", ["200", "a,b", "1,2,3", "200-300", "<b>"])
-def test_other_outages_are_refused(text: str) -> None:
-    with pytest.raises(InputError, match=r"^outages: "):
-        outages_of(text)
+def test_outages_as_people_write_them_and_no_others() -> None:
+    assert outages_of("") == outages_of(" ") == ()
+    assert outages_of("200,300") == ((200, 300),)
+    assert outages_of("50, 80; 200,300;") == ((50, 80), (200, 300))
+    for text in ("200", "a,b", "1,2,3", "200-300", "<b>"):
+        with pytest.raises(InputError, match=r"^outages: "):
+            outages_of(text)
 
 
 def test_only_instruments_and_flight_make_a_study_stale() -> None:
-    for key, value in (
-        ("name", "b"),
-        ("radar.slant_range", 9e3),
-        ("requirements.tilt", 0.1),
-        ("coast.duration", 9.0),
-    ):
-        assert same_subject(DESIGN, DESIGN.replace({key: value}))
+    others = {"name": "b", "radar.slant_range": 9e3, "requirements.tilt": 0.1, "coast.duration": 9.0}
+    assert same_subject(DESIGN, DESIGN.replace(others))
     for key, value in (("imu.rate", 200.0), ("gnss.interval", 0.5), ("flight.gravity", 9.79)):
         assert not same_subject(DESIGN, DESIGN.replace({key: value}))
 

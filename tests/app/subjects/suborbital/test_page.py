@@ -7,16 +7,14 @@ import csv
 import io
 import json
 import math
-import time
 from collections import OrderedDict
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from bokeh.document import Document
 from flight_files import format_flight
 from panel.io.state import set_curdoc
-from waiting import PATIENCE, soon
+from waiting import soon
 
 from app.document.numbers import show
 from app.serving.server import first_design
@@ -29,7 +27,6 @@ from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
 from app.work import kept
-from app.work.alone import run_alone
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.camera_noise import CameraNoise
 from nav_model.suborbital.input_table import INPUTS
@@ -57,11 +54,6 @@ def here(survey: Survey) -> SuborbitalPage:
     here = SuborbitalPage(session)
     here.exact.result = survey
     return here
-
-
-async def run_exactly(page: SuborbitalPage) -> None:
-    """An exact run from its start to its end."""
-    await page.run()
 
 
 async def flown(page: SuborbitalPage, trajectory: tuple[str, bytes] | None) -> None:
@@ -147,12 +139,6 @@ def test_star_chart_shows_the_stars_inside_the_square(survey: Survey) -> None:
         assert all(name.startswith("HIP ") for name in places.names)
 
 
-def test_json_of_the_page_is_the_command_s(here: SuborbitalPage) -> None:
-    answer = json.loads(here._json().getvalue())
-    assert answer["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)
-    assert answer["exact"] is True
-
-
 def test_every_view_is_built_and_fed(here: SuborbitalPage) -> None:
     for view in VIEWS:
         here.study.views.chosen = view.name
@@ -196,7 +182,11 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     here.exact.param.watch(
         lambda event: told.append((here._session.running, event.new.words)) if event.new else None, "progress"
     )
-    asyncio.run(run_exactly(here))
+
+    async def exactly() -> None:
+        await here.run()
+
+    asyncio.run(exactly())
     assert any(running and "error sources" in words for running, words in told)
     shown = here.study.shown
     assert shown.exact
@@ -310,7 +300,9 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
     flown = sensors.noise_chart(shown, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
     assert "50 runs, seed 1" in noise_table(shown).note
-    assert json.loads(here._json().getvalue())["white_noise_monte_carlo"]["runs"] == 50
+    told = json.loads(here._json().getvalue())
+    assert (told["white_noise_monte_carlo"]["runs"], told["exact"]) == (50, True)
+    assert told["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)  # as the command has it
     here.inputs.put("gyros.white_noise", 1e-5)
     assert here.study.shown.ensemble is None
     assert "No ensemble has been run" in noise_table(here.study.shown).note
@@ -365,23 +357,6 @@ def test_linear_gap_names_the_row_that_is_beyond_the_promise(survey: Survey) -> 
     table = gap_table(Shown(survey, survey.study))
     assert "sum of signed errors is off by 0.6 %" in table.note
     assert len(table.rows) == len(survey.study.names) - 1
-
-
-def _for_an_hour(*, progress: Callable[[float, str], None]) -> None:
-    progress(0.0, "begun")
-    time.sleep(3600)
-
-
-def test_cancelling_a_run_ends_it_at_once() -> None:
-    async def cancelled() -> None:
-        begun: list[str] = []
-        task = asyncio.create_task(run_alone(_for_an_hour, progress=lambda share, what: begun.append(what)))
-        await soon(lambda: begun, "the run in its process")
-        task.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await asyncio.wait_for(task, PATIENCE)
-
-    asyncio.run(cancelled())
 
 
 def test_camera_noise_exceeds_that_of_the_imu_where_the_curves_cross() -> None:
