@@ -17,6 +17,7 @@ from nav_model.equations import ALL_EQUATIONS
 pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[2]
+SUPPORT = ROOT / "tests" / "support"
 SIGMA_A, SIGMA_W, G = 0.05 / 60, math.radians(0.5) / 60, 9.80665
 F = np.array([[0, 1, 0], [0, 0, G], [0, 0, 0.0]])
 Q = np.diag([0, SIGMA_A**2, SIGMA_W**2])
@@ -168,8 +169,10 @@ def test_a_kind_counts_as_independent_only_with_the_work_of_others_in_it():
         assert re.search(WORDS[row.kind], row.oracle), row
         assert not re.search(r"\bour own\b|\bour design notes\b|\bproduct's\b", row.oracle), row
         path = ROOT / row.test.partition(":")[0]
-        nearby = (path, path.parent / "conftest.py")
-        text = "".join(file.read_text() for file in nearby if file.exists())
+        own = path.read_text()
+        oracles = [file for file in SUPPORT.glob("*.py") if re.search(rf"^import {file.stem}$", own, re.MULTILINE)]
+        nearby = (path.parent / "conftest.py", *oracles)
+        text = own + "".join(file.read_text() for file in nearby if file.exists())
         for library in ("SciPy", "mpmath", "pyins"):
             if library in row.oracle:
                 assert re.search(rf"^\s*(import|from) {library.lower()}", text, re.MULTILINE), row
