@@ -21,21 +21,13 @@ def to_json(budget: Budget) -> dict[str, Any]:
         budget.verdict,
     )
     return {
-        "design": {
-            "name": design.name,
-            "content_hash": design.content_hash,
-            "inputs": dict(design.items()),
-        },
+        "design": {"name": design.name, "content_hash": design.content_hash, "inputs": dict(design.items())},
         "steady_state": {
             **_sigmas(steady.closed),
             "gyro_dominance": steady.gyro_dominance,
             "lambda_dt": steady.lambda_dt,
             "asymptote": dict(
-                zip(
-                    ("position_sigma_m", "velocity_sigma_m_s", "tilt_sigma_rad"),
-                    steady.asymptote,
-                    strict=True,
-                )
+                zip(("position_sigma_m", "velocity_sigma_m_s", "tilt_sigma_rad"), steady.asymptote, strict=True)
             ),
             "shares": {kind: dict(shares) for kind, shares in steady.shares.items()},
             "discrete": {"prior": _sigmas(steady.prior), "posterior": _sigmas(steady.posterior)},
@@ -55,10 +47,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
                     "horizontal": coast.end_refined_horizontal,
                     "vertical": coast.end_refined_vertical,
                 },
-                "shares": {
-                    "horizontal": dict(coast.shares_horizontal),
-                    "vertical": dict(coast.shares_vertical),
-                },
+                "shares": {"horizontal": dict(coast.shares_horizontal), "vertical": dict(coast.shares_vertical)},
             },
         },
         "sar": {

@@ -9,14 +9,7 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.figures import (
-    COASTING,
-    PLACING,
-    SETTLED,
-    SMOOTHED,
-    smoothed_figures,
-    smoothed_with_shifts,
-)
+from nav_model.budget.figures import COASTING, PLACING, SETTLED, SMOOTHED, smoothed_figures, smoothed_with_shifts
 from nav_model.budget.image import placement_of, response_of
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.navigation import smoothed_outage

@@ -132,15 +132,11 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
             )
         elif entry.method == DISCRETE:
             table[key] = Provenance(
-                entry.equation,
-                "augmented discrete Riccati equation",
-                f"{entry.note}; slow GNSS error modelled",
+                entry.equation, "augmented discrete Riccati equation", f"{entry.note}; slow GNSS error modelled"
             )
         elif key.startswith("sar.") and "[S-5]" in entry.equation:
             table[key] = Provenance(
-                f"{entry.equation}, [T-8]",
-                entry.method,
-                "with the tilt that the slow GNSS error adds",
+                f"{entry.equation}, [T-8]", entry.method, "with the tilt that the slow GNSS error adds"
             )
     return MappingProxyType(table)
 

@@ -30,7 +30,7 @@ LATER = frozenset(declaration.key for names in INPUTS.values() for declaration i
 """Inputs that came after the first designs were saved: at their defaults they leave a design's hash as it was."""
 
 OUTDATED: dict[str, tuple[str, str]] = {
-    "processing.leg_before": ("lb", "the smoother starts from the settled filter [P-3]"),
+    "processing.leg_before": ("lb", "the smoother starts from the settled filter [P-3]")
 }
 """Inputs that files, links and commands of before may have, without effect: short name in links, and why."""
 

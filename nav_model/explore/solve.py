@@ -122,14 +122,7 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
     solutions = []
     for i, key in enumerate(keys):
         each = tuple(
-            Answer(
-                key,
-                name,
-                outcomes[i][j],
-                float(roots[i, j]) if outcomes[i][j] == "limited" else None,
-                None,
-                name,
-            )
+            Answer(key, name, outcomes[i][j], float(roots[i, j]) if outcomes[i][j] == "limited" else None, None, name)
             for j, name in enumerate(names)
         )
         if verify:

@@ -217,8 +217,7 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     for group in np.unique(groups, axis=0):
         rows = np.flatnonzero((groups == group).all(axis=1))
         design = _varied(
-            plan.design,
-            tuple(tuple(plan.axes[i].changes[k].items()) for i, k in zip(slow, group, strict=True)),
+            plan.design, tuple(tuple(plan.axes[i].changes[k].items()) for i, k in zip(slow, group, strict=True))
         )
         fast = {
             axis.key: np.array([axis.shown[k] for k in place[rows]], float)

@@ -73,8 +73,7 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
         )
     start = round(count * interval * rate) / rate
     aided = replace(
-        specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate),
-        record_from=start,
+        specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate), record_from=start
     )
     coast = round(coast_time / interval) * interval
     free = replace(aided, record_from=start, duration=of_aperture, outages=((start, of_aperture),))

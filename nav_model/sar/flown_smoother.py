@@ -73,12 +73,7 @@ class FlownSmoother:
         return added
 
 
-def flown_smoother(
-    spec: SimulationSpec,
-    fix_times: _FloatArray,
-    first: int,
-    end: int | None = None,
-) -> FlownSmoother:
+def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int, end: int | None = None) -> FlownSmoother:
     """Carry the covariance along the true path.
 
     Parameters

@@ -96,11 +96,7 @@ def read_phase_history(name: str, data: bytes) -> PhaseHistory:
 
 
 def simulate_phase_history(
-    geometry: ApertureGeometry,
-    time: ArrayLike,
-    frequency: ArrayLike,
-    targets: ArrayLike,
-    amplitudes: ArrayLike = 1.0,
+    geometry: ApertureGeometry, time: ArrayLike, frequency: ArrayLike, targets: ArrayLike, amplitudes: ArrayLike = 1.0
 ) -> PhaseHistory:
     """Phase history of point targets (m, 3) [m] about the scene centre, seen from a straight aperture.
 

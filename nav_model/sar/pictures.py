@@ -10,12 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget import Budget
 from nav_model.sar.design_case import design_case
-from nav_model.sar.image import (
-    back_project,
-    point_target_image,
-    pulse_errors,
-    read_phase_history,
-)
+from nav_model.sar.image import back_project, point_target_image, pulse_errors, read_phase_history
 from nav_model.sar.scene import scene_images
 
 _FloatArray = NDArray[np.float64]

@@ -136,11 +136,7 @@ class StrategyErrors:
 
 
 def quadratic_correction(
-    time: _FloatArray,
-    ins_position: _FloatArray,
-    fix_time: _FloatArray,
-    gnss_error: _FloatArray,
-    weight: float = 1.0,
+    time: _FloatArray, ins_position: _FloatArray, fix_time: _FloatArray, gnss_error: _FloatArray, weight: float = 1.0
 ) -> _FloatArray:
     """Strategies 5 and 5w: INS minus the quadratic fitted to INS - GNSS, its curvature times `weight`.
 

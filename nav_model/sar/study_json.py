@@ -39,10 +39,7 @@ def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
         "cell_length_m": sar.cell_length,
         "coast_before_aperture_s": budget.design.coast.before_aperture,
         "squint_rad": budget.design.radar.squint_angle,
-        "processing": {
-            "mode": budget.design.processing.mode,
-            "leg_after_s": budget.design.processing.leg_after,
-        },
+        "processing": {"mode": budget.design.processing.mode, "leg_after_s": budget.design.processing.leg_after},
         "autofocus_order": sar.autofocus_order,
         "window": sar.window,
         "fixes_in_aperture": study.fixes,

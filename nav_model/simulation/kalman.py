@@ -198,12 +198,7 @@ def _add_white_noise(covariance: FloatArray, f: FloatArray, dt: float, qa: float
 
 @kernel
 def update(
-    covariance: FloatArray,
-    row: FloatArray,
-    residual: float,
-    variance: float,
-    estimate: FloatArray,
-    work: FloatArray,
+    covariance: FloatArray, row: FloatArray, residual: float, variance: float, estimate: FloatArray, work: FloatArray
 ) -> float:
     """One scalar measurement, Joseph form; returns its share of the NIS.
 

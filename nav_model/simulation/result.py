@@ -152,11 +152,7 @@ def nees_consistency(mean: float, mean_square: float, runs: int, outputs: int, s
 
 
 def summarise(
-    spec: SimulationSpec,
-    total: Statistics,
-    nominal: RunRecord,
-    closed_form: ClosedForm | None,
-    wall_s: float,
+    spec: SimulationSpec, total: Statistics, nominal: RunRecord, closed_form: ClosedForm | None, wall_s: float
 ) -> SimulationResult:
     """The result from the summed runs; ValueError where the closed form's array has another shape."""
     schedule = plan(spec)

@@ -52,11 +52,7 @@ def _refuse(name: str, value: object, allowed: str) -> InputError:
 
 
 def _check(
-    owner: object,
-    *,
-    positive: tuple[str, ...] = (),
-    non_negative: tuple[str, ...] = (),
-    finite: tuple[str, ...] = (),
+    owner: object, *, positive: tuple[str, ...] = (), non_negative: tuple[str, ...] = (), finite: tuple[str, ...] = ()
 ) -> None:
     """Raise InputError naming the first field of `owner` that is not finite, or not positive where it must
     be."""
@@ -253,13 +249,7 @@ class FilterModel:
     def __post_init__(self) -> None:
         _check(
             self,
-            positive=(
-                "propagation_rate",
-                "process_noise_scale",
-                "gnss_noise_scale",
-                "bias_scale",
-                "initial_scale",
-            ),
+            positive=("propagation_rate", "process_noise_scale", "gnss_noise_scale", "bias_scale", "initial_scale"),
         )
         if self.states not in FILTER_STATES:
             raise _refuse("FilterModel.states", self.states, ", ".join(map(str, FILTER_STATES)))

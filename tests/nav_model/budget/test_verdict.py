@@ -60,11 +60,7 @@ def test_each_requirement_alone(name):
 def test_the_user_chooses_the_moment_of_the_cycle(moment):
     budget = analyse(
         BASE.replace(
-            {
-                "requirements.steady_state": moment,
-                "requirements.tilt": 0.1,
-                "requirements.vertical_position": 1.0,
-            }
+            {"requirements.steady_state": moment, "requirements.tilt": 0.1, "requirements.vertical_position": 1.0}
         )
     )
     sigmas = getattr(budget.steady_state, moment)

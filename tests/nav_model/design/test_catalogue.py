@@ -154,10 +154,7 @@ def test_names_are_found_whatever_the_case_and_others_refused_with_the_list():
         ('[[imu]]\nname = "a"\nrate = {value = "1 Hz", status = "sure", source = "s"}', "imu.a.rate"),
         ('[[imu]]\nname = "a"\nrate = {value = "1 Hz", status = "confirmed"}', "imu.a.rate"),
         ('[[imu]]\nname = "a"\nrate = {value = "1 m", status = "confirmed", source = "s"}', "imu.rate"),
-        (
-            '[[imu]]\nname = "a"\ngyro_bias = {value = "1 m", status = "confirmed", source = "s"}',
-            "imu.a.gyro_bias",
-        ),
+        ('[[imu]]\nname = "a"\ngyro_bias = {value = "1 m", status = "confirmed", source = "s"}', "imu.a.gyro_bias"),
     ],
 )
 def test_a_users_catalogue_is_refused_by_name_and_key(text, key):

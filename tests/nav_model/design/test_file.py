@@ -26,10 +26,7 @@ EXAMPLES = sorted((Path(nav_model.__file__).parent.parent / "examples").glob("*.
 @st.composite
 def designs(draw):
     """Any design at all, its values written in any of their units or as the reciprocal input."""
-    values = {
-        "name": draw(st.text(max_size=30)),
-        "description": draw(st.text(max_size=60)),
-    }
+    values = {"name": draw(st.text(max_size=30)), "description": draw(st.text(max_size=60))}
     written = {}
     for section, inputs in INPUTS.items():
         for name, declaration in inputs.items():
@@ -152,11 +149,7 @@ CHANGED = b'[imu]\npreset = "STIM300"\nangle_random_walk = "1 \xc2\xb0/\xe2\x88\
         (["imu.angle_random_walk=0.3 °/√h"], "imu.angle_random_walk", math.radians(0.3) / 60),
         (["imu.angle_random_walk = 0.3 deg/sqrt(h)"], "imu.angle_random_walk", math.radians(0.3) / 60),
         (["imu.preset=LN-200"], "imu.angle_random_walk", math.radians(0.07) / 60),
-        (
-            ["imu.preset=LN-200", "imu.angle_random_walk=0.2 °/√h"],
-            "imu.angle_random_walk",
-            math.radians(0.2) / 60,
-        ),
+        (["imu.preset=LN-200", "imu.angle_random_walk=0.2 °/√h"], "imu.angle_random_walk", math.radians(0.2) / 60),
         (["imu.angle_random_walk=0.2 °/√h", "imu.preset=LN-200"], "imu.angle_random_walk", None),
         (["gnss.interval=3 s"], "gnss.interval", 3.0),
         (["gnss.rate=4 Hz"], "gnss.interval", 0.25),

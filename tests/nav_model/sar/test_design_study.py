@@ -63,10 +63,7 @@ MORE = {
         coast__before_aperture=20.0,
     ),
     "velocity and slow": design(
-        radar__aperture_time=10.0,
-        radar__squint_angle=0.3,
-        gnss__velocity_noise=0.03,
-        **SLOW,
+        radar__aperture_time=10.0, radar__squint_angle=0.3, gnss__velocity_noise=0.03, **SLOW
     ),
 }
 

@@ -22,8 +22,7 @@ from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 SHARED = Path(__file__).parents[3].parent / "shared" / "data"
 COLLECTION = [SHARED / f"sar_gotcha_pass1_az00{k}_HH.npz" for k in (1, 2)]
 real_data = pytest.mark.skipif(
-    not all(path.exists() for path in COLLECTION),
-    reason="../shared/data (public X-band collection) is absent",
+    not all(path.exists() for path in COLLECTION), reason="../shared/data (public X-band collection) is absent"
 )
 
 GEOMETRY = ApertureGeometry(6000.0, 100.0, 0.6)
@@ -224,14 +223,7 @@ def test_a_quadratic_error_widens_the_strongest_scatterer_as_predicted(
 def fields():
     history = simulate_phase_history(GEOMETRY, TIME[:20], FREQUENCY[:16], [[0.0, 0.0, 0.0]])
     x, y, z = history.position.T
-    return {
-        "fp": history.samples,
-        "freq": history.frequency,
-        "x": x,
-        "y": y,
-        "z": z,
-        "r0": history.reference_range,
-    }
+    return {"fp": history.samples, "freq": history.frequency, "x": x, "y": y, "z": z, "r0": history.reference_range}
 
 
 def packed(fields):

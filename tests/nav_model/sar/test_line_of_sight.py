@@ -8,11 +8,7 @@ from hypothesis import strategies as st
 
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.sar.decomposition import autofocus, decompose
-from nav_model.sar.line_of_sight import (
-    ApertureGeometry,
-    range_error,
-    ranges_to_target,
-)
+from nav_model.sar.line_of_sight import ApertureGeometry, range_error, ranges_to_target
 
 WAVELENGTH = 0.03
 TIME = np.linspace(0, 5, 501)

@@ -21,11 +21,7 @@ from nav_model.sar.strategies import (
     quadratic_correction,
     tracking_filter,
 )
-from nav_model.sar.strategy_forms import (
-    fit_quadratic_sigma,
-    ins_variances,
-    shrunk_residual_variance,
-)
+from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_residual_variance
 
 pytestmark = pytest.mark.long
 

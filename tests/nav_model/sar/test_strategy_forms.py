@@ -7,12 +7,7 @@ from hypothesis import strategies as st
 from quadratic_forms import beyond_quadratic_variance, exact_corrected_variance, fit_noise_variance
 from scipy.integrate import dblquad
 
-from nav_model.sar.strategy_forms import (
-    fit_quadratic_sigma,
-    ins_variances,
-    shrunk_residual_variance,
-    shrunk_weight,
-)
+from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_residual_variance, shrunk_weight
 
 G = 9.80665
 SA, SW = 0.05 / 60, np.radians(0.5) / 60
@@ -120,8 +115,7 @@ def test_the_printed_fit_noise():
 
 
 @pytest.mark.parametrize(
-    ("fixes", "both_ends", "after_start"),
-    [(3, 1.05, 3.6), (6, 1.09, 1.4), (11, 1.04, 1.1), (21, 1.011, 1.03)],
+    ("fixes", "both_ends", "after_start"), [(3, 1.05, 3.6), (6, 1.09, 1.4), (11, 1.04, 1.1), (21, 1.011, 1.03)]
 )
 def test_where_the_continuous_fit_stops_holding(fixes, both_ends, after_start):
     """[T-16]'s inertial part against the fit at the fixes, which depends on where the fixes are."""

@@ -10,18 +10,8 @@ from scipy.optimize import brentq
 from nav_model.analytic.discrete import cycle
 from nav_model.analytic.steady_state import Horizontal
 from nav_model.sar.advice import advise
-from nav_model.sar.strategy_forms import (
-    fit_quadratic_sigma,
-    ins_variances,
-    shrunk_residual_variance,
-)
-from nav_model.sar.winners import (
-    Conditions,
-    break_even_aperture,
-    map_of_winners,
-    strategy_variances,
-    whole_variances,
-)
+from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_residual_variance
+from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners, strategy_variances, whole_variances
 
 SA, SW = 0.05 / 60, np.radians(0.5) / 60
 G = 9.80665

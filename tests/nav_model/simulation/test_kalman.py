@@ -107,11 +107,7 @@ def test_error_dynamics_match_finite_differences_of_the_mechanisation():
         lat, height = position[0], position[2]
         radius = 6378137.0 / math.sqrt(1 - 0.00669437999014 * math.sin(lat) ** 2)
         meridian = radius * (1 - 0.00669437999014) / (1 - 0.00669437999014 * math.sin(lat) ** 2)
-        position += [
-            error[0] / (meridian + height),
-            error[1] / ((radius + height) * math.cos(lat)),
-            -error[2],
-        ]
+        position += [error[0] / (meridian + height), error[1] / ((radius + height) * math.cos(lat)), -error[2]]
         skew = np.array([[0, -error[8], error[7]], [error[8], 0, -error[6]], [-error[7], error[6], 0]])
         matrix = expm(-skew) @ truth.matrix[0]
         found = navigate(initial_state(position, velocity, matrix), increments[: steps + 2], 100.0)[-1] - base[-1]
@@ -202,10 +198,7 @@ def test_the_propagation_rate_does_not_change_the_answer(paper_imu):
     sigmas = [
         fly_without_errors(
             SimulationSpec(
-                paper_imu,
-                filter=FilterModel(propagation_rate=rate),
-                duration=200.0,
-                outages=((150.0, 200.0),),
+                paper_imu, filter=FilterModel(propagation_rate=rate), duration=200.0, outages=((150.0, 200.0),)
             )
         ).filter_sigma[:, -1]
         for rate in (10.0, 100.0)

@@ -11,13 +11,7 @@ import pytest
 from nav_model.base.errors import InputError
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly, fly_without_errors
-from nav_model.simulation.specification import (
-    FilterModel,
-    GnssModel,
-    InitialErrors,
-    SimulationSpec,
-    TrajectorySpec,
-)
+from nav_model.simulation.specification import FilterModel, GnssModel, InitialErrors, SimulationSpec, TrajectorySpec
 
 
 @pytest.fixture
