@@ -16,9 +16,8 @@ def project_pulses(
     wavenumber: float,
     x: NDArray[np.float64],
     y: NDArray[np.float64],
-    z: float,
 ) -> NDArray[np.complex128]:
-    """Sum over pulses of profile(R - r0) exp(j wavenumber (R - r0)) at each pixel, linear between bins.
+    """Sum over pulses of profile(R - r0) exp(j wavenumber (R - r0)) at each pixel (z = 0), linear between bins.
 
     ``profiles`` (P, bins) with range offset zero in bin bins // 2; ``position`` (P, 3).
     Image (len(y), len(x)).
@@ -29,7 +28,7 @@ def project_pulses(
     for p in range(profiles.shape[0]):
         px, py, pz = position[p, 0], position[p, 1], position[p, 2]
         for i in range(len(y)):
-            flat = (y[i] - py) ** 2 + (z - pz) ** 2
+            flat = (y[i] - py) ** 2 + pz**2
             for j in range(len(x)):
                 offset = np.sqrt((x[j] - px) ** 2 + flat) - reference_range[p]
                 place = offset / bin_size + centre

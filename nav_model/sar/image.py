@@ -117,15 +117,13 @@ def back_project(
     history: PhaseHistory,
     x: ArrayLike,
     y: ArrayLike,
-    z: float = 0.0,
     range_error: ArrayLike = 0.0,
-    position_error: ArrayLike = 0.0,
     window: Window | Taper = "uniform",
 ) -> _ComplexArray:
-    """Complex image (len(y), len(x)) on the plane z, mean over pulses and frequencies: amplitude 1 stays 1.
+    """Complex image (len(y), len(x)) on the plane z = 0, mean over pulses and frequencies: amplitude 1 stays 1.
 
-    ``range_error`` (P,) [m] is added to the range assumed for every pixel; ``position_error`` (P, 3) [m]
-    moves the assumed antenna. ``window`` weights both the pulses and the frequencies.
+    ``range_error`` (P,) [m] is added to the range assumed for every pixel. ``window`` weights both the pulses and
+    the frequencies.
     A pulse adds nothing to pixels farther than half the unambiguous range from its reference.
     """
     from nav_model.sar.back_projection import project_pulses
@@ -144,13 +142,12 @@ def back_project(
     profiles = np.fft.fftshift(np.fft.ifft(padded, axis=1), axes=1) * bins
     image = project_pulses(
         profiles,
-        np.ascontiguousarray(history.position + np.asarray(position_error, float)),
+        np.ascontiguousarray(history.position, float),
         history.reference_range - np.broadcast_to(np.asarray(range_error, float), (pulses,)),
         history.unambiguous_range / bins,
         4 * np.pi * float(history.frequency[middle]) / SPEED_OF_LIGHT,
         np.ascontiguousarray(x, float),
         np.ascontiguousarray(y, float),
-        float(z),
     )
     return np.asarray(image)
 

@@ -9,10 +9,11 @@ alone and they are merged in order, so the result is the same to the last bit wh
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import Executor, Future
 from concurrent.futures.process import BrokenProcessPool
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,19 +26,7 @@ from nav_model.simulation.statistics import Statistics
 
 FloatArray = NDArray[np.float64]
 SAMPLES_PER_CHUNK: Final = 1_500_000
-"""About half a second of work: short enough to cancel at once, long enough that passing it on costs
-nothing."""
-
-
-class Flag(Protocol):
-    """Anything with `is_set`, such as `threading.Event`."""
-
-    def is_set(self) -> bool:
-        """True once the study should stop."""
-
-
-class SimulationCancelled(Exception):
-    """The study was cancelled before its last run."""
+"""About half a second of work: short enough to cancel at once, long enough that passing it on costs nothing."""
 
 
 def chunks(spec: SimulationSpec) -> list[tuple[int, int]]:
@@ -61,41 +50,21 @@ def local_pool(workers: int) -> Executor:
     return worker_pool(workers)
 
 
-def _here(spec: SimulationSpec, scale: FloatArray, cancel: Flag | None) -> Iterator[Statistics]:
-    for start, stop in chunks(spec):
-        if cancel is not None and cancel.is_set():
-            raise SimulationCancelled
-        yield run_chunk(spec, scale, start, stop)
-
-
-def _in_pool(
-    spec: SimulationSpec, scale: FloatArray, cancel: Flag | None, pool: Executor, in_flight: int
-) -> Iterator[Statistics]:
-    """Chunks in run order. At most `in_flight` are out or waiting for an earlier one, so memory stays
-    flat."""
-    pieces = chunks(spec)
-    pending: dict[Future[Statistics], int] = {}
-    arrived: dict[int, Statistics] = {}
-    sent = wanted = 0
+def _in_pool(spec: SimulationSpec, scale: FloatArray, pool: Executor, in_flight: int) -> Iterator[Statistics]:
+    """Chunks in run order. At most `in_flight` are out or waiting for an earlier one, so memory stays flat."""
+    waiting = deque(chunks(spec))
+    flying: deque[Future[Statistics]] = deque()
     try:
-        while wanted < len(pieces):
-            while sent < len(pieces) and sent - wanted < in_flight:
-                pending[pool.submit(run_chunk, spec, scale, *pieces[sent])] = sent
-                sent += 1
-            done, _ = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
-            if cancel is not None and cancel.is_set():
-                raise SimulationCancelled
-            for future in done:
-                arrived[pending.pop(future)] = future.result()
-            while wanted in arrived:
-                yield arrived.pop(wanted)
-                wanted += 1
+        while waiting or flying:
+            while waiting and len(flying) < in_flight:
+                flying.append(pool.submit(run_chunk, spec, scale, *waiting.popleft()))
+            yield flying.popleft().result()
     except BrokenProcessPool as error:
         raise RuntimeError(
             "a worker process ended before its runs were done; the system may be short of memory"
         ) from error
     finally:
-        for future in pending:
+        for future in flying:
             future.cancel()
 
 
@@ -106,17 +75,14 @@ def simulate(
     pool: Executor | None = None,
     closed_form: ClosedForm | None = None,
     progress: Callable[[int, int], None] | None = None,
-    cancel: Flag | None = None,
 ) -> SimulationResult:
     """Fly every run of `spec` and compare with the filter and, where given, with the closed form.
 
     workers: 1 flies in this thread; more start as many processes for this study, unless a `pool` is given,
     which is used and left open (`workers` is then how many it has). progress: called in this thread with runs
-    done and runs in all. cancel: looked at between chunks, ten times a second with a pool; runs already
-    flying end by themselves.
+    done and runs in all.
 
-    Raises SimulationCancelled; ValueError for a study that cannot be flown; RuntimeError where a worker
-    process dies.
+    Raises ValueError for a study that cannot be flown, RuntimeError where a worker process dies.
     """
     began = time.perf_counter()
     if workers < 1:
@@ -127,8 +93,8 @@ def simulate(
     own_pool = local_pool(workers) if pool is None and workers > 1 else None
     chosen = pool or own_pool
     try:
-        parts = _here(spec, scale, cancel) if chosen is None else _in_pool(spec, scale, cancel, chosen, 2 * workers)
-        for part in parts:
+        here = (run_chunk(spec, scale, *piece) for piece in chunks(spec))
+        for part in here if chosen is None else _in_pool(spec, scale, chosen, 2 * workers):
             total.merge(part)
             if progress is not None:
                 progress(total.runs, spec.runs)

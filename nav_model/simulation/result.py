@@ -266,8 +266,7 @@ def to_arrays(result: SimulationResult) -> dict[str, FloatArray]:
 
 
 def to_csv(result: SimulationResult) -> str:
-    """One row per time: rms, filter and closed-form sigma of the nine states after the fix, and the mean
-    NEES."""
+    """One row per time: rms, filter and closed-form sigma of the nine states after the fix, and the mean NEES."""
     columns: list[tuple[str, FloatArray]] = [("time_s", result.time_s), ("nees", result.nees_curve)]
     for column, (group, axis, unit) in enumerate(STATES):
         name = f"{group}_{axis}"

@@ -64,8 +64,7 @@ def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generato
 
 @part
 def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray) -> None:
-    """Reported increment (3) of one sample from the true one (3); advances the moving biases by the
-    sample."""
+    """Reported increment (3) of one sample from the true one (3); advances the moving biases by the sample."""
     for i in range(3):
         value = true[i]
         if triad.distorted:

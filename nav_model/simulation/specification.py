@@ -54,8 +54,7 @@ def _refuse(name: str, value: object, allowed: str) -> InputError:
 def _check(
     owner: object, *, positive: tuple[str, ...] = (), non_negative: tuple[str, ...] = (), finite: tuple[str, ...] = ()
 ) -> None:
-    """Raise InputError naming the first field of `owner` that is not finite, or not positive where it must
-    be."""
+    """Raise InputError naming the first field of `owner` that is not finite, or not positive where it must be."""
     for names, lowest, allowed in (
         (positive, math.ulp(0.0), "positive and finite"),
         (non_negative, 0.0, "zero or positive, and finite"),
@@ -98,8 +97,7 @@ class TriadModel:
 
 @dataclass(frozen=True)
 class ImuModel:
-    """An inertial measurement unit; `vibration_factor` multiplies both random walks (in motion over
-    bench)."""
+    """An inertial measurement unit; `vibration_factor` multiplies both random walks (in motion over bench)."""
 
     gyro: TriadModel
     accelerometer: TriadModel
@@ -212,8 +210,7 @@ class TrajectorySpec:
 
 @dataclass(frozen=True)
 class InitialErrors:
-    """Sigma of the INS's errors at time 0, per axis; each run draws its own, the filter starts from the
-    same."""
+    """Sigma of the INS's errors at time 0, per axis; each run draws its own, the filter starts from the same."""
 
     position: float = 1.0
     velocity: float = 0.1

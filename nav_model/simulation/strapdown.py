@@ -39,8 +39,7 @@ FloatArray = NDArray[np.float64]
 
 @part
 def _product(weight: float, early: FloatArray, late: FloatArray, correction: FloatArray) -> None:
-    """Add `weight` times one pair's coning (angle x angle) and sculling (both mixed products) to
-    `correction`."""
+    """Add `weight` times one pair's coning (angle x angle) and sculling (both mixed products) to `correction`."""
     ux, uy, uz, bx, by, bz = early[0], early[1], early[2], early[3], early[4], early[5]
     vx, vy, vz, ax, ay, az = late[0], late[1], late[2], late[3], late[4], late[5]
     correction[0] += weight * (by * vz - bz * vy + uy * az - uz * ay)

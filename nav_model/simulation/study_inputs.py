@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.base.errors import InputError
@@ -164,7 +164,6 @@ STUDY_KEYS: Final[Mapping[str, BaseQuantity[Any]]] = {
 
 SECTIONS: Final = tuple(part.section for part in STUDY_PARTS)
 
-_Model = TypeVar("_Model", bound=Any)
 _RENAMED: Final[Mapping[str, str]] = {"quantization": "quantisation"}
 
 

@@ -104,8 +104,7 @@ def turbulence(time_s: FloatArray, rms: float, shortest_s: float, longest_s: flo
 
 @dataclass(frozen=True)
 class _Plan:
-    """A flight before it is laid on the Earth: heading [rad], ground speed, climb [m/s], height, roll,
-    pitch."""
+    """A flight before it is laid on the Earth: heading [rad], ground speed, climb [m/s], height, roll, pitch."""
 
     heading: FloatArray
     ground_speed: FloatArray
@@ -137,8 +136,7 @@ def _turns(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
 
 
 def _climb(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
-    """Level, a climb of `climb_height` centred on half way, level; the speed along the path stays
-    constant."""
+    """Level, a climb of `climb_height` centred on half way, level; the speed along the path stays constant."""
     entry = 6.0
     length = spec.climb_height / spec.climb_rate
     start = 0.5 * duration - 0.5 * (length + entry)
@@ -160,8 +158,7 @@ _PLANS: dict[str, Callable[[TrajectorySpec, FloatArray, float], _Plan]] = {
 def _lay_on_earth(
     spec: TrajectorySpec, t: FloatArray, north_rate: FloatArray, east_rate: FloatArray, height: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Latitude and longitude of a path given by its ground velocity; passes (latitude0, longitude0) at t =
-    0."""
+    """Latitude and longitude of a path given by its ground velocity; passes (latitude0, longitude0) at t = 0."""
     step = float(t[1] - t[0])
     start = int(np.argmin(np.abs(t)))
     latitude = np.full_like(t, spec.latitude)

@@ -113,8 +113,7 @@ def _force_and_rate_at(
 
 
 def specific_force_and_rate(trajectory: Trajectory, time_s: FloatArray) -> FloatArray:
-    """Specific force [m/s^2] and inertial angular rate [rad/s] in body axes at increasing times, shape (n,
-    6)."""
+    """Specific force [m/s^2] and inertial angular rate [rad/s] in body axes at increasing times, shape (n, 6)."""
     return _summed(trajectory, np.array(time_s, dtype=np.float64)[:, None], 1.0)
 
 

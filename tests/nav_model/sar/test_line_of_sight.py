@@ -82,11 +82,6 @@ def test_the_variance_at_broadside_is_s1():
     assert np.var(sample) == pytest.approx(level * 0.09 + upright * 0.01, rel=0.03)
 
 
-def test_histories_broadcast_over_runs():
-    geometry = ApertureGeometry(10e3, 100.0, 0.6)
-    assert range_error(geometry, TIME, across=np.ones((9, 4, 501))).shape == (9, 4, 501)
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

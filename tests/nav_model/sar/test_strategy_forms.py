@@ -195,8 +195,3 @@ def test_the_source_papers_gain_needs_thirteen_centimetres():
     """sar.md: 30 cm to 6 cm (largest error, two thirds of the QPE) at T = 20 s needs 0.13 m of GNSS noise."""
     needed = 0.06 / (2 / 3 * fit_quadratic_sigma(1.0, 1.0, 20.0, 21))
     assert needed == pytest.approx(0.13, abs=0.01)
-
-
-def test_too_few_fixes_are_refused():
-    with pytest.raises(ValueError, match="at least 3"):
-        exact_corrected_variance(10.0, SA, SW, 1.0, [0.0, 10.0])

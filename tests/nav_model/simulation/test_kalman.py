@@ -77,8 +77,7 @@ def test_biases_decay_and_are_driven():
 
 @pytest.mark.long
 def test_error_dynamics_match_finite_differences_of_the_mechanisation():
-    """Two INSs, one with a small error put in, over 20 s of a turn: the error must follow the linear
-    model."""
+    """Two INSs, one with a small error put in, over 20 s of a turn: the error must follow the linear model."""
     spec = TrajectorySpec("turns", speed=120.0, heading=0.4)
     trajectory = plan_trajectory(spec, 300.0)
     increments = perfect_increments(spec, 300.0, 100.0)
@@ -208,8 +207,7 @@ def test_the_propagation_rate_does_not_change_the_answer(paper_imu):
 
 @pytest.mark.slow
 def test_the_covariance_stays_positive_definite_for_hours(make_imu):
-    """Four hours of centimetre fixes with a tactical IMU and an outage: NEES is NaN as soon as Cholesky
-    fails."""
+    """Four hours of centimetre fixes with a tactical IMU and an outage: NEES is NaN as soon as Cholesky fails."""
     spec = SimulationSpec(
         make_imu(0.01, 0.005, gyro=0.1, accelerometer=0.02),
         GnssModel(position_noise=0.01, velocity_noise=0.01),

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nav_model.base.errors import InputError
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly, fly_without_errors
 from nav_model.simulation.specification import FilterModel, GnssModel, InitialErrors, SimulationSpec, TrajectorySpec
@@ -101,25 +100,3 @@ def test_gauss_markov_fix_noise_has_its_sigma_and_correlation_time(make_imu):
     # 3900 s are 195 independent values (2 tau apart) per axis.
     assert np.var(error) == pytest.approx(1.0, rel=4 * math.sqrt(2 / 585))
     assert np.mean(error[10:] * error[:-10]) / np.var(error) == pytest.approx(math.exp(-1.0), abs=0.15)
-
-
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
-        ({"runs": 0}, "runs"),
-        ({"seed": -1}, "seed"),
-        ({"duration": math.nan}, "duration"),
-        ({"outages": ((5.0, 2.0),)}, "outage"),
-        ({"outages": ((5.0, 20.0), (10.0, 30.0))}, "outage"),
-        ({"every": 1000.0}, "every"),
-        ({"every": 0.001}, "every"),
-        ({"gnss": GnssModel(interval=0.001)}, "gnss.interval"),
-    ],
-)
-def test_studies_that_cannot_be_flown_are_refused(paper, change, named):
-    with pytest.raises(InputError, match="cannot be simulated; must be") as caught:
-        replace(paper, **change)
-    assert caught.value.key == named
-    with pytest.raises(InputError, match="states: 12 cannot") as caught:
-        FilterModel(states=12)
-    assert caught.value.value == 12
