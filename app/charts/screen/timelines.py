@@ -227,7 +227,8 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
     ends.sort(key=lambda end: (end[0], -end[1]))
     offsets = [-4.0] * len(ends)
     for i, (upper, lower) in enumerate(pairwise(ends), 1):
-        if upper[0] == lower[0] and _place(chart, upper[1]) - _place(chart, lower[1]) < _NEAR * (high - low):
+        near = _NEAR if offsets[i - 1] < 0 else 2 * _NEAR  # a name below its curve is nearer to the next one
+        if upper[0] == lower[0] and _place(chart, upper[1]) - _place(chart, lower[1]) < near * (high - low):
             offsets[i] = 17.0 + _HEIGHT * min(_fall(chart, lower[2]) / (high - low), _NEAR)
     rows: list[tuple[Any, ...]] = [
         (x, y, line.end or line.label, behind_text(STYLES[line.style].colour), offset, -2.0, 0.0, "right")
@@ -270,7 +271,9 @@ def _nice_range(chart: Chart, other: Chart | None) -> _Range:
     if not chart.y_log:
         return min(low, 0.0), _step(high * 1.05 or 1.0, up=True)
     low = max(low, high * 1e-5)  # a growth that starts at zero would take all the room
-    return _step(low / 1.15, up=False), _step(high * max(1.3, (high / low) ** 0.13), up=True)  # room for a label
+    room = (high / low) ** 0.13  # for a name: above the highest curve, of many curves also below the lowest
+    many = sum(bool(np.isfinite(line.y[-1])) for line in chart.lines) > 2
+    return _step(low / (max(1.15, room) if many else 1.15), up=False), _step(high * max(1.3, room), up=True)
 
 
 def _step(value: float, *, up: bool) -> float:
