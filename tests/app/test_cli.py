@@ -191,25 +191,6 @@ def test_a_wrong_command_line_is_one_line_and_exit_2(capsys, arguments):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "key"),
-    [
-        (["--times", "a"], "times"), (["--times", ""], "times"), (["--times", "1,,2"], "times"),
-        (["--times", "-1"], "times"), (["--times", "nan"], "times"), (["--times", "1e9"], "times"),
-        (["--set", "imu.bogus=1"], "imu.bogus"), (["--set", "imu.rate=1 m"], "imu.rate"),
-        (["--set", "bogus=1"], "bogus"), (["--set", "name=\udcff"], "name"),
-        (["--set", "imu.preset=Nokia"], "imu.preset"),
-        (["--set", "imu.vibration_factor=nan"], "imu.vibration_factor"),
-    ],
-)  # fmt: skip
-def test_a_wrong_option_names_its_key(capsys, arguments, key):
-    assert main(["evaluate", MEMS, *arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert key in err
-
-
-@pytest.mark.parametrize(
     ("arguments", "blamed"),
     [
         ([MEMS, "--set", "gnss.position_noise"], "gnss.position_noise"),

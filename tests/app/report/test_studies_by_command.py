@@ -33,23 +33,6 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     assert "SAR: 20 of 20 runs" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--with", "weather"], "--with: 'weather' is not a study; simulation, sar, suborbital"),
-        (["--with", "sar", "--runs", "3"], "--runs: 3 is not allowed. Enter 20"),
-        (["--with", "sar", "--seed", "-1"], "--seed: -1"),
-        (["--with", "simulation", "--outage", "then"], "--outage: 'then'"),
-    ],
-)
-def test_what_the_command_cannot_do_is_refused_in_one_line_and_writes_nothing(tmp_path, capsys, arguments, said):
-    target = tmp_path / "r.pdf"
-    assert cli.main(["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), *arguments]) == 2
-    lines = capsys.readouterr().err.strip().splitlines()
-    assert said in lines[-1]
-    assert not target.exists()
-
-
 def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(monkeypatch):
     design = read_design(EXAMPLES / "mems_x_band.toml")
     asked: list[argparse.Namespace] = []

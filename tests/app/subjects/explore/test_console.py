@@ -41,21 +41,3 @@ def test_own_sensors(tmp_path, capsys):
     )
     assert main(["explore", "search", DESIGN, "--imus", str(own)]) == 0
     assert "Ours" in {row["imu"] for row in json.loads(capsys.readouterr().out)["candidates"]}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["explore", "rank", DESIGN, "--result", "weight"], "Choose "),
-        (["explore", "map", DESIGN, "--x", "imu.rate"], "cannot be an axis"),
-        (["explore", "uncertainty", DESIGN], "No input is uncertain"),
-        (["explore", "uncertainty", DESIGN, "--vary", "nonsense"], "not a range"),
-        (["explore", "search", DESIGN, "--imus", "/nowhere.toml"], "cannot be read"),
-        (["sweep", "/nowhere.toml", "-o", "x.csv"], "cannot be read"),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_2(arguments, message, capsys):
-    assert main(arguments) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert said.count("\n") == 1

@@ -296,24 +296,6 @@ def test_sar_command_writes_the_study(tmp_path: Any, capsys: pytest.CaptureFixtu
     assert json.loads(capsys.readouterr().out) == data
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--runs", "5"], "runs: 5"),
-        (["--seed", "-1"], "--seed"),
-        (["--set", "radar.squint_angle=70°"], "radar.squint_angle"),
-        (["--set", "radar.grazing_angle=90°"], "radar.grazing_angle"),
-        (["-o", "/nonexistent/x.json", "--runs", "20"], "/nonexistent"),
-        (["--engine", "simulator", "--workers", "0"], "--workers"),
-    ],
-)
-def test_sar_command_refuses_in_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], said: str) -> None:
-    assert main(["sar", MEMS, *arguments]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-
-
 def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPage, session: Session) -> None:
     session.change({"radar.aperture_time": 3.0})
     sar.engine = "simulator"

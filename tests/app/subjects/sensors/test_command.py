@@ -80,28 +80,6 @@ def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureF
     assert "as white noise" in data["qualification"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["nowhere.csv"], "nowhere.csv: cannot be read: No such file or directory"),
-        (["{log}"], "rate: The file does not give the rate. Enter for example 100 Hz"),
-        (["{log}", "--rate", "-1"], "rate of -1 Hz"),
-        (["{log}", "--rate", "100", "--gyro-unit", "furlong"], "'furlong'"),
-        (["{log}", "--rate", "100", "--columns", "gyro_x,gyro_y"], "2 column names are given, but the file has 6"),
-        (["{log}", "--rate", "100", "--arrays", "gyro"], "arrays: 'gyro' is not an assignment"),
-        (["{log}", "--rate", "100", "--motion", "--bench-arw", "3"], "--bench-arw: '3' has no unit"),
-        (["{log}", "--rate", "10", "--motion"], "band_from_hz"),
-    ],
-)
-def test_refusals_are_one_line(log: Path, arguments: list[str], complaint: str, capsys: pytest.CaptureFixture[str]):
-    assert main(["allan", *(text.format(log=log) for text in arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    (line,) = (line for line in err.splitlines() if line.startswith("navbudget: "))
-    assert complaint in line
-    assert err.splitlines()[-1] == line
-
-
 def test_standard_input_and_its_bad_row(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     class Standard:
         buffer = io.BytesIO(f"{HEADER}\n1,2,3,4,5,6\n1,2,nan,4,5,6\n".encode())
@@ -109,10 +87,3 @@ def test_standard_input_and_its_bad_row(monkeypatch: pytest.MonkeyPatch, capsys:
     monkeypatch.setattr("sys.stdin", Standard)
     assert main(["allan", "-", "--rate", "100"]) == 2
     assert "navbudget: standard input: line 3, column 3: 'nan'" in capsys.readouterr().err
-
-
-def test_bench_noise_without_motion_is_refused(log: Path, capsys: pytest.CaptureFixture[str]):
-    with pytest.raises(SystemExit) as exit_:
-        main(["allan", str(log), "--rate", "100", "--bench-arw", "0.3 °/√h"])
-    assert exit_.value.code == 2
-    assert "--motion" in capsys.readouterr().err

@@ -102,38 +102,6 @@ def test_what_is_added_to_the_design_is_flown_and_said(capsys) -> None:
     assert all(f"{key} " in listed for key in STUDY_KEYS)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "key"),
-    [
-        (["--runs", "0"], "--runs"),
-        (["--seed", "-1"], "--seed"),
-        (["--workers", "0"], "--workers"),
-        (["--duration", "nan"], "--duration"),
-        (["--duration", "-5"], "--duration"),
-        (["--every", "0"], "--every"),
-        (["--outage", "a,b"], "--outage"),
-        (["--outage", "5"], "--outage"),
-        (["--outage", "20,10"], "--outage"),
-        (["--outage", "25,35"], "--outage"),  # overlaps 30,40
-        (["--trajectory", "loop"], "--trajectory"),
-        (["--trajectory", MEMS], "--trajectory"),
-        (["--trajectory", "turns"], "--duration"),  # too short for the turns
-        (["--set", "imu.rate=2 Hz"], "imu.rate"),
-        (["--set", "gyro.bias_instability=5 mg"], "gyro.bias_instability"),
-        (["--set", "gyro.drift=5 °/h"], "gyro.drift"),
-        (["--set", "flight.latitude=89°"], "flight.latitude"),
-        (["-o", "result.txt"], "-o"),
-        (["-o", "/nowhere/result.json"], "-o"),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_2(capsys, arguments, key) -> None:
-    assert _simulate(*arguments) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert err.startswith(f"navbudget: {key}: ")
-
-
 def test_a_scheduler_that_is_not_there_is_one_line(capsys, monkeypatch) -> None:
     from nav_model.simulation import cluster
 

@@ -113,26 +113,6 @@ def test_a_wrong_study_file_is_one_line_and_exit_2(tmp_path: Path) -> None:
     assert "no DESIGN is given but a study" in error
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--latency", "5 kg"], "tracker.latency: 'kg' is not a unit of time"),
-        (["--set", "nonsense=3"], "nonsense: is not an input"),
-        (["--set", "imu.gyro_bias=3 °/h"], "no DESIGN is given"),
-        (["--trajectory", "/no/such.csv"], "/no/such.csv: cannot be read"),
-        (["/no/such.toml"], "/no/such.toml: cannot be read"),
-        (["--noise-runs", "-1"], "--noise-runs"),
-        (["--method", "guess"], "camera.method"),
-        (["--set", "flight.duration=5000 s", "flight.initial_thrust=15 m/s²"], "reaches the ground"),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_2(arguments: list[str], said: str) -> None:
-    code, answer, error = run(*arguments)
-    assert code == 2
-    assert answer == {}
-    assert said in error.splitlines()[-1]
-
-
 def test_inputs_are_listed() -> None:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
