@@ -11,11 +11,12 @@ import panel as pn
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.ui.html_pane import html_pane
+from app.ui.view import View
 
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 
 
-class AnswerStrip(pn.viewable.Viewer):
+class AnswerStrip(View):
     """An `Answer` in one line, with controls at its right end.
 
     Parameters
@@ -35,9 +36,6 @@ class AnswerStrip(pn.viewable.Viewer):
         super().__init__()
         self._text = html_pane(_said(answer, ""), margin=0)
         self._view = pn.Row(self._text, *controls, css_classes=[answer.tone], stylesheets=[_SHEET])
-
-    def __panel__(self) -> pn.Row:
-        return self._view
 
     def show(self, answer: Answer, note: str = "") -> None:
         """Show another answer; ``note`` is a warning before its reasons."""

@@ -8,8 +8,10 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from app.ui.view import View
 
-class Folded(pn.viewable.Viewer):
+
+class Folded(View):
     """Titled parts that unfold.
 
     Parameters
@@ -37,9 +39,6 @@ class Folded(pn.viewable.Viewer):
             margin=(8, 10),
         )
         self._view.param.watch(self._opened, "active")
-
-    def __panel__(self) -> pmui.Accordion:
-        return self._view
 
     def open(self, title: str) -> None:
         """Unfold the part of this title."""

@@ -10,9 +10,10 @@ import panel_material_ui as pmui
 import param
 
 from app.ui.theme import NARROW, PRINT_NOTHING, SWITCH
+from app.ui.view import View
 
 
-class NamedViews(pn.viewable.Viewer):
+class NamedViews(View):
     """A switch between views, each made when it is first chosen.
 
     Each name of the switch is a button that says whether it is pressed: Tab goes from one to the next.
@@ -50,9 +51,6 @@ class NamedViews(pn.viewable.Viewer):
             stylesheets=[NARROW],
         )
         self._show()
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     @param.depends("chosen", watch=True)
     def _show(self) -> None:

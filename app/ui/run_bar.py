@@ -12,12 +12,13 @@ import param
 
 from app.declared import held
 from app.ui.html_pane import html_pane
+from app.ui.view import View
 from app.work.run import Progress, Run
 
 _LOOK: dict[str, Any] = {"margin": (8, 6)}
 
 
-class RunBar(pn.viewable.Viewer):
+class RunBar(View):
     """Buttons and progress of one `Run`; `start` is called when the person presses its button.
 
     fields: what the person chooses before a start, in front of the button.
@@ -45,9 +46,6 @@ class RunBar(pn.viewable.Viewer):
             *fields, self.start, self.cancel, pn.Column(self.state, styles={"flex": "1 1 180px", "min-width": "0"}),
             align_items="center", margin=(0, 4),
         )  # fmt: skip
-
-    def __panel__(self) -> pn.FlexBox:
-        return self._view
 
     @param.depends("run.running", "run.progress", "run.message", watch=True)
     def _follow(self) -> None:

@@ -39,6 +39,7 @@ from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.turns import once_loaded, once_quiet
 from app.ui.verdict_switch import VerdictSwitch
+from app.ui.view import View
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -54,7 +55,7 @@ _OVER = {
 """Of what opens over the page: the charts keep their size."""
 
 
-class BudgetPage(pn.viewable.Viewer):
+class BudgetPage(View):
     """Everything below the bar.
 
     The first screen fills the window; its figures come just after it. What is folded below is made when it is opened.
@@ -119,9 +120,6 @@ class BudgetPage(pn.viewable.Viewer):
         once_loaded(lambda: lines.extend(figures))
         once_loaded(lambda: response.append(self._response.view))
         once_loaded(lambda: self._view.append(self._folded()))
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     @property
     def _compared_budget(self) -> Budget | None:

@@ -26,6 +26,7 @@ from app.ui.first_screen import screen_of_views
 from app.ui.named_views import NamedViews
 from app.ui.study_settings import StudySettings
 from app.ui.turns import in_turns
+from app.ui.view import View
 from nav_model.budget import Budget
 
 QUESTIONS: Mapping[str, type[Question]] = {
@@ -37,7 +38,7 @@ QUESTIONS: Mapping[str, type[Question]] = {
 }
 
 
-class ExplorePage(pn.viewable.Viewer):
+class ExplorePage(View):
     """Everything below the tab. A question is made when first asked and follows the design while it is in view."""
 
     session = held(Session)
@@ -53,9 +54,6 @@ class ExplorePage(pn.viewable.Viewer):
         self.views.param.watch(self._turned, "chosen")
         self.show(session.budget)
         self._view = screen_of_views(self._strip, self.views)
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def _ask(self, name: str) -> Question:
         question = self._asked[name] = QUESTIONS[name](session=self.session)

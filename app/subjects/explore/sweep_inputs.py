@@ -12,6 +12,7 @@ import param
 import tomli_w
 
 from app.document.wording import box_text
+from app.ui.view import View
 from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
@@ -44,7 +45,7 @@ def _all_labels() -> dict[str, str]:
     return {NONE: NONE, **input_labels(), **choices, **presets}
 
 
-class SweepRow(pn.viewable.Viewer):
+class SweepRow(View):
     """One input: its range, or the names it takes."""
 
     changed = param.Event(doc="Something was chosen or typed.")
@@ -65,9 +66,6 @@ class SweepRow(pn.viewable.Viewer):
             box.param.watch(lambda _: self.param.trigger("changed"), "value")
         span = pn.FlexBox(self.low, self.high, self.points, self.spacing)  # stays together, beside or below the name
         self._view = pn.FlexBox(self.input, span, self.names)
-
-    def __panel__(self) -> pn.FlexBox:
-        return self._view
 
     @property
     def key(self) -> str:

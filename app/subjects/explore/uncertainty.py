@@ -23,6 +23,7 @@ from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.ui.study_settings import StudySettings
 from app.ui.theme import NARROW
+from app.ui.view import View
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.errors import InputError
@@ -60,7 +61,7 @@ _HELP = (
 )
 
 
-class RangeRow(pn.viewable.Viewer):
+class RangeRow(View):
     """One input: its distribution, and the two values that this takes."""
 
     text = param.String(doc="The range as `read_uncertain` takes it; empty: the input is as set.")
@@ -75,9 +76,6 @@ class RangeRow(pn.viewable.Viewer):
         self.kind.param.watch(lambda _: self._choose(), "value")
         self.boxes: list[pmui.TextInput] = []
         self._view = pn.FlexBox(self.kind)
-
-    def __panel__(self) -> pn.FlexBox:
-        return self._view
 
     def name_value(self) -> None:
         """Say the design's value beside the name."""

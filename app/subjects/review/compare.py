@@ -21,6 +21,7 @@ from app.subjects.review.desk import LOOK, Desk, listed
 from app.ui.chart_pane import ChartPane, described, source_note, takes
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
+from app.ui.view import View
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 
@@ -28,7 +29,7 @@ _NOTHING = Answer("Nothing to compare yet", "open", ("Tick two to six designs in
 _HEIGHT = 340  # of a chart in pixels
 
 
-class CompareView(pn.viewable.Viewer):
+class CompareView(View):
     """Verdicts, differences, curves, link and report of the revisions last compared."""
 
     desk = held(Desk)
@@ -45,9 +46,6 @@ class CompareView(pn.viewable.Viewer):
         reports = desk.report_buttons("comparison", "Comparison report", self._report)
         self._tools = pn.FlexBox(*reports, self._link, align_items="center", visible=False, margin=(4, 4))
         self._view = pn.Column(self._tools, self._tables, self._charts)
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     async def compare(self, revisions: tuple[Revision, ...]) -> bool:
         """Set revisions side by side; whether all of them could be computed."""

@@ -23,6 +23,7 @@ from app.library.store import Library, Revision, Saved
 from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
 from app.ui.html_pane import html_pane
+from app.ui.view import View
 from app.upstream.file_input import LimitedFileInput
 from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
@@ -38,7 +39,7 @@ _EMPTY = (
 )
 
 
-class LibraryView(pn.viewable.Viewer):
+class LibraryView(View):
     """Actions on the current design above the list, actions on the chosen ones below it."""
 
     desk = held(Desk)
@@ -98,9 +99,6 @@ class LibraryView(pn.viewable.Viewer):
             field.param.watch(self._look_again, "value")
         self._bring.param.watch(self._brought, "value")
         self._based()
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     async def _look_again(self, _: Any) -> None:
         await self.refresh()

@@ -19,13 +19,14 @@ from app.subjects.review.desk import Desk
 from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from app.ui.answer_strip import AnswerStrip
+from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 
 _LIBRARY, _COMPARE, _REVIEWS = range(3)
 
 
-class ReviewPage(pn.viewable.Viewer):
+class ReviewPage(View):
     """Everything below the tab."""
 
     session = held(Session)
@@ -51,9 +52,6 @@ class ReviewPage(pn.viewable.Viewer):
         self._view = pn.Column(head, self._desk.notice, self._tabs, self._place, self._desk.memory)
         pn.state.execute(self._library.refresh)
         self._follow_link()
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def show(self, budget: Budget) -> None:
         """The page shows saved designs. The one in force is saved when asked."""

@@ -38,6 +38,7 @@ from app.ui.decision_table import DecisionTable
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
+from app.ui.view import View
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.design.parts import INPUTS
@@ -55,7 +56,7 @@ _SUBJECTS = {
 }
 
 
-class ReviewRoom(pn.viewable.Viewer):
+class ReviewRoom(View):
     """One review at a time, or the list of all."""
 
     desk = held(Desk)
@@ -136,9 +137,6 @@ class ReviewRoom(pn.viewable.Viewer):
         self._choice.param.watch(self._chosen, "value")
         self._all.param.watch(self._pressed, "chosen")
         self._about.param.watch(self._turned, "value")
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     # --- which review ----------------------------------------------------------------------------------
 

@@ -47,6 +47,7 @@ from app.ui.follower import Follower
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
+from app.ui.view import View
 from app.work.kept import keep, kept
 from app.work.run import Run
 from nav_model.budget import Budget
@@ -65,7 +66,7 @@ _EARLIER = "The runs belong to an earlier design. Run again."
 _COMING = "<p class='quiet'>Appears when the strategies have been run.</p>"
 
 
-class SarPage(pn.viewable.Viewer):
+class SarPage(View):
     """Everything below the bar.
 
     The first screen is made at once: formulas and the map follow the design, and a few runs are made for it. What is
@@ -133,9 +134,6 @@ class SarPage(pn.viewable.Viewer):
         self._recall()
         if pn.state.curdoc:
             pn.state.onload(lambda: None if self._result else self._begin())
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""

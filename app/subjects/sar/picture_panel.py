@@ -15,10 +15,11 @@ from app.charts.screen.pictures import picture_gallery
 from app.declared import declared
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
+from app.ui.view import View
 from app.work.pool import elsewhere
 
 
-class PicturePanel(pn.viewable.Viewer):
+class PicturePanel(View):
     """The pictures of one chart under its title, with links; nothing while there is none."""
 
     chart: PictureChart | None = declared(param.ClassSelector(class_=PictureChart, default=None, allow_None=True))
@@ -35,9 +36,6 @@ class PicturePanel(pn.viewable.Viewer):
             for make, kind in ((self._npz, "NPZ"), (self._csv, "CSV"), (self._svg, "SVG"))
         ))  # fmt: skip
         self._view = pn.Column(self._heading, self._pictures, self.links, visible=self.param.chart.rx.is_not(None))
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     @param.depends("chart", "stale", watch=True)
     def _head(self) -> None:

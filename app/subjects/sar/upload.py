@@ -21,6 +21,7 @@ from app.subjects.sar.run import SarResult
 from app.ui.fields import number
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
+from app.ui.view import View
 from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -38,7 +39,7 @@ _HELP = Text(
 _LOOK: dict[str, Any] = {"margin": (8, 6)}
 
 
-class UploadedPicture(pn.viewable.Viewer):
+class UploadedPicture(View):
     """Upload, choice of strategy and extent, and the two pictures, formed anew whenever one of them changes."""
 
     run = held(Run)
@@ -70,9 +71,6 @@ class UploadedPicture(pn.viewable.Viewer):
         )
         self._pictures = PicturePanel("Your phase history", "sar-phase-history", pair=True)
         self._view = pn.Column(html_pane(f"<h3>Your phase history</h3>{html_of(_HELP)}"), self._bar, self._pictures)
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def form(self) -> None:
         """Form the pictures of what is chosen, with the design's error as the last study has it."""

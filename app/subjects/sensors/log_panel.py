@@ -33,6 +33,7 @@ from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.theme import FULL_HEIGHT
+from app.ui.view import View
 from app.upstream.file_input import LimitedFileInput
 from app.work.alone import run_alone
 from app.work.run import Run
@@ -232,7 +233,7 @@ class LogPanel(pn.viewable.Viewer):
             self._say("The design now has the values, with their origin. You can undo.", "success")
 
 
-class StaticResult(pn.viewable.Viewer):
+class StaticResult(View):
     """What a log at rest says."""
 
     def __init__(self, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
@@ -247,9 +248,6 @@ class StaticResult(pn.viewable.Viewer):
         self.axis.param.watch(lambda event: parts.follow() if event.new else None, "value")
         charts = parts.later(self._charts)
         self._view = pn.Column(_paper(self.head, self.use), charts, _paper(self.tables), visible=False)
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def show(self, analysis: LogAnalysis) -> None:
         """Show another log's analysis."""
@@ -277,7 +275,7 @@ def _static_tables(analysis: LogAnalysis) -> str:
     return html_of(told, *coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
 
 
-class MotionResult(pn.viewable.Viewer):
+class MotionResult(View):
     """What a log in motion says."""
 
     def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
@@ -293,9 +291,6 @@ class MotionResult(pn.viewable.Viewer):
         self.spectrum = _button("Use its vibration spectrum")
         self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(parts.known())))
         self._view = _paper(self.head, pn.Row(self.use, self.spectrum), self.table, visible=False)
-
-    def __panel__(self) -> pmui.Paper:
-        return self._view
 
     def show(self, analysis: MotionAnalysis) -> None:
         """Show another log's analysis."""

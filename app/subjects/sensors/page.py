@@ -18,6 +18,7 @@ from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import block_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import WHOLE, SortableTable
+from app.ui.view import View
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Kind
 from nav_model.design.presets import preset_of
@@ -29,7 +30,7 @@ _SCROLLED = """
 _KINDS: tuple[Kind, ...] = ("imu", "radar")
 
 
-class SensorsPage(pn.viewable.Viewer):
+class SensorsPage(View):
     """Everything below the tab."""
 
     session = held(Session)
@@ -54,9 +55,6 @@ class SensorsPage(pn.viewable.Viewer):
             },
         )
         self._view = screen_of_views(self._strip, self._views)
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def go_to(self, place: str) -> None:
         """Show the view of this name, such as "log" of "#sensors-log"."""

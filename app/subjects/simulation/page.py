@@ -39,6 +39,7 @@ from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
 from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
+from app.ui.view import View
 from app.upstream.file_input import LimitedFileInput
 from app.work.kept import keep, kept
 from app.work.pool import elsewhere
@@ -76,7 +77,7 @@ _START = Answer(
 _COMING = "Appears with the first result."
 
 
-class SimulatePage(pn.viewable.Viewer):
+class SimulatePage(View):
     """Everything below the tab."""
 
     run = held(Run)
@@ -142,9 +143,6 @@ class SimulatePage(pn.viewable.Viewer):
         self._recall()
         if pn.state.curdoc:
             prepare()
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def show(self, _: Budget) -> None:
         """Follow the current budget: a result of other instruments or another flight is marked stale."""

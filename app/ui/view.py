@@ -1,0 +1,16 @@
+"""The base class of pages and of their parts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+
+
+class View(pn.viewable.Viewer):
+    """What is seen on a page as one layout, `_view`, which a subclass makes with itself."""
+
+    _view: Any
+
+    def __panel__(self) -> Any:
+        return self._view
