@@ -65,7 +65,7 @@ class ComparisonChoice(PlainScript):
         except InputError as error:
             self.problem = str(error)
             return
-        self.saved = [(f"{design.id}.{design.number}", design.name) for design in designs[:_MOST]]
+        self.saved = [(design.key, design.name) for design in designs[:_MOST]]
 
     async def _take_saved(self) -> None:
         from app.library.place import library

@@ -57,7 +57,7 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
     count = sum(map(len, histories.values()))
     if count >= _MAX_FILES:
         raise InputError("export", f"{count} revisions; an archive takes {_MAX_FILES - 1}. Select fewer designs.")
-    tags = {saved.id: saved.tags for archived in (False, True) for saved in library.designs(archived=archived)}
+    tags = {saved.design: saved.tags for archived in (False, True) for saved in library.designs(archived=archived)}
     listed = []
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:

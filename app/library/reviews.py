@@ -12,15 +12,14 @@ import hashlib
 import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
-from sqlalchemy import Connection, text
+from sqlalchemy import Connection, RowMapping, text
 
 from app.library.seal import CHANGED, doubt_about, signature_of
-from app.library.store import Conflict, Library, Revision, as_revision, find, new_id, now
+from app.library.store import Conflict, Library, Revision, as_revision, find, insert, new_id, now
 from app.library.texts import clean, moment
 from nav_model.base.errors import InputError
 from nav_model.budget.figures import FIGURES
@@ -142,10 +141,10 @@ def open_review(library: Library, title: str, author: str, keys: Sequence[str]) 
         "opened": now(), "product": version("navbudget"),
     }  # fmt: skip
     with library.write() as connection:
-        _insert(connection, "reviews", head)
+        insert(connection, "reviews", head)
         for place, key in enumerate(keys, start=1):
             revision = find(connection, key)
-            _insert(
+            insert(
                 connection, "review_items",
                 {"review": review, "place": place, "design": revision.design, "number": revision.number,
                  "content_hash": revision.content_hash, "text_hash": _sha256(revision.text)},
@@ -156,26 +155,7 @@ def open_review(library: Library, title: str, author: str, keys: Sequence[str]) 
 def list_reviews(library: Library) -> tuple[Review, ...]:
     """Every review, latest first."""
     with library.read() as connection:
-
-        def rows(query: str) -> dict[str, list[dict[str, Any]]]:
-            found: dict[str, list[dict[str, Any]]] = defaultdict(list)
-            for row in connection.execute(text(query)).mappings():
-                found[row["review"]].append(dict(row))
-            return found
-
-        heads = connection.execute(text("SELECT * FROM reviews ORDER BY opened DESC, id")).mappings().all()
-        items = rows("SELECT * FROM review_items ORDER BY place")
-        comments = rows("SELECT * FROM review_comments ORDER BY number")
-        decisions = rows("SELECT * FROM review_decisions ORDER BY number")
-        frozen = text(
-            "SELECT * FROM revisions AS r WHERE EXISTS"
-            " (SELECT 1 FROM review_items AS i WHERE i.design = r.design AND i.number = r.number)"
-        )
-        revisions = {own.key: own for own in map(as_revision, connection.execute(frozen).mappings())}
-        return tuple(
-            _whole_or_in_doubt(dict(head), items[head["id"]], comments[head["id"]], decisions[head["id"]], revisions)
-            for head in heads
-        )
+        return _reviews(connection)
 
 
 def load_review(library: Library, review: str) -> Review:
@@ -297,7 +277,7 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: i
             if not row["reason"] and not before.met(row["place"], row["requirement"]):
                 raise InputError("reason", "This requirement is not met. Enter why it is accepted: a waiver.")
         entries = before.comments if table == "review_comments" else before.decisions
-        _insert(connection, table, {**row, "review": review, "number": len(entries) + 1})
+        insert(connection, table, {**row, "review": review, "number": len(entries) + 1})
         return _load(connection, review)
 
 
@@ -322,30 +302,36 @@ def _touch(connection: Connection, review: str) -> None:
         )
 
 
-def _insert(connection: Connection, table: str, row: dict[str, Any]) -> None:
-    values = ", ".join(f":{column}" for column in row)
-    connection.execute(text(f"INSERT INTO {table} ({', '.join(row)}) VALUES ({values})"), row)
-
-
 def _load(connection: Connection, review: str) -> Review:
-    def rows(query: str) -> list[dict[str, Any]]:
-        return [dict(row) for row in connection.execute(text(query), {"review": review}).mappings()]
-
-    heads = [] if "\0" in review else rows("SELECT * FROM reviews WHERE id = :review")
-    if not heads:
+    found = () if "\0" in review else _reviews(connection, review)
+    if not found:
         raise InputError("review", f"{review[:60]!r} is not in the library")
-    items = rows("SELECT * FROM review_items WHERE review = :review ORDER BY place")
-    comments = rows("SELECT * FROM review_comments WHERE review = :review ORDER BY number")
-    decisions = rows("SELECT * FROM review_decisions WHERE review = :review ORDER BY number")
-    revisions = {}
-    for key in map(_key, items):
-        with suppress(InputError):  # it is gone, and the review in doubt
-            revisions[key] = find(connection, key)
-    return _whole_or_in_doubt(heads[0], items, comments, decisions, revisions)
+    return found[0]
 
 
-def _key(item: Mapping[str, Any]) -> str:
-    return f"{item['design']}.{item['number']}"
+def _reviews(connection: Connection, review: str | None = None) -> tuple[Review, ...]:
+    """The review of this id, or all, latest first."""
+    only = {} if review is None else {"review": review}
+
+    def rows(query: str, key: str, order: str) -> Sequence[RowMapping]:
+        where = "" if review is None else f"WHERE {key} = :review"
+        return connection.execute(text(f"{query} {where} ORDER BY {order}"), only).mappings().all()
+
+    def by_review(table: str, order: str) -> dict[str, list[dict[str, Any]]]:
+        found: dict[str, list[dict[str, Any]]] = defaultdict(list)
+        for row in rows(f"SELECT * FROM {table}", "review", order):
+            found[row["review"]].append({name: value for name, value in row.items() if name != "review"})
+        return found
+
+    frozen = "SELECT r.* FROM revisions AS r JOIN review_items AS i ON i.design = r.design AND i.number = r.number"
+    heads = rows("SELECT * FROM reviews", "id", "opened DESC, id")
+    items, comments = by_review("review_items", "place"), by_review("review_comments", "number")
+    decisions = by_review("review_decisions", "number")
+    revisions = {own.key: own for own in map(as_revision, rows(frozen, "i.review", "i.place"))}
+    return tuple(
+        _whole_or_in_doubt(dict(head), items[head["id"]], comments[head["id"]], decisions[head["id"]], revisions)
+        for head in heads
+    )
 
 
 def _whole_or_in_doubt(head: dict[str, Any], *parts: Any) -> Review:
@@ -366,21 +352,18 @@ def _whole_or_in_doubt(head: dict[str, Any], *parts: Any) -> Review:
 
 
 def _assembled(
-    head: dict[str, Any],
-    item_rows: Sequence[Mapping[str, Any]],
-    comment_rows: Sequence[dict[str, Any]],
-    decision_rows: Sequence[dict[str, Any]],
-    found: Mapping[str, Revision],
-) -> Review:
+    head: dict[str, Any], item_rows: Sequence[dict[str, Any]], comment_rows: Sequence[dict[str, Any]],
+    decision_rows: Sequence[dict[str, Any]], found: Mapping[str, Revision],
+) -> Review:  # fmt: skip
     """A review from its rows, in order, and the revisions that its items name."""
-    items = tuple(Item(row["place"], _key(row), row["content_hash"], row["text_hash"]) for row in item_rows)
-    revisions = tuple(found[item.key] for item in items)
-    for row in (*comment_rows, *decision_rows):
-        del row["review"]
+    items = tuple(
+        Item(row["place"], f"{row['design']}.{row['number']}", row["content_hash"], row["text_hash"])
+        for row in item_rows
+    )
     loaded = Review(
         **head,
         items=items,
-        revisions=revisions,
+        revisions=tuple(found[item.key] for item in items),
         comments=tuple(Comment(**row) for row in comment_rows),
         decisions=tuple(Decision(**{**row, "accepted": bool(row["accepted"])}) for row in decision_rows),
         doubt="",

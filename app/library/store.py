@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from sqlalchemy import Connection, RowMapping, text
 
@@ -33,27 +34,11 @@ class Conflict(InputError):
 
 
 @dataclass(frozen=True)
-class Saved:
-    """A design of the library at its latest revision. ``closes`` is None without a requirement."""
-
-    id: str
-    name: str
-    number: int
-    archived: bool
-    tags: tuple[str, ...]
-    author: str
-    saved: str
-    closes: bool | None
-    verdict: str
-    content_hash: str
-
-
-@dataclass(frozen=True)
 class Revision:
     """One revision: the design file's text, author, date and note, its hash, and its verdict at that time.
 
-    ``saved`` is ISO 8601 in UTC, ``product`` the version of the program that judged it, ``origin`` is "import" when
-    author and date come from a file.
+    ``closes`` is None without a requirement, ``saved`` is ISO 8601 in UTC, ``product`` the version of the program
+    that judged it, ``origin`` is "import" when author and date come from a file.
     """
 
     design: str
@@ -81,6 +66,13 @@ class Revision:
     def checks(self) -> tuple[str, ...]:
         """Names of the checks of its verdict, without computing it."""
         return _checks(self.text, f"revision {self.number} of {self.name!r}")
+
+
+@dataclass(frozen=True)
+class Saved(Revision):
+    """A design of the library: its latest revision, and its tags."""
+
+    tags: tuple[str, ...]
 
 
 # A revision never changes, and one review asks for its budget a dozen times, a list of reviews for all their checks.
@@ -204,7 +196,7 @@ class Library:
                 tags.setdefault(design, []).append(own)
             rows = connection.execute(
                 text(
-                    "SELECT d.id, d.archived, r.* FROM designs d JOIN revisions r ON r.design = d.id "
+                    "SELECT r.* FROM designs d JOIN revisions r ON r.design = d.id "
                     "AND r.number = d.head WHERE d.archived = :archived ORDER BY r.saved DESC, d.id"
                 ),
                 {"archived": int(archived)},
@@ -215,9 +207,9 @@ class Library:
                 for design, *texts in connection.execute(text("SELECT design, name, note, author FROM revisions")):
                     said.setdefault(design, []).extend(texts)
             return tuple(
-                _saved(row, tags.get(row["id"], []))
-                for row in rows
-                if (not tag or tag in tags.get(row["id"], ())) and _holds(words, said.get(row["id"], []))
+                Saved(**vars(latest), tags=tuple(tags.get(latest.design, ())))
+                for latest in map(as_revision, rows)
+                if (not tag or tag in tags.get(latest.design, ())) and _holds(words, said.get(latest.design, []))
             )
 
     def tags(self) -> tuple[str, ...]:
@@ -260,6 +252,12 @@ def new_id() -> str:
     return secrets.token_hex(8)
 
 
+def insert(connection: Connection, table: str, row: dict[str, Any]) -> None:
+    """Add a row, as column -> value, to a table."""
+    values = ", ".join(f":{column}" for column in row)
+    connection.execute(text(f"INSERT INTO {table} ({', '.join(row)}) VALUES ({values})"), row)
+
+
 def find(connection: Connection, key: str) -> Revision:
     """One revision by its key, inside a transaction.
 
@@ -281,16 +279,13 @@ def find(connection: Connection, key: str) -> Revision:
 def put_tags(connection: Connection, design: str, tags: Iterable[str]) -> None:
     """Add tags that a design does not have yet."""
     for tag in tags:
-        connection.execute(text("INSERT INTO tags VALUES (:design, :tag)"), {"design": design, "tag": tag})
+        insert(connection, "tags", {"design": design, "tag": tag})
 
 
 def put_history(connection: Connection, design: str, history: Sequence[Revision]) -> None:
     """Add a design with its revisions, numbered from 1 on."""
     last = history[-1]
-    connection.execute(
-        text("INSERT INTO designs (id, name, head) VALUES (:id, :name, :head)"),
-        {"id": design, "name": last.name, "head": len(history)},
-    )
+    insert(connection, "designs", {"id": design, "name": last.name, "head": len(history)})
     for number, revision in enumerate(history, start=1):
         _insert(connection, revision, design, number)
 
@@ -350,11 +345,8 @@ def _append(connection: Connection, revision: Revision, design: str, base: int) 
 
 
 def _insert(connection: Connection, revision: Revision, design: str, number: int) -> None:
-    row = {**vars(revision), "design": design, "number": number}
-    row["closes"] = None if revision.closes is None else int(revision.closes)
-    columns = ", ".join(row)
-    values = ", ".join(f":{column}" for column in row)
-    connection.execute(text(f"INSERT INTO revisions ({columns}) VALUES ({values})"), row)
+    closes = None if revision.closes is None else int(revision.closes)
+    insert(connection, "revisions", {**vars(revision), "design": design, "number": number, "closes": closes})
 
 
 def _existing(connection: Connection, design: str) -> int:
@@ -376,11 +368,3 @@ def as_revision(row: RowMapping) -> Revision:
     """A row of the table of revisions."""
     closes = None if row["closes"] is None else bool(row["closes"])
     return Revision(**{**{name: row[name] for name in Revision.__dataclass_fields__}, "closes": closes})
-
-
-def _saved(row: RowMapping, tags: Sequence[str]) -> Saved:
-    latest = as_revision(row)
-    return Saved(
-        latest.design, latest.name, latest.number, bool(row["archived"]), tuple(tags), latest.author, latest.saved,
-        latest.closes, latest.verdict, latest.content_hash,
-    )  # fmt: skip

@@ -141,19 +141,19 @@ class LibraryView(View):
 
     def _design_rows(self, saved: Saved, histories: Mapping[str, tuple[Revision, ...]]) -> list[Any]:
         many = saved.number > 1
-        shown = saved.id in histories
+        shown = saved.design in histories
         history = button(
             f"{'Hide' if shown else 'Show'} {saved.number} revisions" if many else "1 revision",
-            partial(self._toggle, saved.id), variant="text", disabled=not many, margin=(0, 4), width=150,
+            partial(self._toggle, saved.design), variant="text", disabled=not many, margin=(0, 4), width=150,
         )  # fmt: skip
         tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in saved.tags)
         when = f"<span>{moment(saved.saved)}</span>"
         cells = f'{_verdict(saved.closes, saved.verdict)}<span class="who">{escape(saved.author)}</span>{when}{tags}'
-        rows = [self._row(f"{saved.id}.{saved.number}", shortened(saved.name, 60), cells, history)]
+        rows = [self._row(saved.key, shortened(saved.name, 60), cells, history)]
         if shown and many:
             rows += [
                 self._row(r.key, f"Revision {r.number}: {shortened(r.name, 44)}", _revision_cells(r), None, indent=28)
-                for r in histories[saved.id]
+                for r in histories[saved.design]
             ]
         return rows
 
@@ -292,7 +292,7 @@ class LibraryView(View):
 
         def work(place: Library) -> bytes:
             everything = (*place.designs(), *place.designs(archived=True))
-            return export_archive(place, picked or [saved.id for saved in everything])
+            return export_archive(place, picked or [saved.design for saved in everything])
 
         return io.BytesIO(await self.desk.ask(work) or b"")
 
@@ -323,7 +323,7 @@ class _Listing:
 
 def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: frozenset[str]) -> _Listing:
     found = place.designs(search, tag, archived=archived)
-    shown = [saved.id for saved in found[:_SHOWN] if saved.id in unfolded]
+    shown = [saved.design for saved in found[:_SHOWN] if saved.design in unfolded]
     histories = {design: place.revisions(design) for design in shown}
     return _Listing(found, place.tags(), histories, bool(search or tag or archived), place.read_only)
 

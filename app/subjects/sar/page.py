@@ -16,7 +16,6 @@ import param
 from app.charts.kinds import AnyChart, Chart, DotChart, PictureChart
 from app.charts.legend import legend_html
 from app.charts.screen.pictures import picture_gallery
-from app.charts.words import in_words
 from app.declared import declared, held
 from app.document.pane import html_of
 from app.document.ranks_html import ranks_html
@@ -38,7 +37,7 @@ from app.subjects.sar.run import SarResult, run_strategies, scene_of
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, head_html, takes
+from app.ui.chart_pane import ChartPane, described, head_html, takes
 from app.ui.downloads import download
 from app.ui.fields import whole_number
 from app.ui.first_screen import first_screen
@@ -180,11 +179,13 @@ class SarPage(View):
             self._bar.message = _EARLIER if stale else f"The runs match the design. {runs_in_words(self._study)}."
         chart = residual_chart(budget, self._closed, self._study)
         best = NAMES[self._closed.advice.strategy] if study is None else study.best().name
-        said = f'<p class="hidden">What the chart shows: {escape(in_words(chart))}</p>'
         coming = "The images appear after the runs: one point target, all images on one scale."
         head = head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark)
         for pane, text in (
-            (self._rank_head, head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), said)),
+            (
+                self._rank_head,
+                head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart)),
+            ),
             (self._ranks, ranks_html(chart, best)),
             (self._image_head, head),
         ):

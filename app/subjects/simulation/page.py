@@ -8,7 +8,6 @@ import io
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from html import escape
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
@@ -18,7 +17,6 @@ import param
 
 from app.charts.legend import legend_html
 from app.charts.screen.timelines import Timelines
-from app.charts.words import in_words
 from app.declared import declared, held
 from app.document.blocks import Answer, Block
 from app.document.numbers import number as shown
@@ -29,7 +27,7 @@ from app.subjects.simulation.files import as_csv, as_json, as_npz
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import head_html, takes
+from app.ui.chart_pane import described, head_html, takes
 from app.ui.downloads import download
 from app.ui.fields import number, whole_number
 from app.ui.first_screen import first_screen
@@ -187,7 +185,7 @@ class SimulatePage(View):
             lines = [draw(study) for draw in draws]
             if study is not None:
                 stack.feed(lines)
-            said = "".join(f'<p class="hidden">What the chart shows: {escape(in_words(line))}</p>' for line in lines)
+            said = "".join(map(described, lines))
             knowledge = " ".join(line.knowledge for line in lines) if study else _COMING
             key = f'<span class="quiet fine">{_COMING}</span>' if study is None else self._keys[draws]
             head.say(head_html(title, knowledge, said, key))

@@ -79,7 +79,7 @@ def check_whole() -> Callable[[Library, set[str]], None]:
 
     def check(library: Library, answered: set[str]) -> None:
         assert answered
-        kept = {saved.id for saved in library.designs()}
+        kept = {saved.design for saved in library.designs()}
         assert {key.partition(".")[0] for key in answered} <= kept
         for design in kept:
             (revision,) = library.revisions(design)

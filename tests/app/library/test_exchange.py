@@ -36,7 +36,7 @@ def test_an_exported_library_comes_back_the_same(
     library.save(tactical, "Bob", design=first.design, base=1)
     library.save(tactical, "Eve", name="../../Ω/con.toml")
     library.retag(first.design, "alpha, beta")
-    data = export_archive(library, [saved.id for saved in library.designs()])
+    data = export_archive(library, [saved.design for saved in library.designs()])
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         names = [name for name in archive.namelist() if name.endswith(".toml")]
         assert len(names) == 3
@@ -48,12 +48,12 @@ def test_an_exported_library_comes_back_the_same(
     def content(library: Library) -> list[object]:
         fields = ("number", "name", "author", "note", "saved", "text", "content_hash", "closes", "verdict")
         return sorted(
-            (saved.tags, [tuple(getattr(r, field) for field in fields) for r in library.revisions(saved.id)])
+            (saved.tags, [tuple(getattr(r, field) for field in fields) for r in library.revisions(saved.design)])
             for saved in library.designs()
         )
 
     assert content(other) == content(library)
-    assert {r.origin for saved in other.designs() for r in other.revisions(saved.id)} == {"import"}
+    assert {r.origin for saved in other.designs() for r in other.revisions(saved.design)} == {"import"}
     again = import_archive(other, data, "Zoe")
     assert (again.designs, again.known) == (0, 2)
 

@@ -54,7 +54,7 @@ def test_a_library_on_read_only_media_is_read_and_says_so(shelf: Path, mems: Bud
         library = Library(shelf)
         assert library.read_only
         (saved,) = library.designs()
-        assert library.revisions(saved.id)[0].author == "Ann"
+        assert library.revisions(saved.design)[0].author == "Ann"
         with pytest.raises(InputError, match=r"is read-only: .*; nothing was saved"):
             library.save(mems, "Bob")
         library.close()

@@ -204,6 +204,8 @@ def test_the_list_holds_what_each_review_says_of_itself(library: Library, review
     sign(library, review.id, "Ann", signed.version)
     listed = list_reviews(library)
     assert {own.id for own in listed} == {review.id, other.id}
+    with pytest.raises(InputError):
+        load_review(library, "")
     assert all(own == load_review(library, own.id) for own in listed)
     with library.write() as connection:
         connection.execute(text("UPDATE review_comments SET comment = 'fine'"))

@@ -56,16 +56,16 @@ def test_the_second_of_two_writers_is_told_and_nothing_is_lost(library: Library,
 def test_search_tags_and_archive(library: Library, mems: Budget, tactical: Budget) -> None:
     one, two = library.save(mems, "Ann", "for the coast guard"), library.save(tactical, "Bob")
     assert library.retag(one.design, "Maritime, x-band,, maritime") == ("maritime", "x-band")
-    assert [s.id for s in library.designs("GUARD ann")] == [one.design]
-    assert [s.id for s in library.designs("mari")] == [one.design]
+    assert [s.design for s in library.designs("GUARD ann")] == [one.design]
+    assert [s.design for s in library.designs("mari")] == [one.design]
     assert library.designs("guard bob") == ()
     later = library.save(one.budget(), "Zoe", "second thoughts", design=one.design, base=1)
     assert library.designs("guard zoe")[0].number == later.number  # found by what an older revision says
-    assert [s.id for s in library.designs(tag="x-band")] == [one.design]
+    assert [s.design for s in library.designs(tag="x-band")] == [one.design]
     assert library.tags() == ("maritime", "x-band")
     library.archive(one.design)
-    assert [s.id for s in library.designs()] == [two.design]
-    assert [s.id for s in library.designs(archived=True)] == [one.design]
+    assert [s.design for s in library.designs()] == [two.design]
+    assert [s.design for s in library.designs(archived=True)] == [one.design]
     library.archive(one.design, False)
     assert len(library.designs()) == 2
 
