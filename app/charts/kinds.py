@@ -94,14 +94,26 @@ class Span:
 
 
 @dataclass(frozen=True)
-class Chart:
-    """A chart of curves. ``knowledge`` is its "how do we know" line; ``square``: as high as it is wide; ``aside``: a
-    few words beside its title on a page; ``named_at_ends``: on paper its lines are named there, not in the legend."""
+class _Titled:
+    """What every chart has."""
 
     key: str
     title: str
     x_label: str
+
+
+@dataclass(frozen=True)
+class _OnAxes(_Titled):
+    """What every chart on two axes has."""
+
     y_label: str
+
+
+@dataclass(frozen=True)
+class Chart(_OnAxes):
+    """A chart of curves. ``knowledge`` is its "how do we know" line; ``square``: as high as it is wide; ``aside``: a
+    few words beside its title on a page; ``named_at_ends``: on paper its lines are named there, not in the legend."""
+
     lines: tuple[Line, ...]
     bands: tuple[Band, ...] = ()
     points: tuple[Points, ...] = ()
@@ -163,15 +175,12 @@ class Bar:
 
 
 @dataclass(frozen=True)
-class BarChart:
+class BarChart(_Titled):
     """Horizontal bars of an angle, two to a row, each kind with a limit (NaN when there is none).
 
     ``x_label`` ends with the unit of them all: "[°]" or "[rad]".
     """
 
-    key: str
-    title: str
-    x_label: str
     first_label: str
     second_label: str
     bars: tuple[Bar, ...]
@@ -210,15 +219,12 @@ class Dot:
 
 
 @dataclass(frozen=True)
-class DotChart:
+class DotChart(_Titled):
     """Dots and bands on a log axis, a row each, with one limit (NaN: none).
 
     ``millimetres``: of line of sight for one degree, for the hover and the table.
     """
 
-    key: str
-    title: str
-    x_label: str
     dots: tuple[Dot, ...]
     limit: float
     millimetres: float
@@ -241,17 +247,13 @@ class DotChart:
 
 
 @dataclass(frozen=True)
-class MapChart:
+class MapChart(_OnAxes):
     """A map on two log axes: regions with their names, points and one contour.
 
     ``x`` (n,), ``y`` (m,) evenly spaced in the logarithm; ``winner`` (m, n) index into ``names``;
     ``values`` (m, n) what the contour is a level of; ``styles``: one for each name.
     """
 
-    key: str
-    title: str
-    x_label: str
-    y_label: str
     value_label: str
     x: Array
     y: Array
@@ -276,16 +278,12 @@ class MapChart:
 
 
 @dataclass(frozen=True)
-class PictureChart:
+class PictureChart(_OnAxes):
     """Images side by side on one scale, from `floor_db` to 0 dB over `reference`; y upwards, the same axes for all.
 
     ``x`` (n,), ``y`` (m,) evenly spaced; ``power_db`` (k, m, n); ``names`` and ``captions``: one for each image.
     """
 
-    key: str
-    title: str
-    x_label: str
-    y_label: str
     x: Array
     y: Array
     power_db: Array
@@ -317,12 +315,9 @@ class RankBar:
 
 
 @dataclass(frozen=True)
-class RankChart:
+class RankChart(_Titled):
     """Bars, the strongest first."""
 
-    key: str
-    title: str
-    x_label: str
     bars: tuple[RankBar, ...]
     knowledge: str
 
@@ -334,17 +329,13 @@ class RankChart:
 
 
 @dataclass(frozen=True)
-class TradeMapChart:
+class TradeMapChart(_OnAxes):
     """A map: ``ratio`` (len(y), len(x)) of the result to its limit, contours, units of the catalogue, the design.
 
     Axes are in the units shown. ``contours`` holds one curve for each of `LEVELS`, pieces separated by NaN. ``level``
     is what ``ratio`` is over: the limit, or the design's own value.
     """
 
-    key: str
-    title: str
-    x_label: str
-    y_label: str
     x: Array
     y: Array
     x_log: bool

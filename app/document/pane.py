@@ -31,10 +31,6 @@ def _answer(answer: Answer, said: Said) -> str:
     return f'<div class="strip {answer.tone}" role="status">{word}{why}</div>'
 
 
-def _key_figures(figures: KeyFigures, said: Said) -> str:
-    return tiles_html(figures, said=said)
-
-
 _SENTENCES = 1.8  # weight of a column beyond which it holds sentences and keeps room where the screen is narrow
 _MANY = 20  # rows of a sorted table beyond which it scrolls by itself
 
@@ -107,10 +103,6 @@ def _cell(cell: Cell, said: Said) -> str:
     return f'<span class="tone {cell.tone}">{text}</span>' if cell.tone else text
 
 
-def _text(text: Text, said: Said) -> str:
-    return f"<p>{said(text.text)}</p>"
-
-
 def _bullets(bullets: Bullets, said: Said) -> str:
     name = f'<p class="name">{said(bullets.caption)}</p>' if bullets.caption else ""
     label = f' aria-label="{escape(bullets.caption)}"' if bullets.caption else ""
@@ -120,8 +112,8 @@ def _bullets(bullets: Bullets, said: Said) -> str:
 
 _RENDERERS: dict[type, Callable[..., str]] = {
     Answer: _answer,
-    KeyFigures: _key_figures,
+    KeyFigures: lambda figures, said: tiles_html(figures, said=said),
     Table: _table,
-    Text: _text,
+    Text: lambda text, said: f"<p>{said(text.text)}</p>",
     Bullets: _bullets,
 }

@@ -70,17 +70,15 @@ def _plain(report: Report) -> dict[str, Any]:
         "written": report.written,
         "version": report.version,
         "chapters": [
-            {**_shallow(chapter), "sections": [_section(section) for section in chapter.sections]}
+            {
+                **vars(chapter),
+                "verdict": None if chapter.verdict is None else _block(chapter.verdict),
+                "sections": [_section(section) for section in chapter.sections],
+            }
             for chapter in report.chapters
         ],
         "sections": [_section(section) for section in report.sections],
     }
-
-
-def _shallow(chapter: Any) -> dict[str, Any]:
-    names = ("key", "kind", "title", "running", "description", "facts", "source")
-    verdict = None if chapter.verdict is None else _block(chapter.verdict)
-    return {**{name: getattr(chapter, name) for name in names}, "verdict": verdict}
 
 
 def _section(section: Any) -> dict[str, Any]:

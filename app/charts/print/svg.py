@@ -63,8 +63,8 @@ _SHADE = {"color": "#7b8794", "alpha": 0.18, "linewidth": 0}
 _settings_lock = threading.Lock()
 
 
-def to_svg(chart: Drawing, width: float = WIDTH, plot_height: float | None = None) -> str:
-    """A chart as the text of an SVG file, `width` millimetres wide; the legend's rows add to `plot_height`."""
+def to_svg(chart: Drawing) -> str:
+    """A chart as the text of an SVG file, as wide as the text of a page; the legend's rows add to its height."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
@@ -73,8 +73,8 @@ def to_svg(chart: Drawing, width: float = WIDTH, plot_height: float | None = Non
         canvas = FigureCanvasSVG(figure)
         handles = _drawn(figure, chart)
         columns = 3 if len(handles) != 4 else 2
-        height = (plot_height or _height(chart, width)) + _LEGEND_ROW * math.ceil(len(handles) / columns)
-        figure.set_size_inches(width / 25.4, height / 25.4)
+        height = _height(chart) + _LEGEND_ROW * math.ceil(len(handles) / columns)
+        figure.set_size_inches(WIDTH / 25.4, height / 25.4)
         if handles:
             figure.legend(handles=handles, loc="outside lower left", ncols=columns, frameon=False, handlelength=3.4)
         if isinstance(chart, Chart) and chart.named_at_ends:
@@ -99,14 +99,14 @@ def _drawn(figure: Any, chart: Drawing) -> list[Any]:
     return draw_pictures(figure, chart)
 
 
-def _height(chart: Drawing, width: float) -> float:
+def _height(chart: Drawing) -> float:
     if isinstance(chart, Chart):
         return _SQUARE_HEIGHT if chart.square else PLOT_HEIGHT
     if isinstance(chart, BarChart):
         return PLOT_HEIGHT
     if isinstance(chart, DotChart):
         return 13.0 + ROW_HEIGHT * len(chart.dots)
-    return _MAP_HEIGHT if isinstance(chart, MapChart) else pictures_height(chart, width)
+    return _MAP_HEIGHT if isinstance(chart, MapChart) else pictures_height(chart, WIDTH)
 
 
 def _named_once(points: Sequence[Points]) -> list[Points]:

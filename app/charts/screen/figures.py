@@ -21,7 +21,6 @@ from bokeh.models import (
     GlyphRenderer,
     HoverTool,
     Label,
-    LogAxis,
     Range1d,
     Scatter,
     Segment,
@@ -31,16 +30,13 @@ from bokeh.models import Line as LineGlyph
 from bokeh.plotting import figure
 
 from app.charts.kinds import Chart, Line, MapChart, Plotted
+from app.charts.screen.axes import TOOLS, empty_figure, line_look
 from app.charts.screen.grid import columns_of, draw
-from app.charts.screen.log_axis import mark_in_powers
-from app.charts.styles import DASHES, INK, STYLES
+from app.charts.styles import INK, STYLES
 
-# The page's theme sets chart text in em; this is what an em is.
-TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 CHIP: dict[str, Any] = {"text_color": "white", "text_font_size": "11px", "padding": [3, 0], "border_radius": 3}
 """Of a text inside a frame: white on a dark ground (`behind_text`), which is read on a light page and a dark one."""
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
-_TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 _LEAST = 180  # pixels of height of a figure that fills its place
 
 
@@ -105,10 +101,6 @@ def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
     plot = draw(chart, sources, height or _LEAST)
     if height is None:
         fill(plot)
-    plot.styles = TEXT_SIZE
-    for axis in (plot.xaxis, plot.yaxis):
-        if isinstance(axis[0], LogAxis):
-            mark_in_powers(axis[0])
     return Figure(plot, sources, dict(columns))
 
 
@@ -160,15 +152,13 @@ def same(old: Any, new: Any) -> bool:
 
 
 def _curves(chart: Chart, height: int | None) -> Figure:
-    plot = figure(
-        name=chart.key,
+    plot = empty_figure(
+        chart,
+        x_log=chart.x_log,
+        y_log=chart.y_log,
         height=height or _LEAST,
         sizing_mode="stretch_width",
-        x_axis_type="log" if chart.x_log else "linear",
-        y_axis_type="log" if chart.y_log else "linear",
-        x_axis_label=chart.x_label,
-        y_axis_label=chart.y_label,
-        tools=_TOOLS,
+        tools=TOOLS,
         toolbar_location="right",
         active_drag=None,
         **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
@@ -179,7 +169,6 @@ def _curves(chart: Chart, height: int | None) -> Figure:
     elif chart.square:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
-    plot.toolbar.logo = None
     columns = _columns(chart)
     sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
     spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
@@ -191,9 +180,7 @@ def _curves(chart: Chart, height: int | None) -> Figure:
             add_glyph(plot, source, LineGlyph(x="x", y=edge, line_color=style.colour, line_alpha=0.6))
     lines = []
     for line in chart.lines:
-        style = STYLES[line.style]
-        look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
-        glyph = LineGlyph(x="x", y=field_of(_column(line)), **look)
+        glyph = LineGlyph(x="x", y=field_of(_column(line)), **line_look(STYLES[line.style]))
         lines.append(add_glyph(plot, sources[_line_source(chart, line.x)], glyph, _column(line)))
     x_unit, y_unit = unit_of(chart.x_label), unit_of(chart.y_label)
     _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
@@ -207,14 +194,9 @@ def _curves(chart: Chart, height: int | None) -> Figure:
         renderer = add_glyph(plot, source, glyph)
         _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
     if chart.limits:
-        style = STYLES["limit"]
-        look = {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}
-        renderer = add_glyph(plot, sources["limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **look))
+        glyph = Segment(x0="x0", y0="y", x1="x1", y1="y", **line_look(STYLES["limit"]))
+        renderer = add_glyph(plot, sources["limits"], glyph)
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
-    plot.styles = TEXT_SIZE
-    for axis, is_log in ((plot.xaxis, chart.x_log), (plot.yaxis, chart.y_log)):
-        if is_log:
-            mark_in_powers(axis[0])
     return Figure(plot, sources, dict(columns), spans, lines)
 
 

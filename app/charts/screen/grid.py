@@ -11,9 +11,8 @@ from bokeh.plotting import figure
 
 from app.charts.kinds import MapChart
 from app.charts.region import region_names
-from app.charts.styles import DASHES, STYLES
-
-_TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+from app.charts.screen.axes import TOOLS, empty_figure, line_look
+from app.charts.styles import STYLES
 
 
 def columns_of(chart: MapChart) -> dict[str, dict[str, Any]]:
@@ -46,19 +45,10 @@ def _edges(values: np.ndarray) -> tuple[float, float]:
 
 def draw(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
     """The figure."""
-    plot = figure(
-        name=chart.key,
-        height=height,
-        sizing_mode="stretch_width",
-        x_axis_type="log",
-        y_axis_type="log",
-        x_axis_label=chart.x_label,
-        y_axis_label=chart.y_label,
-        tools=_TOOLS,
-        toolbar_location="right",
-        active_drag=None,
-    )
-    plot.toolbar.logo = None
+    plot = empty_figure(
+        chart, x_log=True, y_log=True, height=height, sizing_mode="stretch_width", tools=TOOLS,
+        toolbar_location="right", active_drag=None,
+    )  # fmt: skip
     plot.x_range.range_padding = plot.y_range.range_padding = 0
     plot.grid.visible = False
     colours = [STYLES[style].colour for style in chart.styles]
@@ -69,9 +59,8 @@ def draw(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) 
         text_font_size="12px", text_color="#1b2329", background_fill_color="#ffffff", background_fill_alpha=0.8,
         padding=4, border_radius=4,
     )  # fmt: skip
-    limit = STYLES[chart.contour.style]
-    plot.line("x", "y", source=sources["contour"], line_color=limit.colour, line_width=2.2,
-                        line_dash=DASHES[limit.dash])  # fmt: skip
+    look = line_look(STYLES[chart.contour.style]) | {"line_width": 2.2}
+    plot.line("x", "y", source=sources["contour"], **look)
     for points in chart.points:
         style = STYLES[points.style]
         look = {"size": 7, "line_width": 0.8, "line_color": "#ffffff"}

@@ -15,11 +15,10 @@ from bokeh.models import (
     LogColorMapper,
     Range1d,
 )
-from bokeh.plotting import figure
 
 from app.charts.kinds import LEVELS, Array, TradeMapChart
-from app.charts.screen.figures import TEXT_SIZE, fill
-from app.charts.screen.log_axis import mark_in_powers
+from app.charts.screen.axes import empty_figure
+from app.charts.screen.figures import fill
 from app.charts.styles import STYLES
 from nav_model.explore.trade_map import MapPoint
 
@@ -39,21 +38,17 @@ class MapFigure:
     def __init__(self, chart: TradeMapChart, *, narrow: bool = False) -> None:
         self._chart = chart
         self._room = _ON_A_PHONE if narrow else _ON_A_SCREEN
-        self.plot = figure(
-            name=chart.key,
-            x_axis_type="log" if chart.x_log else "linear",
-            y_axis_type="log" if chart.y_log else "linear",
-            x_axis_label=chart.x_label,
-            y_axis_label=chart.y_label,
+        self.plot = empty_figure(
+            chart,
+            x_log=chart.x_log,
+            y_log=chart.y_log,
             x_range=Range1d(chart.x[0], chart.x[-1]),
             y_range=Range1d(chart.y[0], chart.y[-1]),
             tools="save",
             toolbar_location="right",
         )
-        self.plot.toolbar.logo = None
         fill(self.plot)
         self.plot.grid.visible = False
-        self.plot.styles = TEXT_SIZE
         self._image = ColumnDataSource(_image(chart), name=f"{chart.key} image")
         mapper = LogColorMapper(palette=list(_PALETTE), low=_RANGE[0], high=_RANGE[1], nan_color="#ffffff00")
         image = self.plot.image("image", "x", "y", "dw", "dh", source=self._image, color_mapper=mapper)
@@ -75,15 +70,8 @@ class MapFigure:
             background_fill_alpha=0.7,
         )  # fmt: skip
         self._here = ColumnDataSource(_here(chart), name=f"{chart.key} design")
-        self.plot.scatter(
-            "x",
-            "y",
-            marker="cross",
-            size=26,
-            line_width=3.5,
-            source=self._here,
-            line_color=STYLES["this design"].colour,
-        )
+        cross = {"marker": "cross", "size": 26, "line_width": 3.5, "line_color": STYLES["this design"].colour}
+        self.plot.scatter("x", "y", source=self._here, **cross)
         self.plot.add_layout(
             ColorBar(
                 color_mapper=mapper, width=10, title="× " + chart.reference.replace("this design's value", "now"),
@@ -96,9 +84,6 @@ class MapFigure:
             HoverTool(renderers=[image], tooltips=f"@image{{0.000}} × {chart.reference}<br>at $x, $y", visible=False),
             HoverTool(renderers=[marks], tooltips="<b>@unit</b><br>@said", visible=False),
         )
-        for axis, is_log in ((self.plot.xaxis, chart.x_log), (self.plot.yaxis, chart.y_log)):
-            if is_log:
-                mark_in_powers(axis[0])
 
     def feed(self, chart: TradeMapChart) -> None:
         """Show another map of the same structure; the cross alone where nothing else moved."""

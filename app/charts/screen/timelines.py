@@ -24,9 +24,9 @@ from bokeh.models import Span as Rule
 from bokeh.plotting import figure
 
 from app.charts.kinds import Chart, Limit, Line
-from app.charts.screen.figures import CHIP, TEXT_SIZE, add_glyph, same, unit_of
-from app.charts.screen.log_axis import mark_in_powers
-from app.charts.styles import DASHES, GREY, INK, STYLES, behind_text
+from app.charts.screen.axes import empty_figure, line_look
+from app.charts.screen.figures import CHIP, add_glyph, same, unit_of
+from app.charts.styles import GREY, INK, STYLES, behind_text
 
 _LEFT = 72  # pixels left of every frame, so that the frames are aligned
 _NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
@@ -144,13 +144,12 @@ class Timelines:
                     box.update(left=span.start, right=span.stop)
 
     def _plot(self, chart: Chart, height: _Range, crosshair: CrosshairTool, last: bool) -> figure:
-        plot = figure(
-            name=chart.key,
+        plot = empty_figure(
+            chart,
+            y_log=chart.y_log,
             sizing_mode="stretch_both",
             min_height=130,
             x_axis_label=chart.x_label if last else None,
-            y_axis_label=chart.y_label,
-            y_axis_type="log" if chart.y_log else "linear",
             x_range=self._x_range,
             y_range=Range1d(*height),
             tools="xpan,xbox_zoom,reset,save",
@@ -162,12 +161,8 @@ class Timelines:
             min_border_top=7,  # half a label of the axis
             min_border_bottom=0 if last else 7,
         )
-        plot.toolbar.logo = None
         plot.toolbar.autohide = True
-        plot.styles = TEXT_SIZE
         plot.xaxis.visible = last
-        if chart.y_log:
-            mark_in_powers(plot.yaxis[0])
         boxes = [
             BoxAnnotation(left=0.0, right=0.0, fill_color=GREY, fill_alpha=0.2, line_alpha=0) for _ in chart.spans
         ]
@@ -175,15 +170,13 @@ class Timelines:
             plot.add_layout(box)
         self._boxes.append(boxes)
         for line in chart.lines:
-            style = STYLES[line.style]
-            look: dict[str, Any] = {"line_color": style.colour, "line_dash": DASHES[style.dash]}
+            look = line_look(STYLES[line.style])
             name = _column(chart, line.key)
             add_glyph(plot, self._was, LineGlyph(x="x", y=name, **look | _FAINT))
-            glyph = LineGlyph(x="x", y=name, line_width=style.width, **look)
+            glyph = LineGlyph(x="x", y=name, **look)
             add_glyph(plot, self._sources["timelines"], glyph, line.label)
-        red = STYLES["limit"]
-        thin: dict[str, Any] = {"line_color": red.colour, "line_dash": DASHES[red.dash], "line_width": red.width}
-        add_glyph(plot, self._sources[f"{chart.key} limits"], Segment(x0="x0", y0="y", x1="x1", y1="y", **thin))
+        limits = Segment(x0="x0", y0="y", x1="x1", y1="y", **line_look(STYLES["limit"]))
+        add_glyph(plot, self._sources[f"{chart.key} limits"], limits)
         label = Text(
             x="x", y="y", text="text", background_fill_color="colour", y_offset="offset", x_offset="shift",
             angle="angle", text_align="align", text_baseline="bottom", **CHIP,

@@ -129,9 +129,10 @@ def _dot_chart(
         closed_phase = math.nan if form is None else to_degrees * form
         dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole, kind_of(strategy)))
     dots.sort(key=_rank)
-    said = "" if study is None else (
-        f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {percent(_worst_error(study))}."
-    )  # fmt: skip
+    said = ""
+    if study is not None:
+        worst = percent(float(np.max(study.rms_error[1:] / study.rms[1:])))
+        said = f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {worst}."
     millimetres = 1000 * float(phase_to_metres(1 / _DEG, budget.sar.wavelength))
     return DotChart(key, title, x_label, tuple(dots), limit, millimetres, knowledge + said)
 
@@ -141,10 +142,6 @@ def _rank(dot: Dot) -> float:
     are shown, the simplest stays first."""
     value = dot.closed if math.isnan(dot.ensemble) else dot.ensemble
     return math.inf if math.isnan(value) else float(f"{value:.3g}")
-
-
-def _worst_error(study: SarStudy) -> float:
-    return float(np.max(study.rms_error[1:] / study.rms[1:]))
 
 
 POINT_TITLE = "Point target under each strategy"

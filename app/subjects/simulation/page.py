@@ -22,10 +22,19 @@ from app.document.blocks import Answer, Block
 from app.document.numbers import number as shown
 from app.document.pane import html_of
 from app.session import Session
+from app.subjects.simulation.charts import (
+    CHARTS,
+    CONSISTENCY,
+    TIMELINES,
+    designed_attitude_chart,
+    ensemble_chart,
+    outage_chart,
+    path_chart,
+)
 from app.subjects.simulation.controls import StudyControls
 from app.subjects.simulation.files import as_csv, as_json, as_npz
 from app.subjects.simulation.run import Flown, fly, same_subject
-from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table
+from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table, verdict
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import described, head_html, takes
 from app.ui.downloads import download
@@ -91,8 +100,6 @@ class SimulatePage(View):
     axis: str = declared(param.Selector(default="north", objects=_AXES, label="Axis of the ensemble"))
 
     def __init__(self, session: Session) -> None:
-        from app.subjects.simulation.charts import CONSISTENCY, TIMELINES
-
         super().__init__(run=session.new_run())
         self._session = session
         self._file: TrajectorySpec | None = None
@@ -193,8 +200,6 @@ class SimulatePage(View):
 
     def _answer(self) -> tuple[Answer, str]:
         """What the strip says: the verdict, of which runs, and whether it is one of this design."""
-        from app.subjects.simulation.tables import verdict
-
         if self.run.running and self._result is self._earlier:
             told = (
                 "The last result is shown until the first runs are in."
@@ -220,15 +225,11 @@ class SimulatePage(View):
         return said, " ".join(notes)
 
     def _flown(self) -> pn.Column:
-        from app.subjects.simulation.charts import designed_attitude_chart, path_chart
-
         details = self._details
         charts = details.charts(path_chart, designed_attitude_chart, height=300)
         return pn.Column(details.text(_told(run_table)), charts)
 
     def _spread(self) -> pn.Column:
-        from app.subjects.simulation.charts import ensemble_chart, outage_chart
-
         axis = pmui.RadioButtonGroup.from_param(self.param.axis, margin=(4, 10))
         charts = (outage_chart, lambda study: ensemble_chart(study, self.axis))
         return self._details.later(lambda: pn.Column(axis, self._details.charts(*charts, height=300)))
@@ -239,8 +240,6 @@ class SimulatePage(View):
             self._write()
 
     def _exports(self) -> pn.FlexBox:
-        from app.subjects.simulation.charts import CHARTS
-
         study = self._details.known
         return pn.FlexBox(
             download("Everything (JSON)", "simulation.json", lambda: io.BytesIO(as_json(study()).encode())),
