@@ -27,6 +27,7 @@ from nav_model.simulation.specification import HIGHEST_RATE, SimulationSpec
 
 if TYPE_CHECKING:
     from nav_model.sar.flown_smoother import FlownSmoother
+    from nav_model.simulation.single_run import RunRecord
 
 _FloatArray = NDArray[np.float64]
 _JUST_BEFORE = 1e-9  # s
@@ -134,41 +135,32 @@ def histories(
         level = np.swapaxes(values[:, 1:] @ turn.T, 0, 1).reshape(-1, 3)
         return np.stack([np.interp(flight.start + time, both, column) for column in level.T])
 
-    def unaided(one: SimulationSpec) -> tuple[_FloatArray, _FloatArray]:
-        """Position and velocity errors (3, runs, n) of the flights without fixes."""
+    def flown(one: SimulationSpec) -> tuple[list[RunRecord], _FloatArray, _FloatArray]:
+        """The runs of a flight, and their position and velocity errors (3, runs, n)."""
         instants = plan(one).outputs.time_s[1:]
-        errors = [fly(replace(one, seed=seed), run).error for run in numbers]
+        records = [fly(replace(one, seed=seed), run) for run in range(first_run, first_run + runs)]
         position, velocity = (
-            np.stack([sampled(error[..., part], instants) for error in errors], axis=1)
+            np.stack([sampled(record.error[..., part], instants) for record in records], axis=1)
             for part in (slice(0, 3), slice(3, 6))
         )
-        return position, velocity
+        return records, position, velocity
 
-    numbers = range(first_run, first_run + runs)
-    aided: list[_FloatArray] = []
-    speed: list[_FloatArray] = []
-    before: list[_FloatArray] = []
-    after: list[_FloatArray] = []
-    fix_errors: list[_FloatArray] = []
-    for run in numbers:
-        record = fly(replace(spec, seed=seed), run)
-        aided.append(sampled(record.error[..., :3], recorded))
-        speed.append(sampled(record.error[..., 3:6], recorded))
-        for states, phase in ((before, PRIOR), (after, POSTERIOR)):
-            state = record.error[phase, at].copy()
-            state[:, 6:9] = np.einsum("kij,kj->ki", own_angles, state[:, 6:9])
-            states.append(state)
-        fix_errors.append(record.fix_error[within] @ turn.T)
-    free, free_speed = unaided(flight.free)
-    coasted = free if flight.coasted is None else unaided(flight.coasted)[0]
+    def at_fixes(phase: int) -> _FloatArray:
+        """Errors (k, runs, 9) in the filter's own states, of the flight with fixes."""
+        states = np.stack([record.error[phase, at] for record in records], axis=1)
+        states[..., 6:9] = np.einsum("kij,krj->kri", own_angles, states[..., 6:9])
+        return states
 
-    prior, posterior = np.stack(before, axis=1), np.stack(after, axis=1)
+    records, position, velocity = flown(spec)
+    _, free, free_speed = flown(flight.free)
+    coasted = free if flight.coasted is None else flown(flight.coasted)[1]
+    prior, posterior = at_fixes(PRIOR), at_fixes(POSTERIOR)
     fixes = tuple(all_fixes)
     smoother = _smoother(spec, fixes, flight.first, end)
     known, moments = end - flight.first, flight.start + time
     added = smoother.until(known).correction(moments, prior[:known], posterior[:known])
     in_leg = smoother.correction(moments, prior, posterior)
-    position, velocity, errors = np.stack(aided, axis=1), np.stack(speed, axis=1), np.stack(fix_errors)
+    errors = np.stack([record.fix_error[within] @ turn.T for record in records])
     jump = (posterior - prior)[:known, :, :3] @ turn.T
     jump[0] = 0.0  # the aperture starts just after its first fix
     return [

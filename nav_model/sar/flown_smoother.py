@@ -110,7 +110,7 @@ def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int, end
     )
     noise = np.array([*spec.gnss.axis_noise, *spec.gnss.axis_velocity_noise]) ** 2
     prior, posterior, transitions = [], [], []
-    at, gathered, since = [], [], []  # nodes since the last fix: time, covariance, transition from the fix
+    stretch: list[tuple[float, _FloatArray, _FloatArray]] = []  # since the last fix: time, covariance, transition
     node_time, node_fix, node_gain = [], [], []
     forward, before, fix = np.eye(_STATES), 0.0, 0
     for moment, place, f, matrix in zip(moments, state, force, path.matrix, strict=True):
@@ -121,16 +121,14 @@ def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int, end
             grown = dynamics * elapsed
             forward = (np.eye(_STATES) + grown + grown @ grown / 2 + grown @ grown @ grown / 6) @ forward
         if fix - 1 in wanted:
-            at.append(moment)
-            gathered.append(covariance.copy())
-            since.append(forward.copy())
+            stretch.append((moment, covariance.copy(), forward))
         if fix == len(fix_times) or abs(moment - fix_times[fix]) > 1e-8:
             continue
-        if at:
-            from_fix = np.stack(since)
-            node_time += at
-            node_fix += [fix - first] * len(at)
-            node_gain += list(smoother_gain(np.stack(gathered), forward @ np.linalg.inv(from_fix), covariance)[:, :3])
+        if stretch:
+            times, covariances, since = (np.array(each) for each in zip(*stretch, strict=True))
+            node_time += times.tolist()
+            node_fix += [fix - first] * len(times)
+            node_gain += list(smoother_gain(covariances, forward @ np.linalg.inv(since), covariance)[:, :3])
         if fix > first:
             transitions.append(forward)
         if fix >= first:
@@ -142,7 +140,7 @@ def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int, end
         if fix >= first:
             posterior.append(covariance.copy())
         forward = np.eye(_STATES)
-        at, gathered, since = ([moment], [covariance.copy()], [forward]) if fix in wanted else ([], [], [])
+        stretch = [(moment, covariance.copy(), forward)] if fix in wanted else []
         fix += 1
     return FlownSmoother(
         np.stack(prior),
