@@ -57,16 +57,7 @@ class SweepFlight:
         InputError
             As `nav_model.simulation.design_study.specification`.
         """
-        return specification(
-            design,
-            trajectory=self.trajectory,
-            runs=self.runs,
-            seed=self.seed,
-            duration=self.duration,
-            outages=self.outages,
-            every=self.every,
-            states=self.states,
-        )
+        return specification(design, **vars(self))  # its fields are named as the options are
 
 
 def read_flight(table: Any, folder: Path) -> SweepFlight:

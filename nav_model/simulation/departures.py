@@ -48,6 +48,7 @@ CAUSES: Final = {
 }
 """Steps of the chain in its order."""
 SMALL: Final = "several small differences, none above 3 %"
+_TOLERANCE = 0.1  # relative: differences up to it are no departures
 _LEAST_STEP = 0.03  # of a factor: smaller steps explain nothing a reader would ask about
 _LEAST_SHARE = 0.25  # of the largest step
 _CHANCE = 1e-3  # probability that a correct study reports a difference of the simulated errors
@@ -184,10 +185,8 @@ def _straight(spec: SimulationSpec) -> TrajectorySpec:
     return flight
 
 
-def departures(
-    result: SimulationResult, links: Chain, tolerance: float = 0.1, settling_s: float = 60.0
-) -> list[Departure]:
-    """Where filter or simulated errors differ from the closed form by more than `tolerance` (relative).
+def departures(result: SimulationResult, links: Chain, settling_s: float = 60.0) -> list[Departure]:
+    """Where filter or simulated errors differ from the closed form by more than 10 %.
 
     One finding per state and phase: each outage, `settling_s` seconds from the start and from each outage's end, the
     rest of the time with fixes before the next one; all just after the fix. Simulated errors count only if the
@@ -212,9 +211,9 @@ def departures(
                 continue
             off = float(np.sqrt(np.mean((simulated[rows, column] / believed[rows, column]) ** 2)))
             by_chance = low <= off <= high
-            apart = rows[np.abs(ratio[rows] - 1.0) > tolerance]
+            apart = rows[np.abs(ratio[rows] - 1.0) > _TOLERANCE]
             if len(apart) == 0:
-                if by_chance or abs(off * ratio[rows[-1]] - 1.0) <= tolerance:
+                if by_chance or abs(off * ratio[rows[-1]] - 1.0) <= _TOLERANCE:
                     continue
                 apart = rows
                 worst = rows[-1]
