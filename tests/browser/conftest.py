@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -13,16 +11,13 @@ from typing import Any
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, BrowserContext, Page, expect
+from served import serving
 from waiting import PATIENCE
 
 _FLAGS = [
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
+    "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+]  # fmt: skip
 _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
 
 
@@ -65,15 +60,8 @@ def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[s
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a running `navbudget serve`."""
-    library = tmp_path_factory.mktemp("library") / "library.db"
-    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--library", str(library)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        line = process.stdout.readline()
-        assert line.startswith("NavBudget on http://"), line
-        yield line.split()[-1]
-        process.terminate()
-        assert process.wait(PATIENCE) is not None
+    with serving("--library", str(tmp_path_factory.mktemp("library") / "library.db")) as (address, _):
+        yield address
 
 
 @pytest.fixture
@@ -91,14 +79,8 @@ def _watched(page: Page, server: str) -> Iterator[Callable[..., Page]]:
     """
     elsewhere: list[str] = []
     errors: list[str] = []
-    page.on(
-        "request",
-        lambda r: (
-            None
-            if r.url.startswith((server, server.replace("http", "ws"), "data:", "blob:"))
-            else elsewhere.append(r.url)
-        ),
-    )
+    ours = (server, server.replace("http", "ws"), "data:", "blob:")
+    page.on("request", lambda asked: None if asked.url.startswith(ours) else elsewhere.append(asked.url))
     page.on("pageerror", lambda error: errors.append(str(error)))
 
     def open_(path: str = "/", **size: int) -> Page:

@@ -105,21 +105,17 @@ def test_a_followed_link_is_written_into_the_history_twice(shipped: Page) -> Non
     assert shipped.evaluate("() => location.hash") == "#there"
 
 
-def test_every_wish_is_a_pass_over_hidden_parts_too(shipped: Page) -> None:
+def test_every_wish_is_a_pass_over_hidden_parts_too_and_a_size_that_changes_within_is_swallowed(
+    shipped: Page,
+) -> None:
     passes, hidden = shipped.evaluate(_PASSES)
     assert passes == 5
     assert hidden
-
-
-def test_a_size_that_changes_within_is_swallowed(shipped: Page) -> None:
     assert shipped.evaluate(_SWALLOWED) == [False, -50]
 
 
-def test_what_stands_deeper_is_given_no_size(shipped: Page) -> None:
+def test_what_stands_deeper_is_given_no_size_and_ours_is(shipped: Page, plain: Page) -> None:
     assert shipped.evaluate(_REACHED) == ["near"]
-
-
-def test_ours_is_given_its_size(plain: Page) -> None:
     assert plain.evaluate(_REACHED) == ["near", "deep"]
 
 
@@ -132,11 +128,8 @@ def test_a_choice_does_not_open_by_keyboard(shipped: Page) -> None:
         assert choice.get_attribute("aria-expanded") == "false"
 
 
-def test_a_sheet_is_written_again_with_the_same_text(shipped: Page) -> None:
+def test_a_sheet_is_written_again_with_the_same_text_and_a_paint_asks_for_computed_styles(shipped: Page) -> None:
     assert shipped.evaluate(_REWRITE)
-
-
-def test_a_paint_asks_for_computed_styles(shipped: Page) -> None:
     as_shipped, without = shipped.evaluate(_ASKED)
     assert as_shipped > 2 * without > 0
 
@@ -146,20 +139,16 @@ _HOW = """() => performance.getEntriesByType("resource")
   .filter(part => part.name.includes("panel-material-ui.bundle.js")).map(part => part.initiatorType)"""
 
 
-def test_modules_are_fetched_and_rewritten(shipped: Page) -> None:
+def test_modules_are_fetched_and_rewritten_and_ours_imported_by_the_browser(shipped: Page, plain: Page) -> None:
     assert shipped.evaluate(_HOW) == ["fetch"]
-
-
-def test_ours_are_imported_by_the_browser(plain: Page) -> None:
     assert plain.evaluate(_HOW) == ["script"]
 
 
-def test_a_page_connects_when_all_has_run(shipped: Page) -> None:
+def test_a_page_connects_when_all_has_run_and_ours_while_a_library_is_still_to_come(
+    shipped: Page, page: Page, server: str
+) -> None:
     [reached] = shipped.evaluate("() => connections")
     assert reached in {"interactive", "complete"}
-
-
-def test_ours_connects_while_a_library_is_still_to_come(page: Page, server: str) -> None:
     late: list[Route] = []
     page.add_init_script(_CONNECTIONS)
     page.route("**/bokeh-tables.min.js*", lambda route: late.append(route))

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from on_page import box, card, content, enter, section
+from on_page import box, card, columns, content, enter, section
 from playwright.sync_api import Page, expect
 from waiting import until
 
@@ -20,12 +20,6 @@ Visit = Callable[..., Page]
 Check = Callable[..., None]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-_CURVE = """(name) => {
-  const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
-  const data = sources.find(m => m.name === name).data
-  const columns = data instanceof Map ? data : new Map(Object.entries(data))
-  return [...columns.get("position horizontal")]
-}"""
 
 
 def test_first_screen_gives_the_answer(plain: Page) -> None:
@@ -60,11 +54,12 @@ def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> Non
     expect(chosen).to_have_count(1)
 
 
-# For each figure in view: how much of its width its frame has.
+# For each figure in view: how much of its width its frame has, and how high that is.
 _FRAMES = """() => {
   const figures = (view) => [...(view.model.type === "Figure" && view.is_displayed ? [view] : []),
     ...[...(view.child_views ?? [])].flatMap(figures)]
-  return Bokeh.index.roots.flatMap(figures).map((figure) => figure.frame.bbox.width / figure.bbox.width)
+  return Bokeh.index.roots.flatMap(figures)
+    .map(({ frame, bbox }) => [frame.bbox.width / bbox.width, frame.bbox.height])
 }"""
 
 
@@ -73,7 +68,7 @@ def test_unfolded_charts_are_drawn_as_wide_as_their_place(visit: Visit) -> None:
     for title in ("What limits horizontal position", "Growth of the position error"):
         page.get_by_role("button", name=title).click()
     page.wait_for_function(f"() => ({_FRAMES})().length === 6")
-    page.wait_for_function(f"() => ({_FRAMES})().every(share => share > 0.8)")
+    page.wait_for_function(f"() => ({_FRAMES})().every(([share, high]) => share > 0.8 && high > 50)")
 
 
 # Boxes of what must be seen at once, and how many of each there are.
@@ -112,18 +107,14 @@ def test_the_answer_and_what_moves_it_are_on_one_screen(plain: Page) -> None:
     plain.set_viewport_size({"width": 1440, "height": 900})
 
 
-_ALL_CURVES = """() => {
-  const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
-  const data = sources.find(m => m.name === "timelines").data
-  const columns = data instanceof Map ? data : new Map(Object.entries(data))
-  const names = [...columns.keys()].filter(key => key !== "x")
-  return Object.fromEntries(names.map(name => [name, [...columns.get(name)].at(-1)]))
-}"""
+def _curves(page: Page) -> dict[str, float]:
+    """Where each ends."""
+    return {name: values[-1] for name, values in columns(page, "timelines").items() if name != "x"}
 
 
 def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
     """Every sigma that gyro noise moves, tiles, phase bars; and what was before is told beside it, until cleared."""
-    curves, bars = desk.evaluate(_ALL_CURVES), desk.locator("table.bars").inner_text()
+    curves, bars = _curves(desk), desk.locator("table.bars").inner_text()
     tiles = [card(desk, name).inner_text() for name in ("Roll, pitch", "Quadratic phase", "Detrended phase")]
     assert len(curves) == 11  # five of them for the outage in real time beside a smoothed one
     slider = desk.get_by_role("slider", name="Angle random walk")
@@ -134,7 +125,7 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
     moved = [name for name in curves if "vertical" not in name and "real time" not in name]
 
     def moves() -> bool:
-        now = desk.evaluate(_ALL_CURVES)
+        now = _curves(desk)
         return all(now[name] > curves[name] for name in moved)
 
     until(moves, "the curves")
@@ -205,7 +196,7 @@ def test_what_would_close_it_is_one_press_away(desk: Page) -> None:
 
 
 def test_slider_moves_box_curve_and_verdict_together(desk: Page) -> None:
-    curve = desk.evaluate(_CURVE, "timelines")
+    curve = columns(desk, "timelines")["position horizontal"]
     phase = card(desk, "Quadratic phase").inner_text()
     slider = desk.get_by_role("slider", name="Angle random walk")
     slider.focus()
@@ -217,19 +208,11 @@ def test_slider_moves_box_curve_and_verdict_together(desk: Page) -> None:
     def shows() -> bool:
         changes = [f"imu.angle_random_walk={box(desk, 'Angle random walk').input_value()}"]
         expected = analyse(parse_design((EXAMPLES / "mems_x_band.toml").read_bytes(), changes=changes))
-        shown = desk.evaluate(_CURVE, "timelines")[2:]
+        shown = columns(desk, "timelines")["position horizontal"][2:]
         return bool(shown == pytest.approx(list(expected.coast.refined_horizontal), rel=1e-12))
 
     until(shows, "the last key press on its way round to the curve")
-    assert desk.evaluate(_CURVE, "timelines")[50] != curve[50]
-
-
-@pytest.mark.slow
-def test_every_tab_has_an_address(visit: Visit) -> None:
-    page = visit("/#sensors")
-    expect(page.get_by_role("tab", name="Sensors")).to_have_attribute("aria-selected", "true")
-    page.get_by_role("tab", name="Budget").click()
-    page.wait_for_function("() => location.hash === '#budget'")
+    assert columns(desk, "timelines")["position horizontal"][50] != curve[50]
 
 
 def test_chart_data_to_take_away(plain: Page) -> None:

@@ -80,15 +80,6 @@ _OVERLAPS = """() => {
 }"""
 
 
-# Whether the figure of this name has room for its curves.
-_FRAME_OF = """(name) => {
-  const figures = (view) => [...(view.model.name === name && view.frame ? [view] : []),
-    ...[...(view.child_views ?? [])].flatMap(figures)]
-  const { width, height } = Bokeh.index.roots.flatMap(figures)[0]?.frame.bbox ?? {}
-  return width > 200 && height > 100
-}"""
-
-
 # Every source of phase error: the table of them is at its longest.
 _SOURCES = "/?ba=0.1mg&bg=0.4deg/h&vl=9Hz:1g&dly=2ms&ul=30Hz:0.01mm&vre=980ug/g^2&lf=10Hz:-60dBc/Hz%3B1kHz:-99dBc/Hz"
 _ALL = ("SAR", "Explore", "Simulate", "Suborbital", "Budget")
@@ -98,10 +89,10 @@ _ALL = ("SAR", "Explore", "Simulate", "Suborbital", "Budget")
     ("path", "width", "height", "names"),
     [
         (_SOURCES, 1440, 900, ("Explore", "Budget")),
-        pytest.param("/", 1280, 720, _ALL, marks=pytest.mark.slow),
-        pytest.param("/", 1440, 900, _ALL, marks=pytest.mark.slow),
-        pytest.param("/", 1000, 700, _ALL, marks=pytest.mark.slow),
-        pytest.param("/", 390, 844, _ALL, marks=pytest.mark.slow),
+        *(
+            pytest.param("/", *size, _ALL, marks=pytest.mark.slow)
+            for size in ((1280, 720), (1440, 900), (1000, 700), (390, 844))
+        ),
     ],
 )
 def test_no_part_of_a_page_is_drawn_over_another(
@@ -141,14 +132,6 @@ def test_a_repaint_works_out_no_styles(plain: Page, settled: Callable[[Page], No
     assert found["written"] == 0
     assert found["asked"] < 60  # for a figure; 258 as shipped, and 26 sheets written
     assert found["changed"] == ":host { color: blue; }"
-
-
-def test_a_chart_that_is_unfolded_is_drawn(plain: Page) -> None:
-    """Its frame has a size, not only the place it stands in."""
-    title = plain.get_by_role("button", name="What limits horizontal position").first
-    title.click()
-    plain.wait_for_function(_FRAME_OF, arg="regime")
-    title.click()
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from playwright.sync_api import Download, Locator, Page
 
@@ -33,3 +34,17 @@ def content(download: Download) -> bytes:
     path = download.path()
     assert path is not None
     return Path(path).read_bytes()
+
+
+_COLUMNS = """(name) => {
+  const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
+  const data = sources.find(m => m.name === name).data
+  const pairs = [...(data instanceof Map ? data : Object.entries(data))]
+  return Object.fromEntries(pairs.map(([key, values]) => [key, [...values]]))
+}"""
+
+
+def columns(page: Page, name: str) -> dict[str, list[Any]]:
+    """What the curves of a chart are drawn from."""
+    found: dict[str, list[Any]] = page.evaluate(_COLUMNS, name)
+    return found
