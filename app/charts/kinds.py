@@ -7,8 +7,6 @@ together.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from app.charts.csv_text import csv_text
 from nav_model.explore.trade_map import MapPoint, TradeMap
 
 Array = NDArray[np.float64]
@@ -387,6 +386,4 @@ Drawing = AnyChart | PictureChart
 
 def to_csv(chart: AnyChart | RankChart | TradeMapChart) -> str:
     """A chart's data as CSV text, full precision."""
-    text = io.StringIO()
-    csv.writer(text).writerows(chart.rows())
-    return text.getvalue()
+    return csv_text(chart.rows())

@@ -13,7 +13,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, TextIO, cast
 
 from nav_model.base.errors import InputError, shown
 from nav_model.base.processes import kill_workers
@@ -43,7 +43,8 @@ def run_to_end(command: Callable[[], int]) -> int:
 
     SIGINT and SIGTERM end the worker processes, with what waits for them, and unwind the command, so that nothing
     half written stays; the code is 128 plus the signal's number. A reader that leaves early (`| head`) is no fault; a
-    pipe that nobody reads is one, shown by the code alone.
+    pipe that nobody reads is one, shown by the code alone. Writing to a closed standard
+    output is a fault.
     """
     _open_streams()
     taken = _count_what_is_read()
@@ -100,9 +101,18 @@ def _open_streams() -> None:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+    for name, mode in (("stdin", "r"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  # as long as Python runs
+    if sys.stdout is None:
+        sys.stdout = cast(TextIO, _Closed())
+
+
+class _Closed(io.TextIOBase):
+    """Standard output that was closed: results that go there are lost, which is a fault."""
+
+    def write(self, _: str) -> int:
+        raise OSError(errno.EBADF, "standard output is closed")
 
 
 class _Pipe(io.FileIO):

@@ -48,6 +48,12 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
             draft.unlink(missing_ok=True)
 
 
+def spare(source: str, target: Path | None, option: str) -> None:
+    """Refuse to write the result over the file that it is made from; InputError under the option."""
+    if target is not None and target.exists() and Path(source).exists() and target.samefile(source):
+        raise InputError(option, f"{str(target)!r} is the file that was read; name another")
+
+
 @contextmanager
 def _told_of(target: Path) -> Iterator[None]:
     """Convert faults of writing to the errors of `whole_file`."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -192,7 +193,9 @@ def _curves(chart: Chart, height: int | None) -> Figure:
             fill_color=style.colour, line_color=style.colour, line_width=style.width if points.marker == "x" else 1.0,
         )  # fmt: skip
         renderer = add_glyph(plot, source, glyph)
-        _hover(plot, [renderer], f"<b>@name</b>: {points.source}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}")
+        _hover(
+            plot, [renderer], f"<b>@name</b>: {escape(points.source)}<br>@y{{0.000}} {y_unit} at @x{{0.000}} {x_unit}"
+        )
     if chart.limits:
         glyph = Segment(x0="x0", y0="y", x1="x1", y1="y", **line_look(STYLES["limit"]))
         renderer = add_glyph(plot, sources["limits"], glyph)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -69,5 +70,5 @@ def draw(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) 
         marks = plot.scatter(
             "x", "y", source=sources[f"points {points.key}"], marker=points.marker, fill_color=style.colour, **look
         )
-        plot.add_tools(HoverTool(renderers=[marks], tooltips=f"<b>@name</b>: {points.source}", visible=False))
+        plot.add_tools(HoverTool(renderers=[marks], tooltips=f"<b>@name</b>: {escape(points.source)}", visible=False))
     return plot

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from app.charts.csv_text import csv_text
 from app.console.arguments import put_json
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
@@ -162,9 +162,7 @@ def explore(design: Design, options: argparse.Namespace) -> int:
     if not options.csv:
         return put_json(lambda: {"processing": {"mode": mode}, **whole})
     table = [{**row, "processing.mode": mode} for row in rows]
-    writer = csv.DictWriter(sys.stdout, table[0], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table)
+    sys.stdout.write(csv_text((table[0], *(row.values() for row in table))))
     return 0
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Mapping
 from html import escape
@@ -11,6 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.charts.csv_text import csv_text
 from app.declared import declared
 from app.document.pane import html_of
 from app.session import Session
@@ -165,12 +165,9 @@ class SearchPanel(Question):
         self._said.object = f'<p role="status">{escape(text)}</p>'
 
     def _csv(self) -> io.BytesIO:
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         margins = self._found[0].margins if self._found else ()
-        writer.writerow(("IMU", "Receiver", "Closes", "Margin", "Tightest", "Main error source", "Its share",
-                         *(f"Margin of {name}" for name in margins), "Unverified"))  # fmt: skip
-        for row in self._found:
-            writer.writerow((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
-                             *row.margins.values(), "; ".join(row.doubts)))  # fmt: skip
-        return io.BytesIO(text.getvalue().encode())
+        head = ("IMU", "Receiver", "Closes", "Margin", "Tightest", "Main error source", "Its share",
+                *(f"Margin of {name}" for name in margins), "Unverified")  # fmt: skip
+        rows = ((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
+                 *row.margins.values(), "; ".join(row.doubts)) for row in self._found)  # fmt: skip
+        return io.BytesIO(csv_text((head, *rows)).encode())

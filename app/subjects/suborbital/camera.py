@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from html import escape
+
 import panel as pn
 import param
 
@@ -50,7 +52,7 @@ class CameraNoisePanel(pn.viewable.Viewer):
         if self.run.running or settings is None:
             return
         if self.run.message:
-            self._said.object = f"<p role='alert'>{self.run.message}</p>"
+            self._said.object = f"<p role='alert'>{escape(self.run.message)}</p>"
         elif swept is not None:
             self._said.object = html_of(camera_noise_answer(swept, settings["camera.centroid_noise"]))
             self._swept.follow()

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from app.console.arguments import put_json
-from app.console.files import put_file
+from app.console.files import put_file, spare
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
 from nav_model.design.declaration import Choice
@@ -56,6 +56,7 @@ def run(
         study = parse_study(data, where)
         settings, flown = study.settings, study.trajectory
     elif data is not None:
+        spare(where, save, "--save")
         design = parse_design(data, where, of_design)
         settings = from_design(DEFAULTS, design)
     settings = read_changes(settings, changes, "command line")

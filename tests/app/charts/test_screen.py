@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 from bokeh.document import Document
 from bokeh.document.events import ColumnDataChangedEvent
+from bokeh.models import HoverTool
 
-from app.charts.kinds import Chart, Line
+from app.charts.kinds import Chart, Line, Points
 from app.charts.screen.figures import Figure, to_bokeh
+from app.examples import example
+from app.subjects.sar.charts import arw_winner_chart
+from nav_model.budget import analyse
 
 _X = np.arange(5.0)
 
@@ -84,3 +88,15 @@ def test_two_lines_that_change_their_names_keep_their_values():
     figure.feed(swapped)
     for renderer, line in zip(figure._lines, swapped.lines, strict=True):
         assert np.array_equal(renderer.data_source.data[renderer.glyph.y.field], line.y)
+
+
+def test_what_points_come_from_is_text_in_their_hover():
+    """A hover's template is HTML, in figures and on grids."""
+    named = Points("p", "points", np.array([5.0]), np.array([0.5]), ("here",), "reference", source="<img src=x>")
+    plots = [to_bokeh(replace(_chart(), points=(named,)), 300).plot]
+    winners = arw_winner_chart(analyse(example("mems_x_band")))
+    plots.append(to_bokeh(replace(winners, points=(replace(winners.points[0], source="<img src=x>"),)), 300).plot)
+    for plot in plots:
+        said = [tool.tooltips for tool in plot.select(type=HoverTool) if "img" in str(tool.tooltips)]
+        assert len(said) == 1
+        assert "&lt;img src=x&gt;" in said[0]

@@ -139,14 +139,37 @@ def test_a_reader_that_leaves_early_is_no_fault_and_hears_nothing(command: str) 
     assert done.stderr == ""
 
 
+@pytest.mark.parametrize("closed", ["0<&-", "2>&-", "0<&- 2>&-"])
+def test_closed_streams_change_no_verdict(closed: str) -> None:
+    done = subprocess.run(f"{sys.executable} -m app check {MEMS} {closed}", shell=True, cwd=ROOT, capture_output=True)
+    assert done.returncode == 1
+
+
 @pytest.mark.parametrize(
-    ("design", "code", "closed"),
-    [*((MEMS, 1, closed) for closed in ("0<&-", "1>&-", "2>&-")),
-     *((design, code, "0<&- 1>&- 2>&-") for design, code in ((MEMS, 1), (TACTICAL, 0)))],
-)  # fmt: skip
-def test_closed_streams_change_no_verdict(design: str, code: int, closed: str) -> None:
-    done = subprocess.run(f"{sys.executable} -m app check {design} {closed}", shell=True, cwd=ROOT)
-    assert done.returncode == code
+    "command",
+    [
+        f"check {TACTICAL}",
+        f"evaluate {TACTICAL}",
+        f"explore rank {TACTICAL} --csv",
+        "presets imu",
+        "suborbital --inputs",
+        f"sar {TACTICAL} --runs 20",
+        "serve --port 0",
+    ],
+)
+def test_results_for_a_closed_standard_output_are_a_fault(command: str) -> None:
+    done = subprocess.run(
+        f"{sys.executable} -m app {command} >&-", shell=True, cwd=ROOT, stderr=subprocess.PIPE, text=True,
+        timeout=PATIENCE,
+    )  # fmt: skip
+    assert done.returncode == 3
+    assert done.stderr.splitlines()[-1] == "navbudget: standard output is closed"
+
+
+def test_a_file_is_written_also_without_a_standard_output(tmp_path: Path) -> None:
+    command = f"{sys.executable} -m app sar {TACTICAL} --runs 20 -o {tmp_path}/out.json >&-"
+    assert subprocess.run(command, shell=True, cwd=ROOT, stderr=subprocess.DEVNULL).returncode == 0
+    assert (tmp_path / "out.json").exists()
 
 
 def test_a_fault_of_our_own_is_no_verdict(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from app.charts.csv_text import csv_text
 from app.cli import main
 
 DESIGN = str(Path(__file__).parents[4] / "app" / "examples" / "mems_x_band.toml")
@@ -41,3 +42,26 @@ def test_own_sensors(tmp_path, capsys):
     )
     assert main(["explore", "search", DESIGN, "--imus", str(own)]) == 0
     assert "Ours" in {row["imu"] for row in json.loads(capsys.readouterr().out)["candidates"]}
+
+
+@pytest.mark.parametrize("name", ['=HYPERLINK("http://evil.example")', "+1+1", "-1+1", "@SUM(A1)"])
+def test_a_name_from_a_catalogue_is_no_formula(tmp_path, capsys, name):
+    own = tmp_path / "own.toml"
+    own.write_text(
+        f"[[imu]]\nname = '{name}'\n"
+        'angle_random_walk = { value = "9 °/√h", status = "confirmed", source = "bench" }\n'
+        'velocity_random_walk = { value = "9 m/s/√h", status = "confirmed", source = "bench" }\n',
+        encoding="utf-8",
+    )
+    assert main(["explore", "search", DESIGN, "--csv", "--imus", str(own)]) == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    named = [row for row in rows if name in row["imu"]]
+    assert {row["imu"] for row in named} == {f"'{name}"}
+    assert all(float(row["margin"]) < 0 for row in named)  # a negative number is one
+
+
+def test_every_csv_of_ours_marks_what_a_spreadsheet_would_compute():
+    rows = [["=1", "+a", "-a", "@a", "\ta", "a\r=1", "a=1", ""], ["-1.5", "+2", "-inf", -3.0, 4, None, True, "nan"]]
+    marked, kept = csv.reader(io.StringIO(csv_text(rows), newline=""))
+    assert marked == ["'=1", "'+a", "'-a", "'@a", "'\ta", "a =1", "a=1", ""]
+    assert kept == ["-1.5", "+2", "-inf", "-3.0", "4", "", "True", "nan"]

@@ -21,6 +21,7 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.suborbital import studies
 from app.subjects.suborbital.answer import answer
+from app.subjects.suborbital.camera import CameraNoisePanel
 from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
 from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
 from app.subjects.suborbital.page import SuborbitalPage
@@ -357,6 +358,14 @@ def test_linear_gap_names_the_row_that_is_beyond_the_promise(survey: Survey) -> 
     table = gap_table(Shown(survey, survey.study))
     assert "sum of signed errors is off by 0.6 %" in table.note
     assert len(table.rows) == len(survey.study.names) - 1
+
+
+def test_why_a_sweep_of_camera_noise_ended_is_text() -> None:
+    panel = CameraNoisePanel(Session(first_design()))
+    panel._settings = DEFAULTS
+    panel.run.param.update(running=True)
+    panel.run.param.update(running=False, message="<b>no & such</b>")
+    assert panel._said.object == "<p role='alert'>&lt;b&gt;no &amp; such&lt;/b&gt;</p>"
 
 
 def test_camera_noise_exceeds_that_of_the_imu_where_the_curves_cross() -> None:

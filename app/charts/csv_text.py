@@ -1,0 +1,33 @@
+"""Tables as CSV text that a spreadsheet shows as it is."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from typing import Any
+
+
+def csv_text(rows: Iterable[Iterable[Any]]) -> str:
+    """Rows as CSV; a name that a spreadsheet would compute, as somebody's catalogue may hold, is marked as text.
+
+    >>> csv_text([("=1+1", "-1.5", -2.0)])
+    "'=1+1,-1.5,-2.0\\n"
+    """
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(map(_cell, row) for row in rows)
+    return text.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    """As it is, or with an apostrophe if it begins as a formula does and is no number."""
+    if not isinstance(value, str):
+        return value
+    value = value.replace("\r", " ")  # it would end the row, unquoted
+    if not value.startswith(("=", "+", "-", "@", "\t")):
+        return value
+    try:
+        float(value)
+    except ValueError:
+        return f"'{value}"
+    return value
