@@ -10,7 +10,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
-from panel.auth import BasicAuthProvider, LogoutHandler, OAuthProvider
+from panel.auth import BasicAuthProvider, BasicLoginHandler, LogoutHandler, OAuthProvider
 from panel.config import config
 from tornado.web import HTTPError
 
@@ -33,11 +33,11 @@ def _pages() -> Environment:
 
 def plain_page(title: str, text: str, **more: Any) -> str:
     """A page of ours outside the dashboard: a message, or the form to log in."""
-    fields = {"form": None, "failed": "", "name": "", "again": "", "link_text": "", **more}
+    fields = {"form": None, "leave": None, "failed": "", "name": "", "again": "", "link_text": "", **more}
     return _pages().get_template("plain.html").render(title=title, text=text, **fields)
 
 
-class PasswordLogin(CookieForThisSite):
+class PasswordLogin(CookieForThisSite, BasicLoginHandler):
     """The login page: checks a name and a password against the file."""
 
     passwords: Passwords
@@ -91,11 +91,17 @@ class PasswordLogin(CookieForThisSite):
         self.write(plain_page("Log in", "", form=Markup(self.xsrf_form_html()), failed=failed, name=name))
 
 
-class Goodbye(LogoutHandler):
-    """Log out."""
+class Goodbye(CookieForThisSite, LogoutHandler):
+    """Log out, which a link from elsewhere cannot do."""
 
     def get(self) -> None:
+        """The button."""
+        self.set_header("Cache-Control", "no-store")
+        self.write(plain_page("Log out", "", leave=Markup(self.xsrf_form_html())))
+
+    def post(self) -> None:
         """Delete the cookie, and end the login for every copy of it."""
+        self.check_xsrf_cookie()  # the server does so for passwords alone
         secret = self.get_secure_cookie(_LOGIN, max_age_days=config.oauth_expiry)
         if secret is not None:
             PasswordLogin.logins.end(secret.decode("utf-8"))

@@ -2,7 +2,7 @@
 
 The cookie of a login is for this site only, and over TLS only if the page came that way.
 
-Panel sets it without SameSite and without Secure.
+Panel sets it, and Tornado that of a form, without SameSite and without Secure.
 
 Written for: Panel 1.9.4
 Upstream: none found, searched 2026-11-22
@@ -21,18 +21,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from panel.auth import BasicLoginHandler
 from panel.config import config
 from panel.io.state import state
+from tornado.web import RequestHandler
 
 
-class CookieForThisSite(BasicLoginHandler):
+class CookieForThisSite(RequestHandler):
     """A login whose cookies stay here."""
 
-    def set_secure_cookie(self, name: str, value: str | bytes, *arguments: Any, **options: Any) -> None:
+    def set_cookie(self, name: str, value: str | bytes, *arguments: Any, **options: Any) -> None:
         """As Tornado, with SameSite and perhaps Secure."""
         secure = self.request.protocol == "https"
-        super().set_secure_cookie(name, value, *arguments, **{**options, "samesite": "Lax", "secure": secure})
+        super().set_cookie(name, value, *arguments, **{**options, "samesite": "Lax", "secure": secure})
 
 
 def encrypt_tokens(key: bytes) -> None:

@@ -70,6 +70,7 @@ def test_the_way_in_and_out_with_a_password(page: Page, tmp_path: Path) -> None:
         assert [design.author for design in saved.designs()] == ["ada"]
         saved.close()
         page.goto(server + "/logout")
+        page.get_by_role("button", name="Log out").click()
         expect(page.get_by_text("You are logged out.")).to_be_visible()
         page.get_by_role("link", name="Log in again").click()
         expect(page.get_by_role("heading", name="Log in")).to_be_visible()

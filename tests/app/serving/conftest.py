@@ -60,6 +60,11 @@ class Served:
         assert found
         return self.ask(path, {"_xsrf": found[1], "username": name, "password": password}, **headers)
 
+    def log_out(self) -> tuple[int, str, http.client.HTTPMessage]:
+        found = _XSRF.search(self.ask("/logout")[1])
+        assert found
+        return self.ask("/logout", {"_xsrf": found[1]})
+
     def token(self, path: str = "/") -> str:
         """Of a newly opened page."""
         status, text, _ = self.ask(path)

@@ -155,7 +155,10 @@ def test_logout(visitor: Any) -> None:
     status, text, _ = visitor.ask("/")
     assert status == 200
     assert text.index('name="viewport"') < text.index("innerWidth")  # which is a desk's before a phone has read it
-    status, text, _ = visitor.ask("/logout")
+    visitor.ask("/logout")
+    assert visitor.ask("/logout", {"_xsrf": "guessed"})[0] == 403
+    assert visitor.ask("/")[0] == 200  # neither a link from elsewhere nor a form logs out
+    status, text, _ = visitor.log_out()
     assert status == 200
     assert "http" not in text
     visitor.cookies = {name: value for name, value in visitor.cookies.items() if value != '""'}
@@ -170,7 +173,7 @@ def test_logging_out_closes_the_pages_of_this_login_and_no_others(visitor: Any) 
     async def run() -> None:
         leaving, staying = await visitor.connect(visitor.token()), await other.connect(other.token())
         assert "ACK" in str(await leaving.read_message())
-        await asyncio.to_thread(visitor.ask, "/logout")
+        await asyncio.to_thread(visitor.log_out)
         async with asyncio.timeout(PATIENCE):
             while await leaving.read_message() is not None:
                 pass
@@ -234,6 +237,11 @@ def test_behind_a_proxy_the_visitor_is_who_the_proxy_says(team: Any) -> None:
     _, _, headers = served.log_in("ada", PASSWORD, **forwarded, **claimed)
     (user,) = (line for line in headers.get_all("Set-Cookie") or [] if line.startswith("user="))
     assert "Secure" in user
+    for path in ("/login", "/logout"):
+        (form,) = replace(served, cookies={}).ask(path, **forwarded)[2].get_all("Set-Cookie")
+        assert form.startswith("_xsrf=")
+        assert "SameSite=Lax" in form
+        assert "Secure" in form
 
     def logged() -> bool:
         events = map(json.loads, log.read_text().splitlines())
@@ -248,7 +256,7 @@ def test_a_copied_cookie_ends_with_the_login_and_with_the_password(team: Any) ->
     served.log_in("ada", PASSWORD)
     copied = dict(served.cookies)
     assert served.ask("/")[0] == 200
-    served.ask("/logout")
+    served.log_out()
     served.cookies = dict(copied)
     assert [served.ask("/")[0] for _ in range(6)] == [302] * 6
     served.cookies = {}

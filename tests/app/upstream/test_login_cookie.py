@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from panel.auth import BasicLoginHandler
 from tornado.httputil import HTTPServerRequest, RequestStartLine
-from tornado.web import Application
+from tornado.web import Application, RequestHandler
 
 from app.upstream.login import CookieForThisSite
 
@@ -19,7 +19,7 @@ class _Connection:
         """Never closed."""
 
 
-def _cookies(kind: type[BasicLoginHandler], protocol: str) -> str:
+def _cookies(kind: type[RequestHandler], protocol: str) -> str:
     request = HTTPServerRequest(start_line=RequestStartLine("GET", "/", "HTTP/1.0"), connection=_Connection())  # type: ignore[arg-type]
     request.protocol = protocol
     handler = kind(Application(cookie_secret="of a test"), request)
