@@ -81,14 +81,7 @@ def test_all_of_a_row_is_there_for_a_screen_reader(desk: Page) -> None:
     expect(noise).to_have_value("0.157 °/√h")
     slider.press("PageDown")
     expect(noise).to_have_value("0.0991 °/√h")
-    slider.press("Home")
-    expect(noise).to_have_value("0.001 °/√h")
-    speed = desk.get_by_role("slider", name="Velocity noise")
-    expect(speed).to_have_attribute("aria-valuetext", "no velocity")
-    speed.press("ArrowLeft")
-    expect(box(desk, "Velocity noise")).to_have_value("0.955 m/s")
-    enter(box(desk, "Velocity noise"), "")
-    expect(speed).to_have_attribute("aria-valuetext", "no velocity")
+    expect(desk.get_by_role("slider", name="Velocity noise")).to_have_attribute("aria-valuetext", "no velocity")
 
 
 # Of the rows that are in view: how high each is.
