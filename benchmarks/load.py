@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import math
 import os
 import re
 import subprocess
@@ -91,6 +92,7 @@ class Visitor(Tab):
         self.waits: list[float] = []
         self.due: deque[tuple[float, float]] = deque()  # place of the slider, when it was due
         self.rested = asyncio.Event()
+        self.number = math.nan  # that was shown last
         self.sending = False  # a place that has not been answered
         self.newest: float | None = None  # the place that is sent when it has
         self.steps = 0
@@ -116,10 +118,12 @@ class Visitor(Tab):
     def _hear(self, content: str) -> None:
         """A change of the figures: it ends the wait of its step and of those before."""
         found = self.kind.said.search(content)
-        if found is None:
+        if found is not None:
+            self.number = float(found[1])
+        elif '"attr":"heard"' not in content:  # the answer to a place that shows what was shown
             return
-        number, now = float(found[1]), time.monotonic()
-        told = [index for index, (place, _) in enumerate(self.due) if self._is(number, place)]
+        now = time.monotonic()
+        told = [index for index, (place, _) in enumerate(self.due) if self._is(self.number, place)]
         for _ in range(told[-1] + 1 if told else 0):
             self.waits.append(1000 * (now - self.due.popleft()[1]))
         if not self.due:
