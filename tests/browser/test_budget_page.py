@@ -208,8 +208,9 @@ def test_slider_moves_box_curve_and_verdict_together(desk: Page) -> None:
     def shows() -> bool:
         changes = [f"imu.angle_random_walk={box(desk, 'Angle random walk').input_value()}"]
         expected = analyse(parse_design((EXAMPLES / "mems_x_band.toml").read_bytes(), changes=changes))
-        shown = columns(desk, "timelines")["position horizontal"][2:]
-        return bool(shown == pytest.approx(list(expected.coast.refined_horizontal), rel=1e-12))
+        outage = list(expected.coast.refined_horizontal)
+        shown = columns(desk, "timelines")["position horizontal"][-len(outage) :]  # before it: the steady state
+        return bool(shown == pytest.approx(outage, rel=1e-12))
 
     until(shows, "the last key press on its way round to the curve")
     assert columns(desk, "timelines")["position horizontal"][50] != curve[50]
