@@ -4,6 +4,6 @@
 //
 // Written for: Bokeh 3.9.2
 // Upstream: bokeh/bokeh#15286 (open), bokeh/bokeh#15205 (merged: fewer, not none)
-// Needless when: tests/browser/test_as_shipped.py::test_a_paint_asks_for_computed_styles fails
+// Needless when: tests/browser/test_as_shipped.py::test_a_sheet_is_written_again_with_the_same_text_and_a_paint_asks_for_computed_styles fails
 const { VisualProperties } = Bokeh.require("core/visuals/visual")
 VisualProperties.prototype._get_css_value = () => ""

@@ -4,7 +4,7 @@
 //
 // Written for: Panel 1.9.4, Bokeh 3.9.2
 // Upstream: none found, searched 2026-11-23
-// Needless when: tests/browser/test_as_shipped.py::test_a_page_connects_when_all_has_run fails
+// Needless when: tests/browser/test_as_shipped.py::test_a_page_connects_when_all_has_run_and_ours_while_a_library_is_still_to_come fails
 {
   const token = "TOKEN"
   const Shipped = WebSocket

@@ -4,7 +4,7 @@
 //
 // Written for: Bokeh 3.9.2
 // Upstream: bokeh/bokeh#9515 (closed), bokeh/bokeh#15205 (merged: tabs, not hidden columns)
-// Needless when: tests/browser/test_as_shipped.py::test_every_wish_is_a_pass_over_hidden_parts_too fails
+// Needless when: tests/browser/test_as_shipped.py::test_every_wish_is_a_pass_over_hidden_parts_too_and_a_size_that_changes_within_is_swallowed fails
 let root = view
 while (root.parent) root = root.parent
 let base = Object.getPrototypeOf(root)

@@ -3,7 +3,7 @@
 //
 // Written for: Panel 1.9.4
 // Upstream: none found, searched 2026-11-22
-// Needless when: tests/browser/test_as_shipped.py::test_modules_are_fetched_and_rewritten fails
+// Needless when: tests/browser/test_as_shipped.py::test_modules_are_fetched_and_rewritten_and_ours_imported_by_the_browser fails
 {
   const native = (url) => import(url)
   native.addImportMap = () => {}

@@ -4,7 +4,7 @@
 //
 // Written for: Bokeh 3.9.2
 // Upstream: bokeh/bokeh#12612 (merged: one level, not those below)
-// Needless when: tests/browser/test_as_shipped.py::test_what_stands_deeper_is_given_no_size fails
+// Needless when: tests/browser/test_as_shipped.py::test_what_stands_deeper_is_given_no_size_and_ours_is fails
 const { LayoutDOMView } = Bokeh.require("models/layouts/layout_dom")
 LayoutDOMView.prototype._propagate_layout = function () {
   for (const child of this.layoutable_views) child.layout == null ? child._compute_layout() : child._propagate_layout()

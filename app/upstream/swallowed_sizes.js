@@ -4,7 +4,7 @@
 //
 // Written for: Bokeh 3.9.2
 // Upstream: none found, searched 2026-11-23
-// Needless when: tests/browser/test_as_shipped.py::test_a_size_that_changes_within_is_swallowed fails
+// Needless when: tests/browser/test_as_shipped.py::test_every_wish_is_a_pass_over_hidden_parts_too_and_a_size_that_changes_within_is_swallowed fails
 const { LayoutDOMView } = Bokeh.require("models/layouts/layout_dom")
 LayoutDOMView.prototype.update_bbox = function () {
   let within = false

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from on_page import box, card, columns, content, enter, section
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 from waiting import until
 
 from nav_model.budget import analyse
@@ -164,11 +164,17 @@ def test_the_read_out_says_the_curves_in_the_units_of_their_axes(visit: Visit) -
             page.get_by_label("Units").select_option("")
             page.keyboard.press("Escape")
         frame = page.locator(".bk-Figure:visible").nth(1)
-        frame.hover(position={"x": 300, "y": 60})
-        until(lambda: page.evaluate(_READ_OUT)[0] != "", "a read-out")
-        text, times, tilt = page.evaluate(_READ_OUT)
-        found = re.fullmatch(rf"([−\d.]+) s   roll, pitch ([\d.e−]+) {unit}   yaw growth [\d.e−]+ {unit}", text)
-        assert found, text
+        said = rf"([−\d.]+) s   roll, pitch ([\d.e−]+) {unit}   yaw growth [\d.e−]+ {unit}"
+        place = 300
+
+        def hovered(said: str = said, frame: Locator = frame) -> re.Match[str] | None:
+            nonlocal place
+            place = 601 - place  # a pointer that does not move is told nothing
+            frame.hover(position={"x": place, "y": 60})
+            return re.fullmatch(said, page.evaluate(_READ_OUT)[0])
+
+        found = until(hovered, f"a read-out in {unit}")
+        _, times, tilt = page.evaluate(_READ_OUT)
         time, value = (float(part.replace("−", "-")) for part in found.groups())
         at = min(range(len(times)), key=lambda i: abs(times[i] - time))
         assert value == pytest.approx(tilt[at], rel=6e-3)

@@ -85,8 +85,8 @@ def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
     page.mouse.click(place["x"] + 0.3 * place["width"], place["y"] + 0.7 * place["height"])
     page.wait_for_function(f"(x) => ({_SOURCE})('map design').x[0] !== x", arg=before[0])
     x, y = _cross(page)
-    expect(page.get_by_label("Angle random walk").first).to_have_value(f"{x:.3g} °/√h")
-    expect(page.get_by_label("Velocity random walk").first).to_have_value(f"{y:.3g} m/s/√h")
+    expect(page.get_by_role("textbox", name="Angle random walk", exact=True)).to_have_value(f"{x:.3g} °/√h")
+    expect(page.get_by_role("textbox", name="Velocity random walk", exact=True)).to_have_value(f"{y:.3g} m/s/√h")
 
 
 @pytest.mark.slow
