@@ -53,6 +53,12 @@ class _Pool(ProcessPoolExecutor):
         self._started: Any = self._processes
         self._watched: set[int] = set()
         self._closing = threading.Lock()
+        self._close_results = self._results.close
+        self._results.close = self._close_in_turn  # type: ignore[method-assign]
+
+    def _close_in_turn(self) -> None:
+        with self._closing:  # never while a thread that mourns closes one end of the pipe
+            self._close_results()
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
         """As ever."""

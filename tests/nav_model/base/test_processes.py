@@ -59,6 +59,7 @@ def test_killed_workers_are_told_of_whatever_else_was_cancelled() -> None:
 
 _HALF_A_RESULT = """
 import os, signal, struct, sys, time
+from multiprocessing.connection import Connection
 from pathlib import Path
 from nav_model.base.processes import kill_workers, worker_pool
 
@@ -71,6 +72,11 @@ def send_half_a_result(told):
     Path('draft').write_text(str(os.getpid()))
     os.replace('draft', told)
     time.sleep(600)
+
+def close_slowly():
+    # So slowly that the end of the pool finds what the thread that mourns has closed, but not yet forgotten.
+    close = Connection._close
+    Connection._close = lambda connection: (close(connection), time.sleep(connection.writable))
 
 if __name__ == "__main__":
     with worker_pool({workers}) as pool:
@@ -86,6 +92,7 @@ if __name__ == "__main__":
     ("workers", "kill"),
     [
         (1, "kill_workers()"),
+        (1, "close_slowly(), kill_workers()"),
         (1, "os.kill(int(Path('told').read_text()), signal.SIGKILL)"),
         (2, "os.kill(int(Path('told').read_text()), signal.SIGKILL)"),  # the other holds the pipe open
     ],
