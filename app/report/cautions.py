@@ -10,9 +10,9 @@ from nav_model.budget.provenance import cautions
 from nav_model.design.processing import POST_PROCESSED
 
 _FIGURES = {
-    "prior": "just before a fix, the worst of the cycle",
-    "posterior": "just after a fix",
-    "closed": "the cycle rms in closed form",
+    "prior": "before a fix, where the error is largest",
+    "posterior": "after a fix",
+    "closed": "for the average between fixes",
 }
 
 
@@ -41,11 +41,11 @@ def assumption_list(budget: Budget) -> Bullets:
             "Real time: a free INS from the last fix before the aperture. "
             "Post-processed: a smoother with all fixes before the aperture, those in it, and those of "
             f"{number(processing.leg_after, given=True)} s after it [P-3].",
-            "In real time, requirements in steady state are checked against the figure "
+            "In real time, requirements in steady state are checked against the value "
             f"{_FIGURES[requirements.steady_state]} [T-8], "
             "after the last fix against the curve with Schuler and Coriolis terms [T-17].",
-            f"Each figure is checked at {requirements.confidence:g}σ.",
-            "Broadside strip map. Only the inertial unit measures motion during the aperture, which starts "
+            f"Each value is checked at {requirements.confidence:g}σ.",
+            "Broadside strip map. Only the IMU measures motion during the aperture, which starts "
             f"{number(budget.design.coast.before_aperture, given=True)} s after the last fix [S-1], [S-5].",
             "Lever arm, timing, atmosphere and range migration are not part of the budget.",
         ),

@@ -38,7 +38,7 @@ def comparison_chapter(
         facts=facts,
         sections=(
             Section("c-verdicts", "Verdicts", (_verdicts(budgets, labels),)),
-            Section("c-figures", "Figures side by side", _figures(budgets, labels, display)),
+            Section("c-figures", "Values side by side", _figures(budgets, labels, display)),
             Section("c-inputs", "Inputs that differ", _inputs(budgets, labels)),
             Section("c-charts", "Charts", _charts(budgets, labels, display)),
         ),
@@ -138,9 +138,9 @@ def _figures(
         return Table(
             f"c-figures-{columns.start}",
             f"Errors, {display.spread}{part}; the smallest of all designs is marked best",
-            _head("Figure", columns, labels, numeric=True),
+            _head("Quantity", columns, labels, numeric=True),
             tuple((told(name), *(cell(name, design) for design in columns)) for name in _FIGURES),
-            "Each design has its own outage, radar, aperture and processing. In real time: just before a fix [T-8], "
+            "Each design has its own outage, radar, aperture and processing. In real time: before a fix [T-8], "
             "phases [S-5], [S-2], [T-15], [S-6]. Post-processed: smoothed [P-3], [P-5]. Outage: in real time [T-17].",
         )
 

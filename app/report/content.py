@@ -75,7 +75,7 @@ def _chapter(
     design = budget.design
     name = labelled(label, title_of(design))
     key = chapter_key(label)
-    told = () if display == ONE_SIGMA else (("Figures of the budget", f"{display.said}; all others 1σ"),)
+    told = () if display == ONE_SIGMA else (("Values of the budget", f"{display.said}; all others 1σ"),)
     return Chapter(
         key=key,
         kind=_REPORT,

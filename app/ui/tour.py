@@ -16,7 +16,7 @@ from app.upstream.plain_script import PlainScript
 STEPS: tuple[dict[str, str], ...] = (
     {
         "title": "Your design",
-        "text": "Inertial unit, receiver, flight, radar and limits. Start from the catalogue, then type values as a "
+        "text": "IMU, receiver, flight, radar and limits. Start from the catalogue, then type values as a "
         "data sheet prints them, such as 0.09 °/√h, or move a slider. “Explain every input” says what each one is.",
         "at": ".sidebar",
     },

@@ -66,11 +66,11 @@ class Requirements(Part):
     )
     steady_state = Choice(
         default="prior",
-        options={"prior": "just before a fix", "closed": "rms over the fix cycle", "posterior": "just after a fix"},
+        options={"prior": "before a fix", "closed": "average between fixes", "posterior": "after a fix"},
         short="ss",
         label="Steady state checked",
-        doc="Which point of the fix cycle is checked: just before a fix (prior; the largest error), the rms over "
-        "the cycle (closed), or just after a fix (posterior).",
+        doc="Which moment is checked: before a fix, where the error is largest, the average (rms) "
+        "between fixes, or after a fix.",
     )
     quadratic_phase: Any = _limit(
         "angle", "°", "qpe", 1e6 * DEGREE, _PHASE, "Quadratic phase",
@@ -176,7 +176,7 @@ class Requirements(Part):
         "rch",
         1e7,
         (1e-2, 1e4),
-        "Horizontal position at end of outage",
+        "Horizontal position after the outage",
         "Free INS, per axis, when the outage ends.",
         f"after 60 s, {_REACHED}navigation 0.4 to 1, tactical 3 to 13, MEMS 7 to 25 m",
     )
@@ -186,7 +186,7 @@ class Requirements(Part):
         "rcv",
         1e7,
         (1e-2, 1e4),
-        "Vertical position at end of outage",
+        "Vertical position after the outage",
         "Free INS, when the outage ends.",
         f"after 60 s, {_REACHED}navigation 0.1 to 0.6, tactical 0.2 to 0.8, MEMS 0.4 to 2 m",
     )

@@ -102,7 +102,7 @@ NAVIGATION: tuple[Equation, ...] = (
     ),
     Equation(
         "T-15",
-        "Residual phase after linear detrend",
+        "Detrended phase after linear detrend",
         "sigma_phi^2 = ((4 pi) / lambda)^2 [cos^2 psi thin (g^2 p_33) / 720 T^4 + sigma_a^2 / 420 T^3 + "
         "cos^2 psi thin (17 g^2 sigma_omega^2) / 30240 T^5]",
         "Mean square over the aperture. Biases and a coast before the aperture add the terms of [S-6].",

@@ -40,7 +40,7 @@ RADAR: tuple[Equation, ...] = (
     ),
     Equation(
         "S-6",
-        "Residual phase after autofocus, and cubic phase",
+        "Detrended phase after autofocus, and cubic phase",
         'm = 1: quad &"[T-15]" + ((4 pi) / lambda)^2 [T^4 / 720 (b_a^2 + cos^2 psi thin g^2 (sigma_omega^2 T_c + '
         "b_g^2 (T_c + T / 2)^2)) + cos^2 psi thin (g^2 b_g^2) / 100800 T^6] \\ "
         "m = 2: quad &((4 pi) / lambda)^2 [sigma_a^2 / 2520 T^3 + cos^2 psi thin g^2 ( sigma_omega^2 / 55440 T^5 + "

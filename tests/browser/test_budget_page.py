@@ -28,7 +28,7 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
     expect(status).to_contain_text("Does not close")
     expect(status).to_contain_text("gyro noise")
     assert not budget.verdict.closes
-    expect(card(plain, "Position, horizontal")).to_have_text(
+    expect(card(plain, "Horizontal position")).to_have_text(
         f"{100 * budget.steady_state.prior.position_horizontal:.3g} cm"
     )
     plain.get_by_label("Source and method: SAR phase error by source").click()
@@ -115,7 +115,7 @@ def _curves(page: Page) -> dict[str, float]:
 def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
     """Every sigma that gyro noise moves, tiles, phase bars; and what was before is told beside it, until cleared."""
     curves, bars = _curves(desk), desk.locator("table.bars").inner_text()
-    tiles = [card(desk, name).inner_text() for name in ("Roll, pitch", "Quadratic phase", "Detrended phase")]
+    tiles = [card(desk, name).inner_text() for name in ("Tilt", "Quadratic phase", "Detrended phase")]
     assert len(curves) == 11  # five of them for the outage in real time beside a smoothed one
     slider = desk.get_by_role("slider", name="Angle random walk")
     slider.focus()
@@ -130,7 +130,7 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
 
     until(moves, "the curves")
     expect(desk.locator("table.bars")).not_to_have_text(bars)
-    for name, before in zip(("Roll, pitch", "Quadratic phase", "Detrended phase"), tiles, strict=True):
+    for name, before in zip(("Tilt", "Quadratic phase", "Detrended phase"), tiles, strict=True):
         expect(card(desk, name)).not_to_have_text(before)
     # Steps that reach a busy server one by one are changes of their own: 0.15, 0.153 or 0.157.
     expect(desk.get_by_text(re.compile(r"Compared with: Angle random walk 0\.15\d? °/√h"))).to_be_visible()
@@ -264,7 +264,7 @@ def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, acce
     for title in ("Flight", "Outage", "Radar", "Requirements"):
         section(page, title)
     box(page, "Grazing angle").wait_for()
-    box(page, "Vertical position at end of outage").wait_for()
+    box(page, "Vertical position after the outage").wait_for()
     accessible(page, "light")
     page.get_by_role("button", name="theme").click()
     accessible(page, "dark")

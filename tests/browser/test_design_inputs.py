@@ -57,10 +57,10 @@ def test_typed_value_unit_and_refusal(desk: Page) -> None:
 @pytest.mark.slow
 def test_unit_chooser_converts_without_changing_the_value(visit: Visit) -> None:
     page = visit()
-    before = card(page, "Position, horizontal").inner_text()
+    before = card(page, "Horizontal position").inner_text()
     page.get_by_role("combobox", name="Unit of Angle random walk").select_option(label="9 °/h/√Hz")
     expect(box(page, "Angle random walk")).to_have_value("9 °/h/√Hz")
-    expect(card(page, "Position, horizontal")).to_have_text(before)
+    expect(card(page, "Horizontal position")).to_have_text(before)
     expect(page.get_by_role("button", name="Undo")).to_be_disabled()
 
 
@@ -111,20 +111,20 @@ def test_the_sliders_that_are_tried_together_are_in_view_together(plain: Page, w
 
 def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
     enter(box(desk, "Position noise"), "2 cm")
-    expect(card(desk, "Position, horizontal")).not_to_have_text("40.4 cm")
-    changed = card(desk, "Position, horizontal").inner_text()
+    expect(card(desk, "Horizontal position")).not_to_have_text("40.4 cm")
+    changed = card(desk, "Horizontal position").inner_text()
     expect(desk.get_by_role("button", name="Undo")).to_be_enabled()
     desk.get_by_role("button", name="Undo").focus()
     desk.keyboard.press("Enter")
-    expect(card(desk, "Position, horizontal")).to_have_text("40.4 cm")
+    expect(card(desk, "Horizontal position")).to_have_text("40.4 cm")
     expect(box(desk, "Position noise")).to_have_value("1 m")
     expect(desk.get_by_role("button", name="Redo")).to_be_enabled()
     desk.get_by_role("button", name="Redo").focus()
     desk.keyboard.press("Enter")
-    expect(card(desk, "Position, horizontal")).to_have_text(changed)
+    expect(card(desk, "Horizontal position")).to_have_text(changed)
     desk.get_by_role("button", name="Open", exact=True).press("Enter")
     desk.get_by_role("button", name="Reset").press("Enter")
-    expect(card(desk, "Position, horizontal")).to_have_text("40.4 cm")
+    expect(card(desk, "Horizontal position")).to_have_text("40.4 cm")
 
 
 @pytest.mark.slow
@@ -150,8 +150,8 @@ def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
 def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> None:
     page = desk
     enter(box(page, "Position noise"), "7 cm")
-    expect(card(page, "Position, horizontal")).not_to_have_text("40.4 cm")
-    shown = card(page, "Position, horizontal").inner_text()
+    expect(card(page, "Horizontal position")).not_to_have_text("40.4 cm")
+    shown = card(page, "Horizontal position").inner_text()
     page.get_by_role("button", name="Share").click()
     address = page.get_by_role("textbox", name="Link to this design and page")
     expect(address).to_have_value(re.compile("gn=7cm"))
@@ -165,7 +165,7 @@ def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> No
     query = link.removeprefix(f"{server}/").removesuffix("#budget")
     assert from_query(query).gnss.position_noise == 0.07
     again = visit(f"/{query}")
-    expect(card(again, "Position, horizontal")).to_have_text(shown)
+    expect(card(again, "Horizontal position")).to_have_text(shown)
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> No
 def test_forged_link_is_said_and_harms_nothing(visit: Visit, query: str) -> None:
     page = visit(f"/{query}")
     expect(page.get_by_text("The link was not used.").first).to_be_visible()
-    expect(card(page, "Position, horizontal")).to_have_text("40.4 cm")
+    expect(card(page, "Horizontal position")).to_have_text("40.4 cm")
 
 
 def test_save_open_and_refuse(desk: Page, tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     page.get_by_role("tab", name="Sensors").click()
     expect(page.get_by_role("status").first).to_contain_text("Angle random walk 0.15 °/√h: catalogue, STIM300")
     page.get_by_role("button", name="IMUs", exact=True).click()
-    units = page.get_by_role("region", name="Inertial units")
+    units = page.get_by_role("region", name="IMUs")
     expect(units.get_by_role("row").nth(1)).to_contain_text("MPU-9250")
     units.get_by_role("button", name="Angle random walk").click()
     expect(units.get_by_role("row").nth(1)).to_contain_text("LN-100")  # 0.001 °/√h, the smallest

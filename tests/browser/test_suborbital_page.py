@@ -36,7 +36,7 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(
     slider.focus()
     for _ in range(3):
         page.keyboard.press("ArrowRight")
-    expect(status).to_contain_text("Moved from the last exact run")
+    expect(status).to_contain_text("Linearised from the last exact run")
     expect(gyros).not_to_contain_text("26.7 km")
     page.get_by_role("button", name="Recompute exactly").click()
     expect(page.get_by_role("button", name="Cancel")).to_be_enabled()

@@ -11,7 +11,7 @@ from nav_model.budget import Budget
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.result import Check
 
-_MOMENTS = {"prior": "worst point between fixes", "posterior": "just after a fix", "closed": "rms over the fix cycle"}
+_MOMENTS = {"prior": "before a fix", "posterior": "after a fix", "closed": "average between fixes"}
 
 _WITH_TILE = {
     "horizontal_position", "vertical_position", "horizontal_velocity", "tilt", "coast_horizontal_position",
@@ -38,10 +38,10 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
     autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
     level, upright = steady_marks(budget.design)
     fields = (
-        ("Position, horizontal", "position_horizontal", "length", "horizontal_position", level),
-        ("Position, vertical", "position_vertical", "length", "vertical_position", upright),
-        ("Velocity, horizontal", "velocity_horizontal", "speed", "horizontal_velocity", level),
-        ("Roll, pitch", "tilt", "angle", "tilt", level),
+        ("Horizontal position", "position_horizontal", "length", "horizontal_position", level),
+        ("Vertical position", "position_vertical", "length", "vertical_position", upright),
+        ("Horizontal velocity", "velocity_horizontal", "speed", "horizontal_velocity", level),
+        ("Tilt", "tilt", "angle", "tilt", level),
     )
 
     def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
@@ -103,10 +103,10 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
         (
             *(settled(*names) for names in fields),
             figure(
-                f"Position after {show(coast.duration, 'time', given=True)}",
+                "Horizontal position after the outage",
                 coast.end_refined_horizontal,
                 "length",
-                f"horizontal, without fixes, in real time [T-17]; "
+                f"after {show(coast.duration, 'time', given=True)}, in real time [T-17]; "
                 f"vertical {display.show(coast.end_refined_vertical, 'length')}",
                 "coast_horizontal_position",
             ),

@@ -11,7 +11,7 @@ from app.document.blocks import Cell, Column, Table, Text
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import SAID, check_words, met_cell, requirement_quantity
-from app.document.wording import DETRENDED, best_of
+from app.document.wording import best_of
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import provenance, steady_marks
 from nav_model.budget.result import Check
@@ -49,11 +49,11 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
             Column("Limit", numeric=True),
             Column("Margin", numeric=True),
             Column("Verdict"),
-            Column("Figure", width=1.25),
+            Column("Checked", width=1.25),
             Column("Main error source", width=1.25),
         ),
         tuple(map(row, verdict.checks)),
-        "Margin: the share of the limit that is left. Shares are of the variance; the initial tilt counts for the "
+        "Margin = (limit − value) / limit. Shares are of the variance; the initial tilt is attributed to the "
         "sensors that cause it [T-18].",
     )
 
@@ -82,7 +82,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
     return Table(
         f"{key}-both-processings",
         "Real time and post-processed, 1σ",
-        (Column("Figure", width=1.5), Column("Real time", numeric=True), Column("Post-processed", numeric=True)),
+        (Column("Quantity", width=1.5), Column("Real time", numeric=True), Column("Post-processed", numeric=True)),
         (
             *answers,
             *(
@@ -210,10 +210,10 @@ def phase_table(budget: Budget, key: str) -> Table:
         "line-of-sight millimetres",
         (
             Column("Source", width=1.7),
-            Column("Quadratic [°]", numeric=True, width=1),
+            Column("Quadratic phase [°]", numeric=True, width=1.15),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
-            Column(f"Detrended, rms after {DETRENDED[sar.autofocus_order]} [°]", numeric=True, width=1.15),
+            Column("Detrended phase [°]", numeric=True, width=1.15),
             Column("[mm]", numeric=True, width=0.8),
             Column("Share", numeric=True, width=0.8),
         ),
@@ -316,7 +316,7 @@ def image_table(budget: Budget, key: str) -> Table:
         f"{key}-image",
         f"Aperture and azimuth impulse response, {SAID[budget.verdict.processing]}",
         (
-            Column("Figure", width=1.3),
+            Column("Quantity", width=1.3),
             Column("Value", numeric=True, width=1),
             Column("Equation", width=0.8),
             Column("Method", width=1.7),

@@ -96,7 +96,7 @@ def mapped(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
 
 
 def searched(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
-    """Every inertial unit with every receiver class."""
+    """Every IMU with every receiver class."""
     imus, receivers = _entries("imu", options.imus), _entries("gnss", options.receivers)
     rows = [
         {

@@ -39,7 +39,7 @@ _KNOWLEDGE = (
 EXAMPLE = """\
 # Your own sensors, in the format of the product's catalogue. status: confirmed, secondary, assumed or unconfirmed.
 [[imu]]
-name = "Our inertial unit"
+name = "Our IMU"
 angle_random_walk = { value = "0.05 °/√h", status = "confirmed", source = "bench log of 3 May, unit 7" }
 velocity_random_walk = { value = "50 µg/√Hz", status = "secondary", source = "data sheet, typical" }
 

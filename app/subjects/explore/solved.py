@@ -36,7 +36,7 @@ class SolvedPanel(Question):
     """The solved values on the left, the ranking of one figure's inputs on the right."""
 
     figure: str = declared(
-        param.Selector(objects={label_of(name): name for name in FIGURES}, label="Figure to improve")
+        param.Selector(objects={label_of(name): name for name in FIGURES}, label="Quantity to improve")
     )
 
     def __init__(self, session: Session) -> None:

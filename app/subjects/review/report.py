@@ -50,7 +50,7 @@ def front_page(review: Review) -> Chapter:
     facts = (
         ("Review", review.title),
         ("Designs", names),
-        ("Figures", "1σ in the units of data sheets, whatever the display choice; requirements at their confidence"),
+        ("Values", "1σ in the units of data sheets, whatever the display choice; requirements at their confidence"),
         ("Opened", f"{review.author}, {moment(review.opened)}"),
         ("Reviewers", "; ".join(reviewers) or "none yet"),
         ("Signed off", f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"),
@@ -87,7 +87,7 @@ def conditions(review: Review) -> Block:
     if not rows:
         return Text("None: every requirement decided so far is met and accepted.")
     columns = (
-        Column("Requirement", width=1.2), Column("Figure", width=1.2), Column("Decision"),
+        Column("Requirement", width=1.2), Column("Value", width=1.2), Column("Decision"),
         Column("Reason", width=1.6), Column("By", width=1.2),
     )  # fmt: skip
     return Table("review-conditions", "Waivers and rejections", columns, rows)
@@ -127,7 +127,7 @@ def _program(frozen: str) -> Cell:
     here = version("navbudget")
     if frozen == here:
         return Cell(f"NavBudget {frozen}")
-    said = f"NavBudget {frozen}; values here are computed by {here}, figures in decisions are as they were"
+    said = f"NavBudget {frozen}; values here are computed by {here}, values in decisions are as they were"
     return Cell(said, tone="warn")
 
 
@@ -204,7 +204,7 @@ def decision_table(review: Review) -> Table:
         for d in review.decisions
     )
     columns = (
-        Column("No."), Column("Requirement", width=1.2), Column("Decision"), Column("Figure", width=1.2),
+        Column("No."), Column("Requirement", width=1.2), Column("Decision"), Column("Value", width=1.2),
         Column("By", width=1.2), Column("Reason", width=1.4),
     )  # fmt: skip
     return Table("audit-decisions", "Decisions in order", columns, rows, "" if rows else "No decision.")

@@ -25,7 +25,7 @@ _COLUMNS: dict[Kind, tuple[tuple[str, str, str, str], ...]] = {
         ("altitude", "Altitude", "length", "km"),
     ),
 }
-_CAPTIONS: dict[Kind, str] = {"imu": "Inertial units of the catalogue", "radar": "Radars of the catalogue"}
+_CAPTIONS: dict[Kind, str] = {"imu": "IMUs of the catalogue", "radar": "Radars of the catalogue"}
 _DIGITS = 4  # as many as data sheets print
 _STATUS = (
     "Every value was read in the source given with it. ⚠ secondary: read in a source that quotes the maker. ⚠ "
@@ -42,7 +42,7 @@ def catalogue_table(kind: Kind, chosen: str) -> Table:
         f"catalogue-{kind}",
         _CAPTIONS[kind],
         (
-            Column("Unit" if kind == "imu" else "Radar", sortable=True),
+            Column("IMU" if kind == "imu" else "Radar", sortable=True),
             *graded,
             *(Column(f"{heading} [{unit}]", numeric=True, sortable=True) for _, heading, _, unit in columns),
             Column("Source and status"),

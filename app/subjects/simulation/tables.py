@@ -75,7 +75,7 @@ def run_table(study: SimulationStudy, key: str) -> Table:
         ("Length of a run", f"{spec.duration:g} s at {spec.imu.rate:g} Hz, {hours} h simulated in all"),
         ("Fixes", f"every {spec.gnss.interval:g} s; outages: {outages}"),
         ("Filter", f"closed-loop error-state Kalman filter of {spec.filter.states} states"),
-        ("Inertial unit", f"strapdown, WGS 84; vibration factor {spec.imu.vibration_factor:g} on both random walks"),
+        ("IMU", f"strapdown, WGS 84; vibration factor {spec.imu.vibration_factor:g} on both random walks"),
         *((STUDY_KEYS[name].label, STUDY_KEYS[name].show(value)) for name, value in beyond.items()),
     )
     return Table(

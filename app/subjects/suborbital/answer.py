@@ -54,16 +54,16 @@ def _size(error: Array) -> float:
 
 def _exactness(shown: Shown) -> str:
     if not shown.exact:
-        return "Moved from the last exact run by the linear sensitivity matrix [B-4]."
+        return "Linearised from the last exact run [B-4]."
     if shown.gap is None:
-        return "Exact."
+        return "Exact run."
     gap = shown.gap
     k = gap.names.index("all")
     pure, aided = (
         f"{_metres(float(metres[k]))} ({percent(float(share[k]))})"
         for metres, share in ((gap.pure_m, gap.pure_share), (gap.aided_m, gap.aided_share))
     )
-    return f"Exact. The linear answer before was off by {pure} (INS alone) and {aided} (with tracker)."
+    return f"Exact run. The linear answer before was off by {pure} (INS alone) and {aided} (with tracker)."
 
 
 def _figures(shown: Shown, settings: Settings) -> KeyFigures:

@@ -106,10 +106,10 @@ def _sensors(settings: Settings) -> str:
     """Whose sensors these are."""
     if follows_design(settings):
         return (
-            "Sensors: this design's inertial unit gives white noise and constant biases; instability, scale factor, "
+            "Sensors: this design's IMU gives white noise and constant biases; instability, scale factor, "
             "misalignment and initial errors are those listed under the inputs of the study."
         )
-    return "The study has its own inputs, listed at its end; they are not this design's inertial unit."
+    return "The study has its own inputs, listed at its end; they are not this design's IMU."
 
 
 def _paper_tables(shown: Shown, own: str) -> tuple[Table, ...]:

@@ -153,15 +153,15 @@ def _figure(value: float) -> str:
 
 def differences() -> str:
     """Published figures that differ from ours, and which one is right."""
-    columns = tuple(map(Column, ("Result", "Stated elsewhere", "Here", "Holds", "Why")))
+    columns = tuple(map(Column, ("Result", "Stated elsewhere", "Here", "Which is right", "Why")))
     rows = tuple(_difference(row) for row in record().differences)
-    table = Table("other-figures", "Figures stated elsewhere, beside ours", columns, rows)
+    table = Table("other-figures", "Values stated elsewhere, beside ours", columns, rows)
     said = (
-        "A paper, another program, our design notes or a simpler method gives a different figure. A test shows "
+        "A paper, another program, our design notes or a simpler method gives a different value. A test shows "
         "each case."
     )
     return _folded(
-        "differences", "Where figures differ", f"{len(rows)} figures stated elsewhere", html_of(Text(said), table)
+        "differences", "Where values differ", f"{len(rows)} values stated elsewhere", html_of(Text(said), table)
     )
 
 

@@ -63,7 +63,7 @@ def test_figures_of_the_budget_follow_the_display_and_the_verdict_does_not(mems)
     assert after["phase"].first_limit == pytest.approx(math.radians(axis * before["phase"].first_limit))
     assert told.chapters[0].verdict == plain.chapters[0].verdict
     assert table(told, "d-verdict") == table(plain, "d-verdict")
-    assert ("Figures of the budget", "95 %, SI units; all others 1σ") in told.chapters[0].facts
+    assert ("Values of the budget", "95 %, SI units; all others 1σ") in told.chapters[0].facts
 
 
 def test_a_comparison_follows_the_display(mems, three):

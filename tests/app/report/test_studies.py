@@ -288,7 +288,7 @@ def test_a_suborbital_study_with_inputs_of_its_own_goes_with_any_design_and_says
     for any_design in (design, Design()):
         sections = study_sections({"suborbital": own}, any_design, "d")
         texts = [b.text for b in sections[0].blocks if isinstance(b, Text)]
-        assert any("not this design's inertial unit" in text for text in texts)
+        assert any("not this design's IMU" in text for text in texts)
 
 
 def test_studies_of_several_designs_stand_in_their_own_chapters(findings, design):

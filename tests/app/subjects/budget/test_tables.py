@@ -71,8 +71,8 @@ def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
 def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -> None:
     told = {figure.label: (figure.limit, figure.met) for figure in key_figures(mems).items if figure.met is not None}
     assert told == {
-        "Position, horizontal": ("2 m", True),
-        "Position after 100 s": ("50 m", True),
+        "Horizontal position": ("2 m", True),
+        "Horizontal position after the outage": ("50 m", True),
         "Quadratic phase": ("90°", False),
         "Detrended phase": ("20°", False),
         "Along-track quadratic phase": ("90°", True),
@@ -149,13 +149,13 @@ def test_a_design_that_closes_is_told_how_far_each_input_may_go() -> None:
 
 
 @pytest.mark.parametrize(
-    ("chosen", "said"), [("prior", "worst point"), ("posterior", "just after"), ("closed", "rms over")]
+    ("chosen", "said"), [("prior", "before a fix"), ("posterior", "after a fix"), ("closed", "average between")]
 )
 def test_key_figures_are_of_the_moment_the_design_is_held_against(chosen: str, said: str) -> None:
     budget = changed(requirements__steady_state=chosen)
     position = key_figures(budget).items[0]
     assert said in position.detail
-    assert ("average" in position.detail) == (chosen != "closed")
+    assert ("; average" in position.detail) == (chosen != "closed")
     expected = getattr(budget.steady_state, chosen).position_horizontal
     assert si(position.value) == pytest.approx(expected, rel=5e-3)
 

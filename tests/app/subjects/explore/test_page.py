@@ -138,7 +138,7 @@ def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) ->
 
 
 def test_the_example_offered_is_such_a_file(explore: ExplorePage) -> None:
-    assert "Added Our inertial unit, Our receiver." in _open(explore, EXAMPLE.encode())
+    assert "Added Our IMU, Our receiver." in _open(explore, EXAMPLE.encode())
 
 
 def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> None:

@@ -1,0 +1,56 @@
+"""One quantity has one name in every text that a user reads."""
+
+from __future__ import annotations
+
+import ast
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import app
+import nav_model
+from app.subjects.budget.key_figures import key_figures
+from nav_model.budget import analyse
+from nav_model.budget.verdict import label_of
+from nav_model.design.file import read_design
+
+_EXAMPLE = Path(str(app.__file__)).parent / "examples" / "mems_x_band.toml"
+_SECOND_NAMES = {
+    "Detrended phase": r"(?i)residual (phase|rms)|detrended(, rms| residual)",
+    "Along-track quadratic phase": r"(?i)along track quadratic",
+    "Horizontal position": r"(?i)(position|velocity), (horizontal|vertical)",
+    "Horizontal position after the outage": r"(?i)coast (horizontal )?position|^position after|at end of outage",
+    "IMU": r"(?i)\binertial units?\b",
+    "before a fix, after a fix": r"\((prior|closed|posterior)[;)]|(?i:prior to posterior|fix cycle)",
+    "value, quantity": r"^Figures? (to|side|stated|of|as)\b|^Figures?$|Where figures",
+}
+"""What a text must not call each of these."""
+
+
+@cache
+def _texts() -> list[tuple[str, str]]:
+    """Where, and what: every string of the sources but documentation."""
+    found = []
+    for package in (app, nav_model):
+        for path in sorted(Path(str(package.__file__)).parent.rglob("*.py")):
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            silent = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+            for node in ast.walk(tree):
+                if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in silent:
+                    found.append((f"{path.name}:{node.lineno}", node.value))
+    return found
+
+
+@pytest.mark.parametrize("name", _SECOND_NAMES)
+def test_no_text_has_a_second_name_for_a_quantity(name: str) -> None:
+    wrong = [said for said in _texts() if re.search(_SECOND_NAMES[name], said[1])]
+    assert not wrong, f"say {name!r}"
+
+
+def test_a_tile_has_the_name_of_its_requirement() -> None:
+    budget = analyse(read_design(_EXAMPLE))
+    names = [check.name for check in budget.verdict.checks]
+    labels = {figure.label for figure in key_figures(budget).items if figure.met is not None}
+    assert labels <= {label_of(name) for name in names}
