@@ -12,7 +12,7 @@ import io
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from app.console.ending import BAD_INPUT, run_to_end
 from app.report import command as report
@@ -26,13 +26,21 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
 
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """As argparse, which takes help that nobody could read for done."""
+        print(message, end="", file=file or sys.stderr, flush=True)
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit code."""
-    options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):  # units and names need it, whatever the locale says
         sys.stdout.reconfigure(encoding="utf-8")
-    return run_to_end(lambda: int(options.run(options)))
+    return run_to_end(lambda: _run(arguments))
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    options = _parser().parse_args(arguments)
+    return int(options.run(options))
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -43,7 +43,7 @@ class Left:
 
 
 @contextmanager
-def counted_server(folder: Path) -> Iterator[tuple[str, Callable[..., Left]]]:
+def counted_server(folder: Path) -> Iterator[tuple[str, Callable[[], Left]]]:
     """The address of a server, and what is left in its memory once closed pages have been freed."""
     told = folder / "told"
     command = [sys.executable, str(_SERVER), "serve", "--port", "0", "--session-lifetime", "1",
@@ -59,9 +59,9 @@ def counted_server(folder: Path) -> Iterator[tuple[str, Callable[..., Left]]]:
                 time.sleep(0.05)
             return Left(**json.loads(told.read_text()))
 
-        def left(kept: int = 0) -> Left:
+        def left() -> Left:
             deadline = time.monotonic() + 120
-            while (found := look()).frames > kept and time.monotonic() < deadline:
+            while (found := look()).frames and time.monotonic() < deadline:
                 time.sleep(0.5)
             return found
 
@@ -100,7 +100,7 @@ async def _life(address: str) -> AsyncIterator[Tab | None]:
         await tab.slide(_SLIDER, place - 0.02 * step)
     yield tab
     await tab.turn("Simulate")
-    await tab.until(label="Runs")
+    await tab.until(label="Start", icon="play_arrow")
     await tab.click(tab.find(label="Start", icon="play_arrow")["id"])
     yield tab  # a run is under way
     await tab.connection.write_message('{"msgid": "half", "msgtype": "PATCH-DOC", "num_buffers": 9}')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextvars
 import multiprocessing
 from collections.abc import Awaitable
 from typing import TypeVar
@@ -21,7 +22,8 @@ def prepare() -> asyncio.Task[None]:
     global _prepared
     loop = asyncio.get_running_loop()
     if _prepared is None or _prepared.get_loop() is not loop:
-        _prepared = loop.create_task(_compile())
+        # In a context of its own: that of whoever asks first would keep their page for as long as the task is known.
+        _prepared = loop.create_task(_compile(), context=contextvars.Context())
     return _prepared
 
 

@@ -14,6 +14,7 @@ from app.document.verdict import SAID, check_words
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.json import to_json
+from nav_model.budget.provenance import cautions
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
 
@@ -81,7 +82,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """What `navbudget check` prints of a design: a line per requirement, the other verdict, the verdict in force.
+    """What `navbudget check` prints of a design: a line per requirement and caution, then both verdicts.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
@@ -101,6 +102,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     assert other.tightest is not None  # it has the same requirements
     would = "would close" if other.closes else "would not close"
     beside = check_words(budget.design, other.tightest).margin
+    lines += [f"{path}: caution: {caution}" for caution in cautions(budget)]
     lines += [
         f"{path}: {SAID[other.processing]} it {would}; tightest {other.tightest.name}, margin {beside}",
         f"{path}: {said} at {verdict.confidence:g} sigma {SAID[verdict.processing]}; tightest {tightest.name}, "

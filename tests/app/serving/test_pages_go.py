@@ -36,5 +36,4 @@ def test_pages_that_lose_their_connection_are_gone(server: Any) -> None:
     address, left = server
     for _ in range(2):
         asyncio.run(at_every_stage())
-        # One page that is cut off while a tab is being made is kept, the first of a server and no other: issue 28.
-        assert left(kept=1).frames <= 1
+        assert left().frames == 0

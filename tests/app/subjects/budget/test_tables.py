@@ -25,6 +25,7 @@ from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.tables import image_table, requirement_table, steady_table
 from app.subjects.budget.timelines import attitude_chart, position_chart, together, velocity_chart
 from nav_model.budget import Budget, analyse
+from nav_model.budget.provenance import cautions
 from nav_model.design import Design
 from nav_model.design.file import read_design
 
@@ -175,6 +176,9 @@ def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget
     table = requirement_table(mems)
     assert isinstance(table, Table)
     *lines, other, verdict = check_lines("a.toml", mems)
+    assert {f"a.toml: caution: {caution}" for caution in cautions(mems)} == {
+        lines.pop() for _ in range(len(lines) - len(table.rows))
+    }
     for line, row, check in zip(lines, table.rows, mems.verdict.checks, strict=True):
         value, limit, margin = (cell.text.replace("−", "-") for cell in row[1:4])
         met = "met    " if check.met else "NOT MET"
