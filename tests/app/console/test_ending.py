@@ -152,6 +152,8 @@ def test_closed_streams_change_no_verdict(closed: str) -> None:
         f"evaluate {TACTICAL}",
         f"explore rank {TACTICAL} --csv",
         "presets imu",
+        "--version",
+        "report --help",
         "suborbital --inputs",
         f"sar {TACTICAL} --runs 20",
         "serve --port 0",
