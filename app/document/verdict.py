@@ -155,7 +155,8 @@ def verdicts_in_short(budget: Budget, *, both: bool = True) -> dict[str, str]:
     margins = {chosen: None if tightest is None else tightest.margin}
     if both:
         with suppress(InputError):  # no figures come of it; the current design has some
-            margins[POST_PROCESSED if chosen == REAL_TIME else REAL_TIME] = budget.other_margin
+            other = budget.other_verdict
+            margins[other.processing] = None if other.tightest is None else other.tightest.margin
 
     def said(mode: str) -> str:
         name, margin = mode[:1].upper() + mode[1:], margins.get(mode)

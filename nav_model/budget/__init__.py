@@ -10,15 +10,14 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
-from nav_model.base.frozen import Once
-from nav_model.budget.figures import SHARED, begun, real_time_figures, sampled, settled
-from nav_model.budget.image import free_placement, sar_of, spectral_of
+from nav_model.budget.figures import begun, free_shifts, real_time_figures, sampled, settled
+from nav_model.budget.image import placement_of, sar_of, spectral_of
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.navigation import outage_of, outage_times, steady_state_of
-from nav_model.budget.post_processing import after_flight, margin_after_flight
+from nav_model.budget.post_processing import after_flight
 from nav_model.budget.refusals import refuse_hidden_target, refuse_late_data, refuse_long_aperture, refused
 from nav_model.budget.result import Budget
-from nav_model.budget.shares import each, shares_by_step, shares_of
+from nav_model.budget.shares import shares_by_step, shares_of
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
 
@@ -68,14 +67,13 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     time = outage_times(design, times)
     closed = settled(inputs)
     moments = sampled(inputs)
-    shares = each(SHARED, lambda: shares_of(shares_by_step(inputs, real_time_figures)))
+    shares = shares_of(shares_by_step(inputs, real_time_figures))
     start = begun(inputs, moments.posterior)
     steady_state = steady_state_of(inputs, closed, start, moments, shares)
     coast = outage_of(inputs, closed, moments.posterior, time, shares)
     sar = sar_of(design, inputs, start.horizontal, shares)
-    place = Once(partial(free_placement, inputs, start))
+    placement = placement_of(inputs, free_shifts(inputs, start), shares)
     spectral = spectral_of(inputs, sar.cell_length)
-    verdict = judge(design, steady_state, coast, sar, place, spectral)
+    verdict = judge(design, steady_state, coast, sar, placement, spectral)
     later = partial(after_flight, design, inputs, steady_state, coast, sar, spectral)
-    margin = partial(margin_after_flight, design, inputs, verdict)
-    return Budget(design, steady_state, coast, sar, place, spectral, verdict, later, margin)
+    return Budget(design, steady_state, coast, sar, placement, spectral, verdict, later)

@@ -358,7 +358,7 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     return {name: found[name] for name in (*FIGURES, INITIAL_TILT) if name in names}
 
 
-SHARED = (*SETTLED, *COASTING, "along_track_quadratic_phase", INITIAL_TILT)
+SHARED = (*SETTLED, *COASTING, *PLACING, "along_track_quadratic_phase", INITIAL_TILT)
 """What `real_time_figures` finds: the phase and the image's place have shares elsewhere."""
 
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Collection, Mapping
 from functools import partial
 
-from nav_model.analytic.discrete import Sawtooth
 from nav_model.analytic.steady_state import Horizontal
 from nav_model.aperture import geometry, phase
 from nav_model.aperture.impulse_response import ImpulseResponse, with_echoes
@@ -15,10 +14,10 @@ from nav_model.aperture.window import ideal_null_cells
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.fast import LEVELS, levels, stays
-from nav_model.budget.figures import INITIAL_TILT, PLACING, begun, free_shifts, imaging, phase_sources, placing
+from nav_model.budget.figures import INITIAL_TILT, PLACING, imaging, phase_sources, placing
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
-from nav_model.budget.shares import Shares, each, shares_by_step, shares_of
+from nav_model.budget.shares import Shares, shares_by_step, shares_of
 from nav_model.design import Design
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
@@ -93,9 +92,7 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
             (), FrozenMapping(dict.fromkeys(LEVELS, NOTHING)), 1.0, FrozenMapping(dict.fromkeys(LEVELS, none))
         )
 
-    def of_sources() -> Mapping[str, Shares]:
-        return {name: _of(x.fast, shares) for name, shares in shares_of(shares_by_step(x, _heights)).items()}
-
+    shares = shares_of(shares_by_step(x, _heights))
     lobe = ideal_null_cells(x.window)  # type: ignore[arg-type]
     echoes = [
         Echo(name, float(at), float(phase), float(level), float(at * x.aperture * cell))
@@ -113,7 +110,7 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
         tuple(sorted(echoes, key=lambda item: -item.level)),
         FrozenMapping({name: float(value) for name, value in _heights(x).items()}),
         float(stays(x.fast.values(), x.to_phase, x.aperture, x.window)[0]),
-        each(LEVELS, of_sources),
+        FrozenMapping({name: _of(x.fast, shares[name]) for name in LEVELS}),
         float(x.to_phase**2 * sum(made.scattered for made in x.fast.values())),
     )
 
@@ -128,14 +125,8 @@ def _of(names: Collection[str], shares: Shares) -> Shares:
     return FrozenMapping({name: shares[name] / whole if whole else 1 / len(names) for name in names})
 
 
-def free_placement(x: Inputs, start: Sawtooth) -> Placement:
-    """Where the image lies in real time: with a free INS from the last fix. [P-7]"""
-    shares = each(PLACING, lambda: shares_of(shares_by_step(x, lambda y: placing(y, free_shifts(y, begun(y))))))
-    return placement_of(x, free_shifts(x, start), shares)
-
-
 def placement_of(x: Inputs, moved: Shifts, shares: Mapping[str, Shares]) -> Placement:
-    """Where the image lies, from the variances of its shift. [P-7]"""
+    """Where the image lies, from the variances of its shift; `shares` are those of `PLACING` and more. [P-7]"""
     ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
     placed = {name: float(value) for name, value in placing(x, moved).items()}
     return Placement(
@@ -145,5 +136,5 @@ def placement_of(x: Inputs, moved: Shifts, shares: Mapping[str, Shares]) -> Plac
         ce90=placed["ce90"],
         cep=float(circular_error(*ground, share=0.5)),
         le90=placed["le90"],
-        shares=shares,
+        shares=FrozenMapping({name: shares[name] for name in PLACING}),
     )

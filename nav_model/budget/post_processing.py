@@ -9,7 +9,7 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.figures import COASTING, PLACING, SETTLED, SMOOTHED, smoothed_figures, smoothed_with_shifts
+from nav_model.budget.figures import SETTLED, SMOOTHED, smoothed_with_shifts
 from nav_model.budget.image import placement_of, response_of
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.navigation import smoothed_outage
@@ -23,10 +23,9 @@ from nav_model.budget.result import (
     Sigmas,
     Spectral,
     SteadyState,
-    Verdict,
 )
 from nav_model.budget.shares import shares_by_step, shares_of
-from nav_model.budget.verdict import confidence_of, judge
+from nav_model.budget.verdict import judge
 from nav_model.design import Design
 from nav_model.processing.geolocation import Shifts
 
@@ -43,23 +42,8 @@ def after_flight(
     """
     with refused(design), np.errstate(invalid="raise", divide="raise"):
         smoothed, placement = _post_processed(inputs)
-    return AfterFlight(
-        smoothed, placement, judge(design, steady_state, coast, sar, lambda: placement, spectral, smoothed)
-    )
-
-
-def margin_after_flight(design: Design, inputs: Inputs, in_real_time: Verdict) -> float | None:
-    """Least margin after post-processing, of the requirements that `in_real_time` checks; None without any.
-
-    Takes a fraction of the time of `after_flight`, as it needs no shares. Raises as that does.
-    """
-    limits = {check.name: check.limit / confidence_of(design, check.name) for check in in_real_time.checks}
-    with refused(design), np.errstate(invalid="raise", divide="raise"):
-        found = smoothed_figures(inputs, [name for name in limits if name not in COASTING])
-        margins = [1 - float(value) / limits[name] for name, value in found.items()]
-        if not all(map(math.isfinite, margins)):
-            raise FloatingPointError("the smoothed figures are beyond double precision")
-    return min([*margins, *(check.margin for check in in_real_time.checks if check.name in COASTING)], default=None)
+    verdict = judge(design, steady_state, coast, sar, placement, spectral, smoothed)
+    return AfterFlight(smoothed, placement, verdict)
 
 
 def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
@@ -93,4 +77,4 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.asarray(value.real.flat[0]) for value in moved[0]))  # the shares' steps are imaginary
-    return smoothed, placement_of(x, shifts, FrozenMapping({name: shares[name] for name in PLACING}))
+    return smoothed, placement_of(x, shifts, shares)

@@ -336,16 +336,10 @@ class Budget:
     steady_state: SteadyState
     coast: Outage
     sar: Sar
-    place: Callable[[], Placement] = field(repr=False, compare=False)
+    placement: Placement
     spectral: Spectral
     real_time_verdict: Verdict
     work_out: Callable[[], AfterFlight] = field(repr=False, compare=False)
-    work_out_margin: Callable[[], float | None] = field(repr=False, compare=False)
-
-    @property
-    def placement(self) -> Placement:
-        """Location of the image in real time; computed when it is first read."""
-        return self.place()
 
     @cached_property
     def _after_flight(self) -> AfterFlight:
@@ -374,17 +368,6 @@ class Budget:
     def other_verdict(self) -> Verdict:
         """The same requirements against the other processing."""
         return self.real_time_verdict if self._decides_after_flight else self._after_flight.verdict
-
-    @property
-    def other_margin(self) -> float | None:
-        """Least margin of `other_verdict`, to rounding; None without requirements.
-
-        Faster than the verdict, because neither shares nor unlimited figures are computed.
-        """
-        if not self._decides_after_flight:
-            return self.work_out_margin()
-        tightest = self.real_time_verdict.tightest
-        return None if tightest is None else tightest.margin
 
     @property
     def has_fast_sources(self) -> bool:

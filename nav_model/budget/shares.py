@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from nav_model.analytic.discrete import SlowError
 from nav_model.base.arrays import Array, as_numbers
-from nav_model.base.frozen import FrozenMapping, Later
+from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
@@ -39,12 +39,6 @@ _SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS)
 
 Shares = Mapping[str, float]
 """Source -> its share of a variance; they add up to one."""
-
-
-def each(names: Iterable[str], work_out: Callable[[], Mapping[str, Shares]]) -> Mapping[str, Shares]:
-    """Shares of each figure, all computed when one of them is first read."""
-    found = Later(work_out)
-    return FrozenMapping({name: Later(partial(found.__getitem__, name)) for name in names})
 
 
 def shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from nav_model.budget.fast import LEVELS
@@ -53,11 +52,11 @@ def judge(
     steady_state: SteadyState,
     coast: Outage,
     sar: Sar,
-    place: Callable[[], Placement],
+    placement: Placement,
     spectral: Spectral,
     smoothed: PostProcessed | None = None,
 ) -> Verdict:
-    """Check every requirement that is given: in real time, or post-processed with `smoothed` and its placement.
+    """Check every requirement that is given: in real time, or post-processed with `smoothed` and its `placement`.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
@@ -67,8 +66,7 @@ def judge(
     figures = _figures(design, steady_state, coast, sar) | _levels(spectral)
     if smoothed is not None:
         figures |= _smoothed(smoothed)
-    if set(PLACING).intersection(wanted):
-        figures |= _placed(place(), figures["quadratic_phase"].basis)
+    figures |= _placed(placement, figures["quadratic_phase"].basis)
     checks = []
     for name in wanted:
         figure = figures[name]

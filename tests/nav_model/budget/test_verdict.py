@@ -69,23 +69,6 @@ def test_the_user_chooses_the_moment_of_the_cycle(moment):
     assert _check(budget, "tilt").equation == ("[T-3]" if moment == "closed" else "[T-8]")
 
 
-@pytest.mark.parametrize("mode", ["real time", "post-processed"])
-@pytest.mark.parametrize(
-    "names", [(), ("quadratic_phase",), ("ce90", "tilt"), ("coast_vertical_position",), ("islr",)]
-)
-def test_the_other_margin_is_that_of_the_other_verdict(mode, names):
-    limits = {f"requirements.{name}": 0.5 for name in names}
-    motion = {"motion.unsensed_lines": ((30.0, 1e-4, "length"),)}
-    budget = analyse(Design({"processing.mode": mode, **limits, **motion}))
-    tightest = budget.other_verdict.tightest
-    if not names:
-        assert budget.other_margin is tightest is None
-    else:
-        assert budget.other_margin == pytest.approx(tightest.margin, rel=1e-12)
-        alike = names[0] in ("coast_vertical_position", "islr")  # in both processings
-        assert alike or budget.verdict.tightest.margin != budget.other_margin
-
-
 def test_prior_is_the_default_and_the_worst():
     budget = analyse(BASE.replace({"requirements.horizontal_position": 1.0}))
     assert _check(budget, "horizontal_position").basis == "prior"
