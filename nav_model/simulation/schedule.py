@@ -36,7 +36,7 @@ class Schedule:
     coast_s: FloatArray
 
 
-def _samples_at_multiples(interval: float, spec: SimulationSpec) -> NDArray[np.int64]:
+def samples_at_multiples(interval: float, spec: SimulationSpec) -> NDArray[np.int64]:
     """IMU samples nearest to interval, 2 interval, ... within the run."""
     count = int(np.floor(spec.duration / interval * (1.0 + 1e-12)))
     samples = np.rint(np.arange(1, count + 1) * interval * spec.imu.rate).astype(np.int64)
@@ -46,7 +46,7 @@ def _samples_at_multiples(interval: float, spec: SimulationSpec) -> NDArray[np.i
 
 def output_samples(spec: SimulationSpec) -> NDArray[np.int64]:
     """IMU samples at which a result is kept: 0 and the multiples of `every`, from `record_from` on."""
-    samples = _samples_at_multiples(spec.every, spec)
+    samples = samples_at_multiples(spec.every, spec)
     return np.concatenate([[0], samples[samples >= round(spec.record_from * spec.imu.rate)]])
 
 
@@ -69,7 +69,7 @@ def _plan(spec: SimulationSpec) -> Schedule:
     events = np.zeros(spec.steps + 1, dtype=np.uint8)
     stride = max(1, round(rate / spec.filter.propagation_rate))
     events[stride::stride] |= PROPAGATE
-    fixes = _samples_at_multiples(spec.gnss.interval, spec)
+    fixes = samples_at_multiples(spec.gnss.interval, spec)
     fixes = fixes[~in_outage(spec, fixes / rate)[0]]
     events[fixes] |= FIX
     outputs = output_samples(spec)

@@ -243,7 +243,7 @@ def _fly(
             output += 1
 
 
-def _tuning(spec: SimulationSpec) -> Tuning:
+def tuning_of(spec: SimulationSpec) -> Tuning:
     scale = spec.filter.process_noise_scale
     decay, drive = np.zeros(12), np.zeros(12)
     for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
@@ -272,7 +272,7 @@ def _tuning(spec: SimulationSpec) -> Tuning:
     )
 
 
-def _initial_sigma(spec: SimulationSpec) -> FloatArray:
+def initial_sigma(spec: SimulationSpec) -> FloatArray:
     """Sigma of the true initial error (states): position, velocity, attitude, then the biases."""
     start, triads = spec.initial, (spec.imu.accelerometer, spec.imu.gyro)
     biases: list[float] = {
@@ -306,7 +306,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     start_noise, imu_noise, gnss_noise = (np.random.Generator(np.random.PCG64(s)) for s in sequence.spawn(3))
     gyro = draw_triad(imu.gyro, imu.rate, imu.vibration_factor, start_noise)
     accelerometer = draw_triad(imu.accelerometer, imu.rate, imu.vibration_factor, start_noise)
-    sigma = _initial_sigma(spec)
+    sigma = initial_sigma(spec)
     draw = sigma[:9] * start_noise.standard_normal(9) * (1.0 if noisy else 0.0)
     truth = schedule.outputs
     state = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
@@ -341,7 +341,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         imu_noise,
         _receiver(spec.gnss, noisy),
         gnss_noise,
-        _tuning(spec),
+        tuning_of(spec),
         _kernel_truth(schedule.fixes),
         _kernel_truth(truth),
         schedule.error_map,

@@ -1,0 +1,12 @@
+"""The covariance along a flight: what the simulator would give with infinitely many runs, by source, smoothed too.
+
+    specification.py  what is asked: CovarianceSpec, the simulator's study with aperture, aiding and their errors
+    errors.py         the linear model of the simulator's errors: nodes, transition, noise of each source, fixes
+    covariance.py     covariance(spec): filter, smoother and the share of every source -> TrajectoryResult
+    aperture.py       the weights of the image figures, of the errors at the nodes of a flight
+    result.py         TrajectoryResult and its parts; to_json
+    plan.py           a flight from waypoints and lines, with coordinated turns
+    files.py          flights from GPX, KML, SBET and CSV
+
+Import from the modules; this one imports nothing.
+"""

@@ -1,0 +1,137 @@
+"""The aperture as weights on the position and velocity errors at the nodes of a flight.
+
+Between two nodes the position error is the cubic that has both positions and velocities: what the noise does inside a
+step is left out, 0.4 % of a detrended phase with six nodes in the aperture and far less with more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from nav_model.aperture.geometry import metres_to_phase
+from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
+from nav_model.trajectory.errors import ErrorModel
+from nav_model.trajectory.specification import Aperture
+
+FloatArray = NDArray[np.float64]
+ORDERS = 6
+"""Legendre coefficients along the line of sight; the mean across it follows."""
+COLUMNS = ORDERS + 1
+_POINTS, _WEIGHTS = legendre.leggauss(5)
+_ROUNDING = 1e-6  # s
+# Mean square that polynomials up to ORDERS - 1 leave of white noise integrated twice, over its density times T³: with
+# M = ORDERS - 1 it is (M + 1)/(8 (2M - 1)(2M + 1)(2M + 3)(2M + 5)), 1/420 for M = 1. [S-6], [T-18]
+_BEYOND = 1 / 25740
+
+
+class Apertures(NamedTuple):
+    """Apertures of a flight, one a row: the output it belongs to, its first and last node, weights on position and
+    velocity errors from the first node on (apertures, nodes, COLUMNS, 6), and `speed` [m/s] (apertures)."""
+
+    output: NDArray[np.int64]
+    first: NDArray[np.int64]
+    last: NDArray[np.int64]
+    weights: FloatArray
+    speed: FloatArray
+
+
+def apertures_of(model: ErrorModel, shape: Aperture, interval: float) -> Apertures:
+    """The apertures centred at the outputs of a flight that lie within it.
+
+    One begins at the last fix before where it would begin, as in the budget, and so is up to a fix interval early;
+    without a fix there, it begins where it would.
+    """
+    time_s, half = model.time_s, 0.5 * shape.duration
+    begin = time_s[model.outputs] - half
+    fixes = np.concatenate([[-np.inf], time_s[model.is_fix]])
+    last_fix = fixes[np.searchsorted(fixes, begin + _ROUNDING, side="right") - 1]
+    begin = np.where(begin - last_fix < interval * (1.0 + 1e-9), last_fix, begin)
+    inside = (begin >= 0.0) & (begin + shape.duration <= time_s[-1])
+    output, begin = np.flatnonzero(inside), begin[inside]
+    first = np.searchsorted(time_s, begin + _ROUNDING, side="right") - 1
+    last = np.searchsorted(time_s, begin + shape.duration - _ROUNDING)
+    weights = np.zeros((len(output), int(np.max(last - first, initial=0)) + 1, COLUMNS, 6))
+    middle = np.searchsorted(time_s, begin + half)
+    velocity = model.truth.velocity[np.minimum(middle, len(time_s) - 1)]
+    sight, across = directions(velocity, shape)
+    for step in range(weights.shape[1] - 1):
+        node = np.minimum(first + step, len(time_s) - 2)
+        left, right = time_s[node], time_s[node + 1]
+        length = right - left
+        low = np.clip(left, begin, begin + shape.duration)
+        high = np.clip(right, begin, begin + shape.duration)
+        high = np.where(first + step < last, high, low)
+        times = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * _POINTS
+        s = (times - left[:, None]) / length[:, None]
+        x = (times - begin[:, None]) / half - 1.0
+        polynomials = legendre.legvander(x, ORDERS - 1) * (np.arange(ORDERS) + 0.5)  # (apertures, points, orders)
+        measure = 0.5 * (high - low)[:, None] * _WEIGHTS / half
+        h = length[:, None]
+        basis = [
+            (0, 1 - 3 * s**2 + 2 * s**3, h * (s - 2 * s**2 + s**3)),
+            (1, 3 * s**2 - 2 * s**3, h * (s**3 - s**2)),
+        ]
+        for offset, position, speed in basis:
+            for start, shape_function in ((0, position), (3, speed)):
+                each = np.einsum("ap,apm->am", measure * shape_function, polynomials)
+                place = weights[:, step + offset]
+                place[:, :ORDERS, start : start + 3] += each[:, :, None] * sight[:, None, :]
+                place[:, ORDERS, start : start + 3] += each[:, 0, None] * across
+    return Apertures(output, first, last, weights, np.linalg.norm(velocity[:, :2], axis=1))
+
+
+def directions(velocity: FloatArray, shape: Aperture) -> tuple[FloatArray, FloatArray]:
+    """Line of sight, and the direction across it in the slant plane, for velocities (n, 3), all NED. [P-7]"""
+    level = velocity[:, :2] / np.maximum(np.linalg.norm(velocity[:, :2], axis=1), 1e-9)[:, None]
+    zero = np.zeros(len(level))
+    along = np.column_stack([level, zero])
+    right = shape.side * np.column_stack([-level[:, 1], level[:, 0], zero])
+    s, psi = math.sin(shape.squint), shape.grazing_angle
+    sight = s * along + math.sqrt(max(math.cos(psi) ** 2 - s**2, 0.0)) * right
+    sight[:, 2] = math.sin(psi)
+    return sight, (along - s * sight) / math.cos(shape.squint)
+
+
+def figures(
+    covariance: FloatArray, shape: Aperture, speed: FloatArray, white: FloatArray
+) -> Mapping[str, FloatArray]:
+    """Variances of the image figures by name, of covariances (sources, apertures, COLUMNS, COLUMNS); [rad²], [m²].
+
+    white: density of the accelerometers' noise by source [m²/s³] (sources), which the coefficients do not exhaust.
+    `ce90` is the sum of both variances on the ground: `circular` makes the radius of the whole.
+    """
+    phase = float(metres_to_phase(1.0, shape.wavelength)) ** 2
+    left = sum(covariance[..., n, n] / (2 * n + 1) for n in range(shape.autofocus_order + 1, ORDERS))
+    moved = _shifts(covariance, shape, speed)
+    lever = shape.slant_range / (speed * math.cos(shape.squint))
+    along, across, _ = ground_covariance(moved, shape.grazing_angle, 0.0, shape.squint)
+    return {
+        "quadratic_phase": 9 / 4 * phase * covariance[..., 2, 2],
+        "cubic_phase": 25 / 4 * phase * covariance[..., 3, 3],
+        "detrended_phase": phase * (left + _BEYOND * shape.duration**3 * white[:, None]),
+        "azimuth_shift": (2 * lever / shape.duration) ** 2 * covariance[..., 1, 1],
+        "range_shift": moved.range,
+        "ce90": along + across,
+    }
+
+
+def circular(covariance: FloatArray, shape: Aperture, speed: FloatArray) -> FloatArray:
+    """CE90 [m] of covariances (apertures, COLUMNS, COLUMNS), with the error of the scene's height. [P-7]"""
+    moved = _shifts(covariance, shape, speed)
+    found: FloatArray = circular_error(
+        *ground_covariance(moved, shape.grazing_angle, shape.scene_height_error, shape.squint)
+    )
+    return found
+
+
+def _shifts(covariance: FloatArray, shape: Aperture, speed: FloatArray) -> Shifts:
+    lever = 2 * shape.slant_range / (speed * math.cos(shape.squint) * shape.duration)
+    mean, slope, across = covariance[..., 0, 0], covariance[..., 1, 1], covariance[..., ORDERS, ORDERS]
+    azimuth = across - 2 * lever * covariance[..., 1, ORDERS] + lever**2 * slope
+    return Shifts(mean, azimuth, covariance[..., 0, ORDERS] - lever * covariance[..., 0, 1], mean)

@@ -1,0 +1,368 @@
+"""The simulator's errors as one linear model along a flight. [T-18]
+
+The state is what the filter estimates (errors of position, velocity and attitude, and its bias estimates), then what
+is really there: biases, scale factors, misalignments, the slow GNSS error, lever arm error, time offset. The filter's
+gains act on the first part; the second is considered. Between two nodes of the flight the transition comes from the
+simulator's `error_dynamics`. A source that is zero has no state and no noise.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.earth.rotation import euler_error_map
+from nav_model.simulation.kalman import error_dynamics
+from nav_model.simulation.layout import ATTITUDE, BIASES, GYRO, HEIGHT, LATITUDE, STATE_LENGTH, TRIADS, VELOCITY
+from nav_model.simulation.schedule import in_outage, output_samples, samples_at_multiples
+from nav_model.simulation.single_run import initial_sigma, tuning_of
+from nav_model.simulation.specification import SimulationSpec, TriadModel
+from nav_model.simulation.trajectory import Trajectory, plan_trajectory
+from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
+from nav_model.trajectory.specification import CovarianceSpec
+
+FloatArray = NDArray[np.float64]
+_LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact for noise through the chain gyro -> position
+_APERTURE_PARTS = 6  # nodes in an aperture at least
+_DENSEST = 0.02  # s between nodes, however short a correlation time
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorModel:
+    """The linear model of a flight with k nodes, n states of which the filter has the first m, s sources.
+
+    time_s (k); outputs: nodes of the results. transition (k - 1, n, n) from node to node; driven: the sources with
+    process noise, factors (k - 1, driven, n, 9) whose square is the covariance of what each adds to a step;
+    filter_noise (k - 1, m, m) as the filter assumes it. initial (s, n, n): covariance at time 0 by source;
+    filter_start (m, m). rows (k, r, n): what the fix at a node measures, zeros where there is none, with the
+    filter's variance (k, r), infinite where there is none, and the true ones by source (k, s, r).
+    """
+
+    time_s: FloatArray
+    outputs: NDArray[np.int64]
+    truth: TruthStates
+    error_map: FloatArray
+    states: int
+    sources: tuple[str, ...]
+    driven: tuple[int, ...]
+    transition: FloatArray
+    factors: FloatArray
+    filter_noise: FloatArray
+    initial: FloatArray
+    filter_start: FloatArray
+    rows: FloatArray
+    variance: FloatArray
+    noise: FloatArray
+    is_fix: NDArray[np.bool_]
+
+
+@dataclass
+class _Layout:
+    """Considered states as they are laid out: name of the group -> first index, and who starts and drives them."""
+
+    size: int
+    first: dict[str, int] = field(default_factory=dict)
+    start: list[tuple[str, int, int, float]] = field(default_factory=list)
+    drive: list[tuple[str, int, float]] = field(default_factory=list)
+    decay: dict[int, float] = field(default_factory=dict)
+
+    def add(self, name: str, source: str, count: int, sigma: float, drive: float = 0.0, time: float = 0.0) -> None:
+        """`count` states of this sigma, driven by a density [unit²/s], with a correlation time if it is not zero."""
+        first = self.first.setdefault(name, self.size)
+        if first == self.size:
+            self.size += count
+        self.start.append((source, first, count, sigma))
+        if drive > 0.0:
+            self.drive.append((source, first, drive))
+        if time > 0.0:
+            self.decay.update({first + i: 1.0 / time for i in range(count)})
+
+
+def _layout(spec: CovarianceSpec) -> _Layout:
+    study, aiding = spec.study, spec.aiding
+    found = _Layout(study.filter.states)
+    for name, model in (("accelerometer", study.imu.accelerometer), ("gyro", study.imu.gyro)):
+        if model.turn_on_bias > 0.0 or model.rate_random_walk > 0.0:
+            found.add(f"{name} bias", f"{name} bias", 3, model.turn_on_bias)
+            found.add(f"{name} bias", f"{name} bias random walk", 3, 0.0, model.rate_random_walk**2)
+        if model.bias_instability > 0.0:
+            drive = 2.0 * model.bias_instability**2 / model.correlation_time
+            source = f"{name} bias instability"
+            found.add(source, source, 3, model.bias_instability, drive, model.correlation_time)
+        if model.scale_factor > 0.0:
+            found.add(f"{name} scale factor", f"{name} scale factor", 3, model.scale_factor)
+        if model.misalignment > 0.0:
+            found.add(f"{name} misalignment", f"{name} misalignment", 6, model.misalignment)
+    gnss = study.gnss
+    if gnss.markov_noise > 0.0 or gnss.vertical_markov_noise > 0.0:
+        slow = "slow GNSS error"
+        found.add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
+    if aiding.lever_arm_error > 0.0:
+        found.add("lever arm error", "lever arm error", 3, aiding.lever_arm_error)
+    if aiding.time_offset > 0.0:
+        found.add("time offset", "time offset", 1, aiding.time_offset)
+    return found
+
+
+def error_model(spec: CovarianceSpec) -> ErrorModel:
+    """The linear model of a flight.
+
+    Raises InputError where the flight cannot be flown, as `plan_trajectory`.
+    """
+    study = spec.study
+    trajectory, layout = plan_trajectory(study.trajectory, study.duration), _layout(spec)
+    scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
+    outputs = output_samples(study) / study.imu.rate
+    time_s = _nodes(trajectory, study, np.union1d(scheduled, outputs), spec)
+    truth = true_states(trajectory, time_s)
+    sources = _sources(spec, layout)
+    dynamics = _dynamics(trajectory, time_s, layout, study)
+    steps = np.diff(time_s)
+    tuning = tuning_of(study)
+    n, m = layout.size, study.filter.states
+    decay = np.zeros(n)
+    decay[BIASES:m] = tuning.decay_rate[: m - BIASES]
+    for index, rate in layout.decay.items():
+        decay[index] = rate
+    powers = _powers(dynamics, decay, steps)
+    inner = [
+        (_flow(powers, decay, steps, 0.5 * (1.0 + x)), 0.5 * w * steps)
+        for x, w in zip(_POINTS, _WEIGHTS, strict=True)
+    ]
+
+    def driven_by(first: int, density: float) -> FloatArray:
+        """Factor (k - 1, n, 9) of white noise of this density [unit²/s] on three states."""
+        return np.concatenate(
+            [flow[:, :, first : first + 3] * np.sqrt(density * w)[:, None, None] for flow, w in inner], axis=2
+        )
+
+    vibration = study.imu.vibration_factor**2
+    drives = [
+        ("accelerometer noise", VELOCITY, study.imu.accelerometer.random_walk**2 * vibration),
+        ("gyro noise", ATTITUDE, study.imu.gyro.random_walk**2 * vibration),
+        *layout.drive,
+    ]
+    drives = [drive for drive in drives if drive[2] > 0.0]
+    assumed = [(VELOCITY, tuning.accelerometer_density**2), (ATTITUDE, tuning.gyro_density**2)]
+    assumed += [(first, tuning.bias_drive[first - BIASES]) for first in range(BIASES, m, 3)]
+    filter_noise = np.zeros((len(steps), m, m))
+    for first, density in assumed:
+        if density > 0.0:
+            factor = driven_by(first, float(density))[:, :m]
+            filter_noise += factor @ factor.swapaxes(1, 2)
+    start = initial_sigma(study)
+    believed = start * study.filter.initial_scale
+    believed[BIASES:] *= study.filter.bias_scale
+    believed[BIASES:] = np.maximum(believed[BIASES:], np.resize([1e-9] * 3 + [1e-13] * 3, m - BIASES))
+    initial = np.zeros((len(sources), n, n))
+    begins = [("initial position and velocity", 0, 6), ("initial tilt", 6, 2), ("initial heading", 8, 1)]
+    for source, first, count in begins:
+        for i in range(first, first + count):
+            initial[sources.index(source), i, i] = start[i] ** 2
+    for source, first, count, sigma in layout.start:
+        if sigma > 0.0:
+            for i in range(first, first + count):
+                initial[sources.index(source), i, i] = sigma**2
+    measured = _measurements(spec, layout, trajectory, truth, scheduled, sources)
+    return ErrorModel(
+        time_s=time_s,
+        outputs=np.searchsorted(time_s, outputs - 1e-9),
+        truth=truth,
+        error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
+        states=m,
+        sources=sources,
+        driven=tuple(sources.index(source) for source, _, _ in drives),
+        transition=_flow(powers, decay, steps, 1.0),
+        factors=np.stack([driven_by(first, density) for _, first, density in drives], axis=1),
+        filter_noise=filter_noise,
+        initial=initial,
+        filter_start=np.diag(believed**2),
+        **measured,
+    )
+
+
+def _sources(spec: CovarianceSpec, layout: _Layout) -> tuple[str, ...]:
+    imu, gnss, aiding = spec.study.imu, spec.study.gnss, spec.aiding
+    there = {
+        "accelerometer noise": imu.accelerometer.random_walk,
+        "gyro noise": imu.gyro.random_walk,
+        "fix noise": gnss.position_noise,
+        "velocity noise": gnss.velocity_noise,
+        "heading aiding": aiding.heading_noise,
+        "barometer": aiding.barometer_noise,
+        **{source: sigma for source, _, _, sigma in layout.start},
+        **{source: drive for source, _, drive in layout.drive},
+    }
+    starts = ("initial position and velocity", "initial tilt", "initial heading")
+    return (*(name for name, value in there.items() if value), *starts)
+
+
+def _nodes(trajectory: Trajectory, study: SimulationSpec, anchors: FloatArray, spec: CovarianceSpec) -> FloatArray:
+    """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
+    triads: tuple[TriadModel, ...] = (study.imu.accelerometer, study.imu.gyro)
+    times = [model.correlation_time / 5.0 for model in triads if model.bias_instability > 0.0]
+    times += [spec.aperture.duration / _APERTURE_PARTS] if spec.aperture else []
+    longest = max(min([1.0, *times]), _DENSEST)
+    grid = np.union1d(np.arange(0.0, study.duration, 0.25), anchors)
+    rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)
+    found = [anchors[:1]]
+    for before, after in pairwise(anchors.tolist()):
+        inside = slice(np.searchsorted(grid, before), np.searchsorted(grid, after) + 1)
+        parts = math.ceil((after - before) * max(1.0 / longest, float(rate[inside].max()) / _LARGEST_TURN) - 1e-9)
+        found.append(np.linspace(before, after, max(parts, 1) + 1)[1:])
+    return np.concatenate(found)
+
+
+def _dynamics(trajectory: Trajectory, time_s: FloatArray, layout: _Layout, study: SimulationSpec) -> FloatArray:
+    """The first nine rows of the dynamics (k - 1, 9, n) in the middle of each step, with its mean specific force."""
+    middle = 0.5 * (time_s[1:] + time_s[:-1])
+    now = true_states(trajectory, middle)
+    sensed = specific_force_and_rate(trajectory, middle)
+    ends = specific_force_and_rate(trajectory, time_s)[:, :3]
+    turned = np.einsum("kij,kj->ki", true_states(trajectory, time_s).matrix, ends)
+    force = (turned[1:] + turned[:-1] + 4.0 * np.einsum("kij,kj->ki", now.matrix, sensed[:, :3])) / 6.0
+    state, own = np.zeros(STATE_LENGTH), np.empty((BIASES, BIASES + TRIADS))
+    found = np.zeros((len(middle), BIASES, layout.size))
+    both = np.empty((len(middle), BIASES, TRIADS))
+    for k in range(len(middle)):
+        state[LATITUDE : HEIGHT + 1], state[VELOCITY : VELOCITY + 3] = now.position[k], now.velocity[k]
+        error_dynamics(state, force[k], now.matrix[k], own)
+        found[k, :, :BIASES], both[k] = own[:, :BIASES], own[:, BIASES:]
+    for first in range(BIASES, study.filter.states, TRIADS):
+        found[:, :, first : first + TRIADS] = both
+    _true_sensors(found, both, sensed, layout)
+    return found
+
+
+def _true_sensors(out: FloatArray, columns: FloatArray, sensed: FloatArray, layout: _Layout) -> None:
+    """Write into `out` (k, rows, n) what the true errors of the sensors do, from what those of the filter's bias
+    estimates do (k, rows, 6) and what the sensors measure (k, 6): the other sign, as an estimate is taken off."""
+    for name, first, at in (("accelerometer", 0, 0), ("gyro", GYRO, GYRO)):
+        own, true = columns[:, :, first : first + 3], sensed[:, None, at : at + 3]
+        for group in (f"{name} bias", f"{name} bias instability"):
+            if group in layout.first:
+                out[:, :, layout.first[group] : layout.first[group] + 3] = -own
+        if (place := layout.first.get(f"{name} scale factor")) is not None:
+            out[:, :, place : place + 3] = -own * true
+        if (place := layout.first.get(f"{name} misalignment")) is not None:
+            pairs = [(i, j) for i in range(3) for j in range(3) if i != j]
+            for offset, (i, j) in enumerate(pairs):
+                out[:, :, place + offset] = -own[:, :, i] * true[:, :, j]
+
+
+def _powers(dynamics: FloatArray, decay: FloatArray, steps: FloatArray) -> list[FloatArray]:
+    """The first nine rows of (F dt)^i / i!, i from 1 to 4."""
+    whole = dynamics * steps[:, None, None]
+    found, rate = [whole], -decay[BIASES:] * steps[:, None]
+    for i in range(2, 5):
+        last = found[-1]
+        new = last[:, :, :BIASES] @ whole / i
+        new[:, :, BIASES:] += last[:, :, BIASES:] * rate[:, None, :] / i
+        found.append(new)
+    return found
+
+
+def _flow(powers: list[FloatArray], decay: FloatArray, steps: FloatArray, part: float) -> FloatArray:
+    """The transition over this part of each step, (k - 1, n, n)."""
+    n = powers[0].shape[2]
+    found = np.zeros((len(steps), n, n))
+    for i, power in enumerate(powers, 1):
+        found[:, :BIASES] += power * part**i
+    found[:, range(n), range(n)] += np.exp(-decay * (part * steps)[:, None])
+    return found
+
+
+def _measurements(
+    spec: CovarianceSpec,
+    layout: _Layout,
+    trajectory: Trajectory,
+    truth: TruthStates,
+    scheduled: FloatArray,
+    sources: tuple[str, ...],
+) -> dict[str, Any]:
+    """What the fix at each node measures, in the fields of `ErrorModel`: position, velocity, heading, height."""
+    study, aiding, time_s = spec.study, spec.aiding, truth.time_s
+    n, m, gnss, k = layout.size, study.filter.states, spec.study.gnss, len(time_s)
+    at = np.zeros(k, dtype=np.bool_)
+    at[np.searchsorted(time_s, scheduled - 1e-9)] = True
+    bank = np.inf if aiding.bank_limit is None else aiding.bank_limit
+    lost = in_outage(study, time_s)[0] | (np.abs(truth.euler[:, 0]) > bank)
+    fix, speed = at & ~lost, np.array(gnss.axis_velocity_noise)
+    rows = np.zeros((k, 8, n))
+    arm = np.array(gnss.lever_arm)
+    rows[:, 0:3, 0:3] = rows[:, 3:6, 3:6] = np.eye(3)
+    cross = _cross(truth.matrix @ arm)
+    swing = np.einsum("kij,kj->ki", truth.matrix, np.cross(truth.body_rate, arm))
+    rows[:, 0:3, ATTITUDE : ATTITUDE + 3], rows[:, 3:6, ATTITUDE : ATTITUDE + 3] = cross, _cross(swing)
+    rates = np.zeros((k, 3, TRIADS))
+    rates[:, :, GYRO:] = truth.matrix @ _cross(arm)
+    for first in range(BIASES, m, TRIADS):
+        rows[:, 3:6, first : first + TRIADS] = rates
+    _true_sensors(rows[:, 3:6], rates, specific_force_and_rate(trajectory, time_s), layout)
+    if (place := layout.first.get("slow GNSS error")) is not None:
+        sizes = [gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise]
+        rows[:, 0:3, place : place + 3] = -np.diag(sizes)
+    if (place := layout.first.get("lever arm error")) is not None:
+        rows[:, 0:3, place : place + 3] = truth.matrix
+        rows[:, 3:6, place : place + 3] = truth.matrix @ _cross(truth.body_rate)
+    if (place := layout.first.get("time offset")) is not None:
+        rows[:, 0:3, place] = truth.velocity
+        rows[:, 3:6, place] = (trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)) / 0.1
+    rows[:, 6, ATTITUDE : ATTITUDE + 3] = euler_error_map(truth.euler[:, 1], truth.euler[:, 2])[:, 2]
+    rows[:, 7, 2] = 1.0
+    noise, extra = np.zeros((k, len(sources), 8)), np.zeros((k, 8))
+    position = _position_noise(spec, time_s, lost)
+    of_rate = np.einsum("kij,kij->ki", rates, rates) * study.imu.rate
+    if "gyro noise" in sources:
+        density = study.imu.gyro.random_walk * study.imu.vibration_factor
+        noise[:, sources.index("gyro noise"), 3:6] = of_rate * density**2
+    noise[:, sources.index("fix noise"), 0:3] = position**2
+    extra[:, 3:6] = of_rate * tuning_of(study).gyro_density ** 2
+    there = np.zeros((k, 8), dtype=np.bool_)
+    there[:, 0:3] = fix[:, None]
+    for source, columns, sigma, when in (
+        ("velocity noise", slice(3, 6), speed if len(speed) else None, fix),
+        ("heading aiding", slice(6, 7), aiding.heading_noise, fix),
+        ("barometer", slice(7, 8), aiding.barometer_noise, at),
+    ):
+        if sigma is not None:
+            noise[:, sources.index(source), columns] = np.asarray(sigma) ** 2
+            there[:, columns] = when[:, None]
+    own = noise.sum(axis=1)
+    own[:, 3:6] -= noise[:, sources.index("gyro noise"), 3:6] if "gyro noise" in sources else 0.0
+    variance = np.where(there, own * study.filter.gnss_noise_scale**2 + extra, np.inf)
+    used = there.any(axis=0)
+    rows = np.where(there[:, :, None], rows, 0.0)
+    return {
+        "rows": rows[:, used],
+        "variance": variance[:, used],
+        "noise": np.where(there[:, None, :], noise, 0.0)[:, :, used],
+        "is_fix": there.any(axis=1),
+    }
+
+
+def _position_noise(spec: CovarianceSpec, time_s: FloatArray, lost: NDArray[np.bool_]) -> FloatArray:
+    """Noise of a position fix at each node (k, 3), with the solutions that follow a loss."""
+    since = time_s - np.maximum.accumulate(np.where(lost, time_s, -np.inf))
+    found = np.broadcast_to(np.array(spec.study.gnss.axis_noise), (len(lost), 3)).copy()
+    until = 0.0
+    for duration, sigma in spec.aiding.after_loss:
+        degraded = (since > until) & (since <= until + duration)
+        found[degraded] = np.maximum(found[degraded], sigma)
+        until += duration
+    return found
+
+
+def _cross(vector: FloatArray) -> FloatArray:
+    """[v x] of vectors (..., 3)."""
+    found = np.zeros((*vector.shape, 3))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        found[..., i, j], found[..., i, k] = -vector[..., k], vector[..., j]
+    return found

@@ -1,0 +1,38 @@
+"""The lines of a flight against the limits on their image figures."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.design.processing import REAL_TIME
+from nav_model.trajectory.result import LineResult, Processed
+from nav_model.trajectory.specification import CovarianceSpec, Line
+
+FloatArray = NDArray[np.float64]
+
+
+def judge(spec: CovarianceSpec, time_s: FloatArray, real: Processed, post: Processed) -> tuple[LineResult, ...]:
+    """Each line against the limits, in the processing that they are of. Without lines the whole flight is one."""
+    chosen = real if spec.limits.processing == REAL_TIME else post
+    lines = spec.lines or (Line("flight", 0.0, spec.study.duration),)
+    return tuple(_judged(line, spec, time_s, chosen) for line in lines)
+
+
+def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> LineResult:
+    most = dict(spec.limits.most)
+    worst, mean, within, failing = {}, {}, {}, []
+    half = 0.5 * spec.aperture.duration if spec.aperture else 0.0
+    for name in dict.fromkeys([*chosen.image, *most]):
+        # An image's aperture lies within its line as far as the line is long enough for one.
+        margin = min(half, 0.5 * (line.stop - line.start)) if name in chosen.image else 0.0
+        on = (time_s >= line.start + margin - 1e-9) & (time_s <= line.stop - margin + 1e-9)
+        values = chosen.figure(name)[on]
+        values = values[np.isfinite(values)]
+        if values.size:
+            worst[name], mean[name] = float(values.max()), float(np.sqrt(np.mean(values**2)))
+        if name in most:
+            within[name] = float(np.mean(values <= most[name])) if values.size else 0.0
+            if within[name] < 1.0:
+                failing.append(name)
+    return LineResult(line.name, line.start, line.stop, worst, mean, within, tuple(failing))

@@ -1,0 +1,168 @@
+"""What a covariance along a flight gives: figures over time, real time and post-processed, and shares by source."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.design.processing import REAL_TIME
+from nav_model.simulation.truth import TruthStates
+from nav_model.trajectory.specification import CovarianceSpec
+
+FloatArray = NDArray[np.float64]
+FIGURES: Final = {
+    "quadratic_phase": "quadratic_phase_sigma_rad",
+    "cubic_phase": "cubic_phase_sigma_rad",
+    "detrended_phase": "detrended_phase_sigma_rad",
+    "azimuth_shift": "azimuth_shift_sigma_m",
+    "range_shift": "range_shift_sigma_m",
+    "ce90": "ce90_m",
+}
+"""Image figures and their names in JSON."""
+STATES: Final = {
+    "horizontal_position": "position_horizontal_sigma_m",
+    "vertical_position": "position_vertical_sigma_m",
+    "horizontal_velocity": "velocity_horizontal_sigma_m_s",
+    "vertical_velocity": "velocity_vertical_sigma_m_s",
+    "tilt": "tilt_sigma_rad",
+}
+"""Figures of the navigation that a design may limit: the larger axis where there are two."""
+
+
+@dataclass(frozen=True, eq=False)
+class Processed:
+    """Figures of one processing over the result's times, 1 sigma.
+
+    position [m] and velocity [m/s] north, east, down, attitude [rad] roll, pitch, yaw: (outputs, 3). image: by the
+    names of `FIGURES`, (outputs), NaN where the aperture does not lie within the flight. shares: by figure,
+    (sources, outputs); they add up to one at every time. Shares of `ce90` are of the sum of both variances.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    attitude: FloatArray
+    image: Mapping[str, FloatArray]
+    shares: Mapping[str, FloatArray]
+
+    def figure(self, name: str) -> FloatArray:
+        """A figure by its name among `FIGURES` and `STATES`, (outputs)."""
+        if name in self.image:
+            return self.image[name]
+        part = self.position if name.endswith("position") else self.velocity
+        if name == "tilt":
+            part = self.attitude[:, [0, 1, 1]]
+        found: FloatArray = part[:, 2] if name.startswith("vertical") else part[:, :2].max(axis=1)
+        return found
+
+
+@dataclass(frozen=True)
+class LineResult:
+    """A line against its limits: worst figure over the line, 1 sigma, and the share of the line within each limit.
+
+    failing: names of the figures beyond their limit; missing: whether no aperture lies within the line.
+    """
+
+    name: str
+    start_s: float
+    stop_s: float
+    worst: Mapping[str, float]
+    mean: Mapping[str, float]
+    within: Mapping[str, float]
+    failing: tuple[str, ...]
+
+    @property
+    def closes(self) -> bool:
+        """Whether every limit is met along the whole line."""
+        return not self.failing
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Heading along the flight: sigma at the start, the best and at the end [rad]; when it becomes observable [s], by
+    what, and what would help, in words. `observable_s` is None where it never does."""
+
+    start: float
+    best: float
+    end: float
+    observable_s: float | None
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryResult:
+    """The covariance along a flight. truth: of the flight at `time_s` (outputs)."""
+
+    spec: CovarianceSpec
+    time_s: FloatArray
+    truth: TruthStates
+    sources: tuple[str, ...]
+    real_time: Processed
+    post_processed: Processed
+    lines: tuple[LineResult, ...]
+    heading: Heading
+
+    @property
+    def chosen(self) -> Processed:
+        """The processing that the limits judge."""
+        return self.real_time if self.spec.limits.processing == REAL_TIME else self.post_processed
+
+    @property
+    def closes(self) -> bool:
+        """Whether every line meets its limits."""
+        return all(line.closes for line in self.lines)
+
+
+def to_json(result: TrajectoryResult) -> dict[str, Any]:
+    """The result as plain data for JSON, in SI; null where an aperture does not lie within the flight."""
+    return {
+        "time_s": result.time_s.tolist(),
+        "processing": result.spec.limits.processing,
+        "real_time": _processed(result.real_time),
+        "post_processed": _processed(result.post_processed),
+        "shares": {
+            figure: {source: _numbers(row) for source, row in zip(result.sources, rows, strict=True)}
+            for figure, rows in result.chosen.shares.items()
+        },
+        "lines": [
+            {
+                "name": line.name,
+                "start_s": line.start_s,
+                "stop_s": line.stop_s,
+                "closes": line.closes,
+                "worst": dict(line.worst),
+                "mean": dict(line.mean),
+                "within": dict(line.within),
+                "failing": list(line.failing),
+            }
+            for line in result.lines
+        ],
+        "heading": {
+            "start_sigma_rad": result.heading.start,
+            "best_sigma_rad": result.heading.best,
+            "end_sigma_rad": result.heading.end,
+            "observable_s": result.heading.observable_s,
+            "text": result.heading.text,
+        },
+        "closes": result.closes,
+    }
+
+
+def _processed(part: Processed) -> dict[str, Any]:
+    named = {
+        "position_sigma_m": (part.position, ("north", "east", "down")),
+        "velocity_sigma_m_s": (part.velocity, ("north", "east", "down")),
+        "attitude_sigma_rad": (part.attitude, ("roll", "pitch", "yaw")),
+    }
+    found: dict[str, Any] = {
+        name: {axis: values[:, n].tolist() for n, axis in enumerate(axes)} for name, (values, axes) in named.items()
+    }
+    return found | {FIGURES[name]: _numbers(values) for name, values in part.image.items()}
+
+
+def _numbers(values: FloatArray) -> list[float | None]:
+    return [None if math.isnan(value) else value for value in values.tolist()]

@@ -1,0 +1,96 @@
+"""What a covariance along a flight is of: the simulator's study, the aperture, and further aiding.
+
+Immutable and in SI, as `SimulationSpec`, which holds the instruments, the filter, the flight and its outages.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from nav_model.base.errors import InputError
+from nav_model.simulation.specification import SimulationSpec
+
+
+@dataclass(frozen=True)
+class Aperture:
+    """The aperture at which a design looks, wherever on the flight it lies.
+
+    duration [s], wavelength [m], grazing angle [rad], squint [rad], slant_range [m]. autofocus_order: highest order
+    of phase removed. scene_height_error [m], 1 sigma. side: 1 where the radar looks to the right, -1 to the left.
+    """
+
+    duration: float
+    wavelength: float
+    grazing_angle: float
+    slant_range: float
+    squint: float = 0.0
+    autofocus_order: int = 1
+    scene_height_error: float = 0.0
+    side: int = 1
+
+
+@dataclass(frozen=True)
+class Aiding:
+    """What aids the INS beyond GNSS, when GNSS is lost, and errors of GNSS that the filter does not estimate.
+
+    heading_noise: of one heading by two antennas, 1 sigma [rad]; barometer_noise: of one height [m]. Both come with
+    the fixes; None where there is no such sensor. The heading is lost with the fixes, the height is not.
+    bank_limit: fixes are lost beyond this bank angle [rad]. after_loss: (duration [s], position noise [m]) of the
+    solutions that follow each loss in turn, as code, then float, before the receiver is fixed again.
+    lever_arm_error: per axis [m]; time_offset: of the fixes against the IMU [s]; 1 sigma, constant through a run.
+    """
+
+    heading_noise: float | None = None
+    barometer_noise: float | None = None
+    bank_limit: float | None = None
+    after_loss: tuple[tuple[float, float], ...] = ()
+    lever_arm_error: float = 0.0
+    time_offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            numbers = [x for pair in value for x in pair] if isinstance(value, tuple) else [value]
+            least = 0.0 if field.name in ("lever_arm_error", "time_offset") else math.ulp(0.0)
+            if any(x is not None and not (math.isfinite(x) and x >= least) for x in numbers):
+                allowed = "zero or positive" if least == 0.0 else "positive"
+                raise InputError(field.name, f"{value!r} must be {allowed} and finite", value)
+
+
+def heading_noise(carrier_noise: float, baseline: float) -> float:
+    """Noise of a heading [rad] from two antennas: sqrt(2) times the carrier's noise over the baseline, both [m]."""
+    return math.sqrt(2.0) * carrier_noise / baseline
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one sigma of an image figure may be at most, by name of the figure, in the processing that is judged."""
+
+    processing: str = "real time"
+    most: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Line:
+    """A part of the flight on which images are taken; start and stop [s]."""
+
+    name: str
+    start: float
+    stop: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.start < self.stop:
+            raise InputError("line", f"{self.name}: {self.start:g} s to {self.stop:g} s is no stretch of time")
+
+
+@dataclass(frozen=True)
+class CovarianceSpec:
+    """One covariance along a flight. `study`: its runs and seed mean nothing here. Without lines the whole flight is
+    one; without an aperture there are no image figures."""
+
+    study: SimulationSpec
+    aperture: Aperture | None = None
+    aiding: Aiding = Aiding()
+    lines: tuple[Line, ...] = ()
+    limits: Limits = Limits()

@@ -1,0 +1,129 @@
+"""The covariance along a flight against the simulator's filter, closed forms, simulated runs, and its own sums."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.design.file import parse_design, read_design
+from nav_model.simulation.design_study import specification
+from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
+from nav_model.simulation.specification import SimulationSpec
+from nav_model.simulation.study_inputs import read_study_inputs
+from nav_model.trajectory.covariance import _filtered, covariance
+from nav_model.trajectory.design_study import aperture_of
+from nav_model.trajectory.errors import error_model
+from nav_model.trajectory.result import Processed, TrajectoryResult
+from nav_model.trajectory.specification import Aiding, CovarianceSpec
+
+MEMS = read_design("examples/mems_x_band.toml")
+TACTICAL = read_design("examples/tactical_x_band.toml")
+FAST = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=["gnss.velocity_noise=3 cm/s"])
+RICH = read_study_inputs(
+    {
+        "gyro.bias_instability": "20 °/h",
+        "gyro.correlation_time": "100 s",
+        "accelerometer.bias_instability": "0.3 mg",
+        "accelerometer.correlation_time": "100 s",
+        "gyro.scale_factor": "1000 ppm",
+        "accelerometer.misalignment": "0.5 mrad",
+        "receiver.velocity_noise": "3 cm/s",
+        "receiver.lever_forward": "2 m",
+    }
+)
+
+
+def along(design: Design, aiding: Aiding | None = None, **options: Any) -> TrajectoryResult:
+    study = specification(design, **{"trajectory": "straight", "duration": 300.0, **options})
+    return covariance(CovarianceSpec(study, aperture_of(design), aiding or Aiding()))
+
+
+def states(part: Processed) -> np.ndarray:
+    return np.hstack([part.position, part.velocity, part.attitude])
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"outages": [(150.0, 210.0)]},
+        {"trajectory": "turns", "states": 15, "outages": [(170.0, 230.0)]},
+        {"trajectory": "turns", "states": 21, "more": read_study_inputs({"receiver.lever_forward": "2 m"})},
+        {"trajectory": "climb", "more": read_study_inputs({"receiver.velocity_noise": "5 cm/s"})},
+    ],
+)
+def test_a_filter_that_knows_its_errors_is_that_of_the_simulator(options: dict[str, Any]) -> None:
+    """The simulator steps ten times a second, this from fix to fix: the same to a thousandth through turns."""
+    found = along(MEMS, **options)
+    own = fly_without_errors(found.spec.study).filter_sigma[POSTERIOR][:, :9]
+    np.testing.assert_allclose(states(found.real_time), own, rtol=2e-3)
+
+
+def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
+    """[S-5], [P-5] and their shares: to one part in a hundred, where a fix comes at the aperture's start."""
+    for design in (MEMS, TACTICAL, FAST):
+        budget = analyse(design)
+        found = along(design, duration=500.0)
+        smooth, at = found.post_processed, 250
+        post = budget.post_processed
+        for mine, other in (
+            ("quadratic_phase", post.quadratic),
+            ("cubic_phase", post.cubic),
+            ("detrended_phase", post.detrended),
+        ):
+            assert smooth.image[mine][at] == pytest.approx(other, rel=0.01)
+        assert smooth.position[at, 0] == pytest.approx(post.sigmas.position_horizontal, rel=0.01)
+        assert smooth.position[at, 2] == pytest.approx(post.sigmas.position_vertical, rel=0.01)
+        assert smooth.velocity[at, 1] == pytest.approx(post.sigmas.velocity_horizontal, rel=0.01)
+
+
+def test_the_shares_of_all_sources_add_up_at_every_time() -> None:
+    found = along(MEMS, trajectory="turns", states=15, outages=[(170.0, 200.0)], more=RICH, duration=260.0)
+    for part in (found.real_time, found.post_processed):
+        for name, shares in part.shares.items():
+            whole = shares.sum(axis=0)
+            np.testing.assert_allclose(whole[np.isfinite(whole)], 1.0, rtol=0, atol=1e-9, err_msg=name)
+            assert np.nanmin(shares) > -1e-9
+
+
+def test_the_sources_of_a_filter_that_knows_them_add_up_to_what_it_believes() -> None:
+    found = along(MEMS, states=21, trajectory="turns", duration=200.0)
+    model = error_model(found.spec)
+    believed = _filtered(model).covariance[model.outputs]
+    variance = np.einsum("kii->ki", believed)[:, :6]
+    np.testing.assert_allclose(states(found.real_time)[:, :6] ** 2, variance, rtol=1e-6)
+
+
+def test_a_considered_error_improves_no_figure() -> None:
+    plain = along(MEMS, trajectory="turns", duration=200.0)
+    for aiding in (Aiding(lever_arm_error=0.3), Aiding(time_offset=0.01)):
+        worse = along(MEMS, aiding, trajectory="turns", duration=200.0)
+        for one, other in ((plain.real_time, worse.real_time), (plain.post_processed, worse.post_processed)):
+            assert np.all(states(other) >= states(one) * (1 - 1e-9))
+            for name, figure in one.image.items():
+                seen = np.isfinite(figure)
+                assert np.all(other.image[name][seen] >= figure[seen] * (1 - 1e-9))
+
+
+def test_a_source_that_is_zero_has_no_share() -> None:
+    assert "lever arm error" not in along(MEMS).sources
+    assert "lever arm error" in along(MEMS, Aiding(lever_arm_error=0.1)).sources
+
+
+def runs_of(spec: SimulationSpec, count: int) -> np.ndarray:
+    """Rms (outputs, 9) of simulated runs just after the fix."""
+    found: np.ndarray = np.sqrt(
+        np.mean([fly(spec, run).error[POSTERIOR][:, :9] ** 2 for run in range(count)], axis=0)
+    )
+    return found
+
+
+@pytest.mark.parametrize("runs", [60, pytest.param(1000, marks=pytest.mark.slow)])
+def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_confidence(runs: int) -> None:
+    found = along(MEMS, trajectory="turns", duration=220.0, every=10.0, more=RICH, outages=[(170.0, 200.0)])
+    ratio = (runs_of(found.spec.study, runs)[1:] / states(found.real_time)[1:]) ** 2
+    # The mean over times and axes of many correlated ratios, and each of them within five of its own sigmas.
+    assert np.mean(ratio) == pytest.approx(1.0, abs=6.0 / np.sqrt(runs))
+    assert np.all(np.abs(ratio - 1.0) < 5.0 * np.sqrt(2.0 / runs) + 0.01)
