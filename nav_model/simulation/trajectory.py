@@ -71,7 +71,7 @@ def spline_through(time_s: FloatArray, coordinates: FloatArray) -> Trajectory:
     return Trajectory(origin, breaks, coefficients)
 
 
-def _cumulative(rate: FloatArray, step: float) -> FloatArray:
+def cumulative(rate: FloatArray, step: float) -> FloatArray:
     """Integral from the first sample of an evenly sampled rate (Simpson-like, fourth order)."""
     from scipy.interpolate import CubicSpline
 
@@ -129,7 +129,7 @@ def _turns(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
         rise, fall = smooth_step((t - start) / entry), smooth_step((t - start - length) / entry)
         rate += sense * spec.turn_rate * (rise - fall)
         start += length + entry + 10.0
-    heading = spec.heading + _cumulative(rate, float(t[1] - t[0]))
+    heading = spec.heading + cumulative(rate, float(t[1] - t[0]))
     flat = np.zeros_like(t)
     roll = np.arctan(spec.speed * rate / STANDARD_GRAVITY)
     return _Plan(heading, spec.speed + flat, spec.height + flat, roll, flat)
@@ -142,7 +142,7 @@ def _climb(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
     start = 0.5 * duration - 0.5 * (length + entry)
     rate = spec.climb_rate * (smooth_step((t - start) / entry) - smooth_step((t - start - length) / entry))
     flat = np.zeros_like(t)
-    height = spec.height + _cumulative(rate, float(t[1] - t[0]))
+    height = spec.height + cumulative(rate, float(t[1] - t[0]))
     ground = np.sqrt(spec.speed**2 - rate**2)
     return _Plan(spec.heading + flat, ground, height, flat, np.arctan2(rate, ground))
 
@@ -165,10 +165,10 @@ def _lay_on_earth(
     # Curvature changes so slowly with latitude that each pass gains four digits or more.
     for _ in range(5):
         meridian, _prime = curvature_radii(np.sin(latitude))
-        integral = _cumulative(north_rate / (meridian + height), step)
+        integral = cumulative(north_rate / (meridian + height), step)
         latitude = spec.latitude + integral - integral[start]
     _meridian, prime = curvature_radii(np.sin(latitude))
-    integral = _cumulative(east_rate / ((prime + height) * np.cos(latitude)), step)
+    integral = cumulative(east_rate / ((prime + height) * np.cos(latitude)), step)
     return latitude, spec.longitude + integral - integral[start]
 
 
@@ -224,7 +224,7 @@ FILE_BOUNDS: Final = FileBounds(
         "height_m": 100_000.0,
         "roll_deg": 360.0,
         "pitch_deg": 80.0,
-        "yaw_deg": 360.0,
+        "yaw_deg": 1e6,  # unwrapped through many turns
     },
 )
 """What a trajectory file may hold: hours of an aircraft's log, where north and heading are defined."""
@@ -242,10 +242,18 @@ def parse_trajectory(content: bytes, name: str = "trajectory file") -> Trajector
         300 m/s² or an angular rate above 1000 °/s.
     """
     table = read_trajectory_table(content, name, FILE_BOUNDS)
+    return flight_through(table.samples, table.lines, name)
+
+
+def flight_through(samples: FloatArray, lines: list[int], name: str) -> TrajectorySpec:
+    """The flight through rows of time from zero [s], latitude, longitude [rad], height [m], roll, pitch, yaw [rad].
+
+    Angles may be unwrapped or not. lines: of the file, for messages, as `parse_trajectory` gives them.
+    """
     for column in (2, 4, 6):
-        table.samples[:, column] = np.unwrap(table.samples[:, column])
-    _check_motion(table.samples, table.lines, name)
-    return TrajectorySpec(kind="file", samples=table.samples.tobytes())
+        samples[:, column] = np.unwrap(samples[:, column])
+    _check_motion(samples, lines, name)
+    return TrajectorySpec(kind="file", samples=samples.tobytes())
 
 
 def read_trajectory(path: str | Path) -> TrajectorySpec:

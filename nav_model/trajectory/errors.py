@@ -1,4 +1,4 @@
-"""The simulator's errors as one linear model along a flight. [T-18]
+"""The simulator's errors as one linear model along a flight. [P-13]
 
 The state is what the filter estimates (errors of position, velocity and attitude, and its bias estimates), then what
 is really there: biases, scale factors, misalignments, the slow GNSS error, lever arm error, time offset. The filter's

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
+from app.console.flight import flight_arguments
 
 
 def add_to(commands: Any) -> None:
@@ -23,14 +24,7 @@ def add_to(commands: Any) -> None:
     add("--inputs", action="store_true", help="list the further inputs of --set and stop")
     add("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     add("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
-    add("--duration", type=float, metavar="S", help="length of a run (default 500 s, or the file's)")
-    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
-        help="start and stop of a time without fixes, in seconds; may be repeated")  # fmt: skip
-    add("--trajectory", default="wandering", metavar="NAME-or-FILE",
-        help="wandering (default), straight, turns, climb, or a CSV file")  # fmt: skip
-    add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
-    add("--states", type=int, choices=(9, 15, 21), default=9,
-        help="filter states (default 9): 15 estimates biases, 21 constant and varying biases separately")  # fmt: skip
+    flight_arguments(simulate)
     add("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
     add("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler whose workers do the runs")
     add("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")

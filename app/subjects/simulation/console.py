@@ -7,22 +7,20 @@ import os
 import sys
 
 from app.console.files import whole_file
+from app.console.flight import flight_study
 from app.console.progress import COMPILES, count_runs
 from app.subjects.simulation.files import as_csv, as_json, as_npz
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.simulation.design_study import (
-    NAMED_TRAJECTORIES,
     SimulationStudy,
     closed_form,
-    specification,
     study_of,
 )
-from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
+from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, SimulationInputs
 
 _KINDS = (".json", ".npz", ".csv")
-_DURATION = 500.0
 _LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they are written
 
 
@@ -86,69 +84,13 @@ def _specification(
         value = getattr(options, name)
         if value is not None and value < 1:
             raise InputError(f"--{name}", f"{value} is not allowed. Enter 1 or more.")
-    trajectory = _trajectory(options.trajectory)
-    outages = [_outage(text) for text in options.outages]
-    from nav_model.simulation.trajectory import plan_trajectory
-
-    try:
-        spec = specification(
-            design,
-            trajectory=trajectory,
-            runs=options.runs,
-            seed=options.seed,
-            duration=_duration(trajectory) if options.duration is None else options.duration,
-            outages=outages,
-            every=options.every,
-            states=options.states,
-            keep_runs=keep_runs,
-            more=more,
-        )
-        plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared
-    except InputError as error:
-        raise _as_option(error) from error
+    spec, _ = flight_study(design, more, options, runs=options.runs, seed=options.seed, keep_runs=keep_runs)
     kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
     if keep_runs and kept > _LARGEST_KEPT:
         raise InputError(
             "-o", f"every run's errors would take {kept / 1e9:.3g} GB; use fewer --runs or a longer --every"
         )
     return spec
-
-
-def _as_option(error: InputError) -> InputError:
-    """A refusal under the option's name; a key of the design keeps its own."""
-    return error if "." in error.key else error.under(f"--{error.key}")
-
-
-def _trajectory(name: str) -> str | TrajectorySpec:
-    if name in NAMED_TRAJECTORIES:
-        return name
-    from nav_model.simulation.trajectory import read_trajectory
-
-    try:
-        return read_trajectory(name)
-    except OSError as error:
-        known = ", ".join(NAMED_TRAJECTORIES)
-        raise InputError(
-            "--trajectory", f"{name!r} is no file that can be read. Name a CSV file, or choose {known}."
-        ) from error
-    except ValueError as error:
-        raise InputError("--trajectory", str(error)) from error
-
-
-def _duration(trajectory: str | TrajectorySpec) -> float:
-    if isinstance(trajectory, str):
-        return _DURATION
-    from nav_model.simulation.trajectory import file_duration
-
-    return file_duration(trajectory)
-
-
-def _outage(text: str) -> tuple[float, float]:
-    try:
-        start, stop = (float(part) for part in text.split(","))
-    except ValueError as error:
-        raise InputError("--outage", f"{text!r} is not START,STOP in seconds, such as 400,500") from error
-    return start, stop
 
 
 def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> SimulationStudy:
@@ -167,7 +109,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> S
                 workers = min(workers, len(chunks(spec)))
                 result = simulate(spec, workers=workers, closed_form=compare, progress=progress)
         except InputError as error:
-            raise _as_option(error) from error
+            raise (error if "." in error.key else error.under(f"--{error.key}")) from error
         except (ArithmeticError, ImportError, OSError, RuntimeError, ValueError) as error:
             raise InputError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)

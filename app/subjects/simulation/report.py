@@ -32,9 +32,10 @@ def study(design: Design, options: argparse.Namespace) -> SimulationStudy:
         For an option or a key of the design that cannot be flown.
     """
     from app.subjects.simulation.console import fly_design
+    from nav_model.simulation.design_study import NAMED_TRAJECTORIES
 
     duration, outages = options.duration, list(options.outages)
-    if duration is None and not options.trajectory.lower().endswith(".csv"):
+    if duration is None and options.trajectory in NAMED_TRAJECTORIES:
         duration = _SETTLED + design.coast.duration
         outages = outages or [f"{_SETTLED!r},{duration!r}"]
     flown = argparse.Namespace(
@@ -43,6 +44,7 @@ def study(design: Design, options: argparse.Namespace) -> SimulationStudy:
         duration=duration,
         outages=outages,
         trajectory=options.trajectory,
+        height=None,
         every=max(1.0, round((duration or 0.0) / _RESULTS)),
         states=9,
         workers=options.workers,

@@ -1,0 +1,93 @@
+"""The options of a flight, which `simulate` and `trajectory` have alike, and the study that they describe."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from nav_model.base.errors import InputError
+from nav_model.base.units import parse_quantity
+
+if TYPE_CHECKING:
+    from nav_model.design import Design
+    from nav_model.simulation.specification import SimulationSpec
+    from nav_model.simulation.study_inputs import SimulationInputs
+    from nav_model.trajectory.plan import PlannedFlight
+
+_DURATION = 500.0
+
+
+def flight_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare them."""
+    add = parser.add_argument
+    add("--duration", type=float, metavar="S", help="length of the flight (default 500 s, or the file's)")
+    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
+        help="start and stop of a time without fixes, in seconds; may be repeated")  # fmt: skip
+    add("--trajectory", default="wandering", metavar="NAME-or-FILE",
+        help="wandering (default), straight, turns, climb, or a file: .csv, .gpx, .kml, or .out (SBET)")  # fmt: skip
+    add("--height", metavar="H", help="height of the places of a GPX or KML file that have none, e.g. '3 km'")
+    add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
+    add("--states", type=int, choices=(9, 15, 21), default=9,
+        help="filter states (default 9): 15 estimates biases, 21 constant and varying biases separately")  # fmt: skip
+
+
+def flight_study(
+    design: Design, more: SimulationInputs, options: argparse.Namespace, **others: Any
+) -> tuple[SimulationSpec, PlannedFlight | None]:
+    """The study that the options describe, and the flight of a file with its lines; others: as `specification` has
+    them.
+
+    Raises
+    ------
+    InputError
+        For an option or a key of the design that cannot be flown.
+    """
+    from nav_model.simulation.design_study import NAMED_TRAJECTORIES, specification
+    from nav_model.simulation.trajectory import plan_trajectory
+
+    outages = [_outage(text) for text in options.outages]
+    named = options.trajectory in NAMED_TRAJECTORIES
+    flight = None if named else _of_file(options, design)
+    whole = flight.duration if flight else _DURATION
+    try:
+        spec = specification(
+            design,
+            trajectory=flight.trajectory if flight else options.trajectory,
+            duration=whole if options.duration is None else options.duration,
+            outages=outages,
+            every=options.every,
+            states=options.states,
+            more=more,
+            **others,
+        )
+        plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared
+    except InputError as error:
+        # Under the option's name; a key of the design keeps its own.
+        raise (error if "." in error.key else error.under(f"--{error.key}")) from error
+    return spec, flight
+
+
+def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
+    from nav_model.simulation.design_study import NAMED_TRAJECTORIES
+    from nav_model.trajectory.files import read_flight
+
+    try:
+        height = None if options.height is None else parse_quantity(options.height, "length").value
+    except ValueError as error:
+        raise InputError("--height", str(error), options.height) from error
+    try:
+        return read_flight(options.trajectory, design.flight.speed, height)
+    except OSError as error:
+        known = ", ".join(NAMED_TRAJECTORIES)
+        said = f"{options.trajectory!r} is no file that can be read. Name a CSV, GPX, KML or SBET file, or {known}."
+        raise InputError("--trajectory", said) from error
+    except ValueError as error:
+        raise InputError("--trajectory", str(error)) from error
+
+
+def _outage(text: str) -> tuple[float, float]:
+    try:
+        start, stop = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError("--outage", f"{text!r} is not START,STOP in seconds, such as 400,500") from error
+    return start, stop

@@ -1,0 +1,44 @@
+"""The command `trajectory`: the covariance along a flight, real time and post-processed, by source."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from app.console.arguments import design_arguments, paths_of, put_json, read_design
+from app.console.flight import flight_arguments, flight_study
+
+_DOES_NOT_CLOSE = 1
+
+
+def add_to(commands: Any) -> None:
+    """Declare the command."""
+    trajectory = commands.add_parser(
+        "trajectory",
+        help="follow the covariance of a design along a flight, with the image figures of every line",
+        description="Follows the error covariance of the design along a flight, real time and post-processed, with "
+        "the share of every source: what `simulate` gives with endlessly many runs. --set also takes the inputs that "
+        "`simulate --inputs` lists. A GPX or KML file is a plan, flown at the design's speed with coordinated turns.",
+    )
+    design_arguments(trajectory, one=True)
+    flight_arguments(trajectory)
+    add = trajectory.add_argument
+    add("-o", "--output", type=Path, metavar="FILE", help="FILE.json (default: standard output)")
+    trajectory.set_defaults(run=_trajectory)
+
+
+def _trajectory(options: argparse.Namespace) -> int:
+    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
+    from nav_model.trajectory.covariance import covariance
+    from nav_model.trajectory.design_study import covariance_specification
+    from nav_model.trajectory.result import to_json
+
+    (path,) = paths_of(options)
+    of_design, of_study = split_changes(options.changes)
+    design = read_design(path, of_design)
+    study, flight = flight_study(design, read_study_inputs(of_study), options)
+    lines = flight.lines if flight else ()
+    found = covariance(covariance_specification(design, study, lines=lines))
+    put_json(lambda: to_json(found), options.output)
+    return 0 if found.closes else _DOES_NOT_CLOSE

@@ -1,0 +1,241 @@
+"""A flight from a plan: waypoints, lines between some of them, speed and bank; turns are coordinated.
+
+The flight passes each waypoint on the inside: it begins to turn before it, so that it leaves on the next leg. It ends
+up as samples of a `TrajectorySpec`, which the simulator and the covariance fly alike.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
+from nav_model.base.errors import InputError
+from nav_model.earth.wgs84 import curvature_radii
+from nav_model.simulation.specification import TrajectorySpec
+from nav_model.simulation.trajectory import cumulative, flight_through, smooth_step
+from nav_model.trajectory.specification import Line
+
+FloatArray = NDArray[np.float64]
+_ENTRY = 3.0  # s to roll in and out
+_STEP = 0.5  # s between samples
+_NEAREST = 1.0  # m between waypoints
+_LARGEST_TURN = math.radians(170.0)
+_LONGEST = 100 * 3600.0  # s
+
+
+@dataclass(frozen=True)
+class Waypoint:
+    """A place of a plan: latitude, longitude [rad], height above the ellipsoid [m]. line: name of the line that
+    begins here and ends at the next waypoint; empty where none does."""
+
+    latitude: float
+    longitude: float
+    height: float
+    line: str = ""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Waypoints in their order, speed along the path [m/s], bank of turns [rad], fastest climb and descent [m/s], and
+    the height of the ground [m]."""
+
+    waypoints: tuple[Waypoint, ...]
+    speed: float
+    bank: float = 25 * DEGREE
+    climb_rate: float = 5.0
+    ground: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlannedFlight:
+    """The flight of a plan, how long it takes [s], and its lines: each from the end of one turn to the next."""
+
+    trajectory: TrajectorySpec
+    duration: float
+    lines: tuple[Line, ...]
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """A turn by `angle` [rad, to the right]: time from entry to exit [s], and how far before its waypoint it begins
+    [m]."""
+
+    angle: float
+    plateau: float
+    time: float
+    before: float
+
+
+def strip(
+    first: Waypoint,
+    heading: float,
+    length: float,
+    spacing: float,
+    count: int,
+    speed: float,
+    bank: float = 25 * DEGREE,
+) -> Plan:
+    """Parallel lines, flown to and fro: `count` of them, `length` and `spacing` [m], to the right of the first.
+
+    They lie to the left for a negative spacing. Before and after each there is a run-in as long as a turn needs.
+    Where two turns of a right angle do not fit between two lines, the flight swings out to the other side first.
+    """
+    if count < 1 or not length > 0.0 or (count > 1 and not abs(spacing) > 0.0):
+        raise InputError("lines", f"{count} lines of {length:g} m, {spacing:g} m apart, cannot be laid out")
+    corner = 1.01 * _turn(math.pi / 2, speed, bank).before
+    places: list[tuple[float, float, str]] = []  # along, to the right, line that begins
+    for n in range(count):
+        side, ends = n * spacing, (-corner, length + corner)
+        near, far = ends if n % 2 == 0 else ends[::-1]
+        if n and abs(spacing) < 2.0 * corner:
+            out = side - spacing - math.copysign(2.0 * corner, spacing)
+            beyond = near + math.copysign(2.0 * corner, near - far)
+            places += [(near, side - spacing, ""), (near, out, ""), (beyond, out, ""), (beyond, side, "")]
+        elif n:
+            places += [(near, side - spacing, ""), (near, side, "")]
+        places += [(0.0 if near < far else length, side, f"line {n + 1}"), (length if near < far else 0.0, side, "")]
+    meridian, prime = curvature_radii(math.sin(first.latitude))
+    scale = float(meridian) + first.height, (float(prime) + first.height) * math.cos(first.latitude)
+    c, s = math.cos(heading), math.sin(heading)
+    points = (
+        Waypoint(
+            first.latitude + (c * along - s * right) / scale[0],
+            first.longitude + (s * along + c * right) / scale[1],
+            first.height,
+            line,
+        )
+        for along, right, line in places
+    )
+    return Plan(tuple(points), speed, bank)
+
+
+def fly(plan: Plan) -> PlannedFlight:
+    """The flight of a plan.
+
+    Raises
+    ------
+    InputError
+        Naming the waypoint: two at one place, a leg that is too short for its turns at this bank or too steep, a
+        turn back on the spot, a place below the ground or beyond the latitudes that can be flown.
+    """
+    points = plan.waypoints
+    if len(points) < 2:
+        raise InputError("waypoints", "a flight needs two waypoints or more")
+    if not (1.0 <= plan.speed <= 3000.0 and 0.0 < plan.bank <= 80 * DEGREE and plan.climb_rate > 0.0):
+        raise InputError(
+            "plan", "needs a speed from 1 to 3000 m/s, a bank of at most 80°, and a climb rate above zero"
+        )
+    for number, point in enumerate(points, 1):
+        if not point.height > plan.ground:
+            raise InputError("waypoints", f"{_named(number, point)} is not above the ground: {point.height:g} m")
+    north, east = _plane(points)
+    legs = np.hypot(np.diff(north), np.diff(east))
+    for number, leg in enumerate(legs, 1):
+        if leg < _NEAREST:
+            raise InputError(
+                "waypoints", f"{_named(number, points[number - 1])} and the next are at one place; remove one"
+            )
+    heading = np.unwrap(np.arctan2(np.diff(east), np.diff(north)))
+    turns = [_Turn(0.0, 0.0, 0.0, 0.0)]
+    for number, angle in enumerate(np.diff(heading), 2):
+        if abs(angle) > _LARGEST_TURN:
+            raise InputError(
+                "waypoints", f"at {_named(number, points[number - 1])} the flight turns back; add one beside it"
+            )
+        turns.append(_turn(float(angle), plan.speed, plan.bank))
+    turns.append(turns[0])
+    return _flown(plan, heading, legs, turns)
+
+
+def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_Turn]) -> PlannedFlight:
+    clock, spans, begins = 0.0, [], []
+    for number, leg in enumerate(legs):
+        straight = (leg - turns[number].before - turns[number + 1].before) / plan.speed
+        point = plan.waypoints[number]
+        if straight < 0.0:
+            needed = turns[number].before + turns[number + 1].before
+            said = f"the leg from {_named(number + 1, point)} is {leg:.0f} m long, and its turns need {needed:.0f} m"
+            raise InputError("waypoints", f"{said} at a bank of {math.degrees(plan.bank):.3g}°")
+        rise = plan.waypoints[number + 1].height - point.height
+        if abs(rise) > 0.0:
+            ramp = min(6.0, straight / 3.0)
+            if straight <= 0.0 or abs(rise) > plan.climb_rate * (straight - ramp):
+                said = f"the leg from {_named(number + 1, point)} has {straight:.0f} s for {rise:+.0f} m"
+                raise InputError("waypoints", f"{said}, at most {plan.climb_rate:g} m/s")
+        spans.append((clock, clock + straight, rise))
+        clock += straight
+        begins.append(clock)
+        clock += turns[number + 1].time
+    if clock > _LONGEST:
+        raise InputError("plan", f"the flight takes {clock / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h")
+    t = np.linspace(0.0, clock, max(math.ceil(clock / _STEP), 8) + 1)
+    step = float(t[1])
+    rate, climb = np.zeros_like(t), np.zeros_like(t)
+    for begin, turn in zip(begins, turns[1:], strict=True):
+        if turn.angle:
+            rate += _profile(t - begin, turn.plateau, _ENTRY) * turn.angle / turn.plateau
+    for start, stop, rise in spans:
+        if rise:
+            ramp = min(6.0, (stop - start) / 3.0)
+            climb += _profile(t - start, stop - start - ramp, ramp) * rise / (stop - start - ramp)
+    course = heading[0] + cumulative(rate, step)
+    ground = np.sqrt(plan.speed**2 - climb**2)
+    first = plan.waypoints[0]
+    height = first.height + cumulative(climb, step)
+    north, east = cumulative(ground * np.cos(course), step), cumulative(ground * np.sin(course), step)
+    latitude, longitude = _on_earth(plan.waypoints, north, east)
+    roll = np.arctan(plan.speed * rate / STANDARD_GRAVITY)
+    samples = np.column_stack([t, latitude, longitude, height, roll, np.arctan2(climb, ground), course])
+    lines = tuple(
+        Line(point.line, start, stop)
+        for point, (start, stop, _) in zip(plan.waypoints[:-1], spans, strict=True)
+        if point.line and stop > start
+    )
+    return PlannedFlight(flight_through(samples, list(range(len(t))), "plan"), clock, lines)
+
+
+def _turn(angle: float, speed: float, bank: float) -> _Turn:
+    """The coordinated turn by this angle: rolled in and out in `_ENTRY`, at the bank between."""
+    if abs(angle) < 1e-9:
+        return _Turn(0.0, 0.0, 0.0, 0.0)
+    plateau = max(abs(angle) * speed / (STANDARD_GRAVITY * math.tan(bank)), _ENTRY)
+    time = plateau + _ENTRY
+    t = np.linspace(0.0, time, 401)
+    course = cumulative(_profile(t, plateau, _ENTRY) * angle / plateau, float(t[1]))
+    chord = math.hypot(*(speed * float(np.trapezoid(wave(course), t)) for wave in (np.cos, np.sin)))
+    return _Turn(angle, plateau, time, chord / (2.0 * math.cos(0.5 * angle)))
+
+
+def _profile(t: FloatArray, plateau: float, ramp: float) -> FloatArray:
+    """From 0 to 1 and back, with ramps that begin at 0 and at `plateau`; the area is the plateau."""
+    return smooth_step(t / ramp) - smooth_step((t - plateau) / ramp)
+
+
+def _scales(points: Sequence[Waypoint]) -> tuple[float, float]:
+    """Metres north and east of a radian of latitude and of longitude, in the middle of the plan."""
+    middle = 0.5 * (max(p.latitude for p in points) + min(p.latitude for p in points))
+    meridian, prime = curvature_radii(math.sin(middle))
+    return float(meridian) + points[0].height, (float(prime) + points[0].height) * math.cos(middle)
+
+
+def _plane(points: Sequence[Waypoint]) -> tuple[FloatArray, FloatArray]:
+    """North and east of the first waypoint [m]."""
+    if max(abs(point.latitude) for point in points) > math.radians(84.9):
+        raise InputError("waypoints", "must stay within 85° of the equator")
+    north, east = _scales(points)
+    latitude, longitude = (np.array([getattr(p, name) for p in points]) for name in ("latitude", "longitude"))
+    return north * (latitude - latitude[0]), east * (np.unwrap(longitude) - longitude[0])
+
+
+def _on_earth(points: Sequence[Waypoint], north: FloatArray, east: FloatArray) -> tuple[FloatArray, FloatArray]:
+    scale = _scales(points)
+    return points[0].latitude + north / scale[0], points[0].longitude + east / scale[1]
+
+
+def _named(number: int, point: Waypoint) -> str:
+    return f"waypoint {number}" + (f" ({point.line})" if point.line else "")

@@ -1,0 +1,147 @@
+"""Plans and files of flights: geometry by hand, both ways of writing a heading, and refusals by name."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nav_model.base.errors import InputError
+from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory
+from nav_model.simulation.truth import true_states
+from nav_model.trajectory.files import gpx_waypoints, kml_waypoints, parse_sbet, read_flight
+from nav_model.trajectory.plan import Plan, Waypoint, fly, strip
+
+DEGREE = math.pi / 180
+METRE = 1 / 6.37e6
+
+
+def places(*rows: tuple[float, float, float]) -> tuple[Waypoint, ...]:
+    """Waypoints by metres north and east of the equator, and height."""
+    return tuple(Waypoint(north * METRE, east * METRE, height) for north, east, height in rows)
+
+
+@pytest.mark.parametrize("spacing", [5000.0, 500.0, -500.0])
+def test_a_strip_flies_its_lines_parallel_to_each_other_at_their_spacing(spacing: float) -> None:
+    flight = fly(strip(Waypoint(50 * DEGREE, 8 * DEGREE, 3000.0), 30 * DEGREE, 10e3, spacing, 3, 90.0))
+    path = plan_trajectory(flight.trajectory, flight.duration)
+    assert [line.name for line in flight.lines] == ["line 1", "line 2", "line 3"]
+    for number, line in enumerate(flight.lines):
+        now = true_states(path, np.linspace(line.start + 1.0, line.stop - 1.0, 20))
+        yaw = (now.euler[:, 2] / DEGREE + 180.0) % 360.0 - 180.0
+        np.testing.assert_allclose(yaw, 30.0 if number % 2 == 0 else -150.0, atol=0.2)
+        north = (now.position[:, 0] - 50 * DEGREE) * 6.37e6
+        east = (now.position[:, 1] - 8 * DEGREE) * 6.39e6 * math.cos(50 * DEGREE)
+        np.testing.assert_allclose(-north * 0.5 + east * math.cos(30 * DEGREE), number * spacing, atol=25.0)
+        assert (line.stop - line.start) * 90.0 == pytest.approx(10e3, rel=0.01)
+
+
+def test_a_turn_is_flown_at_its_bank_and_without_slip() -> None:
+    flight = fly(Plan(places((0, 0, 1000), (20e3, 0, 1000), (20e3, 20e3, 1500)), 100.0, 20 * DEGREE))
+    path = plan_trajectory(flight.trajectory, flight.duration)
+    now = true_states(path, np.arange(0.0, flight.duration, 0.5))
+    assert np.max(now.euler[:, 0]) == pytest.approx(20 * DEGREE, rel=0.01)
+    np.testing.assert_allclose(np.arctan2(now.velocity[:, 1], now.velocity[:, 0]), now.euler[:, 2], atol=0.01)
+    assert now.position[-1, 2] == pytest.approx(1500.0, abs=1.0)
+    np.testing.assert_allclose(now.position[-1, :2] / METRE, [20e3, 20e3], rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([(0, 0, 1000), (5e3, 0, 1000), (5e3, 500, 1000), (0, 500, 1000)], "turns need .* at a bank of 25°"),
+        ([(0, 0, 1000), (0, 0, 1000), (5e3, 500, 1000)], "waypoint 1 and the next are at one place"),
+        ([(0, 0, 1000), (5e3, 0, -10)], "waypoint 2 is not above the ground"),
+        ([(0, 0, 1000), (5e3, 0, 2000)], "at most 5 m/s"),
+        ([(0, 0, 1000), (5e3, 0, 1000), (0, 1, 1000)], "turns back"),
+        ([(0, 0, 1000)], "two waypoints"),
+    ],
+)
+def test_a_plan_that_cannot_be_flown_is_refused_by_the_waypoint(
+    rows: list[tuple[float, float, float]], said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        fly(Plan(places(*rows), 90.0))
+
+
+KML = (
+    '<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark>'
+    "<name><![CDATA[<b>North &amp; back</b><br>]]></name><LineString><coordinates>8,50,3000 8,50.2,3000</coordinates>"
+    "</LineString></Placemark></Document></kml>"
+)
+GPX = (
+    '<?xml version="1.0"?><gpx xmlns="http://www.topografix.com/GPX/1/1" version="1.1"><rte>'
+    '<rtept lat="50" lon="8"><ele>3000</ele></rtept><rtept lat="50.2" lon="8"><ele>3000</ele></rtept></rte></gpx>'
+)
+
+
+def test_the_same_leg_in_gpx_and_kml_is_the_same_flight(tmp_path: Path) -> None:
+    (tmp_path / "a.kml").write_text(KML)
+    (tmp_path / "a.gpx").write_text(GPX)
+    kml, gpx = (read_flight(tmp_path / name, 90.0) for name in ("a.kml", "a.gpx"))
+    assert kml.trajectory == gpx.trajectory
+    assert [line.name for line in kml.lines] == ["North & back"]
+
+
+@pytest.mark.parametrize(
+    ("read", "text", "said"),
+    [
+        (gpx_waypoints, GPX.replace("<ele>3000</ele>", "", 1), "rtept 1 has no height"),
+        (gpx_waypoints, GPX.replace('"50.2"', '"north"'), "'north' must be a finite number"),
+        (gpx_waypoints, "<gpx>", "is not XML"),
+        (gpx_waypoints, "<gpx/>", "holds no route"),
+        (kml_waypoints, KML.replace("8,50.2,3000", "8;50.2"), "is not longitude,latitude,height"),
+        (kml_waypoints, KML.replace("<kml", '<!DOCTYPE a [<!ENTITY b "c">]><kml', 1), "declares entities"),
+        (kml_waypoints, KML.replace("8,50,", "8,95,"), "no place on the Earth"),
+    ],
+)
+def test_a_file_that_is_no_plan_is_refused_with_the_place(read: object, text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read(text.encode(), "flight")  # type: ignore[operator]
+
+
+def test_places_without_height_take_the_one_that_is_given() -> None:
+    assert gpx_waypoints(GPX.replace("<ele>3000</ele>", "").encode(), "a", 500.0)[0].height == 500.0
+
+
+HEADINGS = {
+    "0 to 360": lambda yaw: yaw % 360.0,
+    "-180 to 180": lambda yaw: (yaw + 180.0) % 360.0 - 180.0,
+    "unwrapped": lambda yaw: yaw,
+}
+
+
+def turning(write: object) -> np.ndarray:
+    """Time, place and heading of a full turn and a half; degrees."""
+    t = np.arange(0.0, 200.0, 1.0)
+    yaw = 3.0 * t + 10.0
+    course = np.radians(yaw)
+    north, east = np.sin(course), -np.cos(course)
+    radius = 90.0 / np.radians(3.0) / 6.37e6 * 180 / np.pi
+    heading = write(yaw)  # type: ignore[operator]
+    return np.column_stack([t, radius * north, radius * east, 1000.0 + 0 * t, 0 * t, 0 * t, heading])
+
+
+def test_headings_are_read_however_they_are_written() -> None:
+    header = "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\n"
+    flights = []
+    for write in HEADINGS.values():
+        rows = turning(write)
+        text = header + "\n".join(",".join(map(repr, row)) for row in rows.tolist())
+        flights.append(plan_trajectory(parse_trajectory(text.encode()), 150.0))
+        records = np.zeros((len(rows), 17))
+        records[:, [0, 1, 2, 3, 7, 8, 9]] = rows
+        records[:, [1, 2, 9]] = np.radians(records[:, [1, 2, 9]])
+        records[:, 9] += 0.3
+        records[:, 10] = 0.3
+        flights.append(plan_trajectory(parse_sbet(records.tobytes(), "sbet"), 150.0))
+    times = np.linspace(0.0, 150.0, 50)
+    for flight in flights[1:]:
+        np.testing.assert_allclose(flight.evaluate(times), flights[0].evaluate(times), atol=1e-9)
+
+
+def test_time_that_runs_backwards_in_an_sbet_file_is_refused_by_the_record() -> None:
+    records = np.zeros((20, 17))
+    records[:, 0] = [*range(10), 3, *range(11, 20)]
+    with pytest.raises(InputError, match="record 11: time runs backwards"):
+        parse_sbet(records.tobytes(), "a.out")
