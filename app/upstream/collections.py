@@ -1,12 +1,8 @@
 """Closing a page does not start a full garbage collection, and no task of Panel's keeps a page.
 
-Panel collects in full some seconds after any page was closed: two seconds with fifty open ones, in which nobody is
-answered. `app.serving.collector` says when to instead. And the first page starts a task that never ends, and whose
-context holds that page.
+`app.serving.collector` says when to collect instead.
 
-Written for: Panel 1.9.4
-Upstream: holoviz/panel#6518 (merged: once for pages closed together)
-Needless when: tests/app/upstream/test_collections.py::test_as_shipped_a_closed_page_is_a_full_collection fails
+Reports to send upstream, versions and ends: docs/upstream/collections.md
 """
 
 from __future__ import annotations

@@ -1,28 +1,9 @@
 """How a page's connection is kept, and what it says: each class here is a part of its handler.
 
-Websocket frames are sent at once.
+Frames are sent at once, a connection lost at a ping closes without an error, and errors are sent without a traceback,
+which would reveal paths and versions.
 
-A message is a dozen small frames and more: with Nagle's algorithm the second waits until the browser has confirmed
-the first, up to 40 ms. Tornado leaves it on unless asked, and Bokeh does not ask.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2, Tornado 6.6.1
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_frames_at_once.py::test_as_shipped_frames_wait fails
-
-A connection lost at a ping closes without an error.
-
-Bokeh takes its session away when a ping fails, and asks for it when Tornado then reports the connection closed: an
-AssertionError in the log for each.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2
-Upstream: bokeh/bokeh#13655 (merged: the ping cleans up, and so brought this)
-Needless when: tests/app/upstream/test_lost_connection.py::test_as_shipped_closing_is_a_fault fails
-
-Errors are sent to the browser without a traceback, which would reveal paths and versions.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_messages.py::test_as_shipped_a_fault_is_told_with_its_traceback fails
+Reports to send upstream, versions and ends: docs/upstream/connection.md
 """
 
 from __future__ import annotations

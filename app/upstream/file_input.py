@@ -1,11 +1,6 @@
-"""The size of an upload is limited on the server.
+"""The size of an upload is limited on the server; panel-material-ui checks it in the browser alone.
 
-panel-material-ui checks the size in the browser alone, which is a courtesy: the server takes a file in chunks and
-keeps any number of them. It also says "Uploaded" of a file that was refused, and writes a small button's words large.
-
-Written for: panel-material-ui 0.16.6
-Upstream: panel-extensions/panel-material-ui#282 (open), on chunks; none found for the rest, searched 2026-11-22
-Needless when: tests/app/upstream/test_file_input.py::test_as_shipped_any_amount_is_kept fails
+Reports to send upstream, versions and ends: docs/upstream/file_input.md
 """
 
 from __future__ import annotations

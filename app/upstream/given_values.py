@@ -1,14 +1,10 @@
 """Only the properties that a model was given are processed when it is created, searched for models, and serialized.
 
-As shipped each of the three asks every property, of which a model has fifty and was given five: a third of what the
-server spends on an opening page. Unset properties have their default, which the browser knows too; and no default
-that all models of a kind share holds another model.
+Unset properties have their default, which the browser knows too; and no default that all models of a kind share holds
+another model. One thing is not noticed any more: that a property without a default was never set, before the page is
+sent.
 
-One thing is not noticed any more: that a property without a default was never set, before the page is sent.
-
-Written for: Bokeh 3.9.2
-Upstream: bokeh/bokeh#13174 (merged: less of it, not none)
-Needless when: tests/app/upstream/test_given_values.py::test_as_shipped_every_property_is_asked fails
+Reports to send upstream, versions and ends: docs/upstream/given_values.md
 """
 
 from __future__ import annotations

@@ -1,20 +1,6 @@
-"""What a login leaves in the browser and on the server.
+"""What a login leaves: a cookie for this site only, over TLS if the page came that way, and encrypted tokens.
 
-The cookie of a login is for this site only, and over TLS only if the page came that way.
-
-Panel sets it, and Tornado that of a form, without SameSite and without Secure.
-
-Written for: Panel 1.9.4
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_login_cookie.py::test_as_shipped_the_cookie_travels_anywhere fails
-
-Tokens of an OAuth login are encrypted with the key that was given.
-
-`panel serve` makes the cipher of its key; `panel.serve` takes the key and leaves tokens as they are.
-
-Written for: Panel 1.9.4
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_token_encryption.py::test_as_shipped_a_key_encrypts_nothing fails
+Reports to send upstream, versions and ends: docs/upstream/login.md
 """
 
 from __future__ import annotations

@@ -1,12 +1,8 @@
 """A component's script is sent to the browser as it is written, and its messages are dealt with alone.
 
-Panel compiles every script there as if it were TypeScript: half a second of an opening page, for plain JavaScript.
-What it takes for a bundle it leaves alone. And for each message it turns the busy flag of the whole server on and
-off, which nothing here shows, and makes every parameter writable for as long: a seventh of a slider's step.
+What Panel takes for a bundle it does not compile in the browser.
 
-Written for: Panel 1.9.4
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_plain_script.py::test_as_shipped_a_script_is_compiled_in_the_browser fails
+Reports to send upstream, versions and ends: docs/upstream/plain_script.md
 """
 
 from __future__ import annotations

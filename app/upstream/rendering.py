@@ -1,24 +1,9 @@
-"""A component is made from what its class has, and marks itself alone.
+"""A component is rendered from the parameters of its class, each looked at once, and marks itself alone.
 
-A component is rendered from the parameters of its class, and looks at each once.
+Copies of parameters that are there, as where one component has bounds of its own, remain in force. Each part has
+marked itself as belonging to its page when it was made, so nothing walks through a component's parts.
 
-As shipped, to render a component Panel asks each of its fifty parameters for a copy of its own: half of a page's
-time in Param, and as many objects that stay as long as the page. Before that it lists, for each parameter, all of
-them again. Copies that are there, as where one component has bounds of its own, remain in force.
-
-Written for: Panel 1.9.4, Param 2.4.2
-Upstream: none found, searched 2026-11-23
-Needless when: tests/app/upstream/test_class_parameters.py::test_as_shipped_rendering_copies_every_parameter fails
-
-A component marks only itself as belonging to its page, without walking through its parts.
-
-When a component is made, and each time anything of one with parts changes, Panel marks everything below it as
-belonging to its page: at each level again, and for the page's frame the whole document. But each part has marked
-itself when it was made.
-
-Written for: Panel 1.9.4, panel-material-ui 0.16.6
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_page_marks.py::test_as_shipped_a_change_walks_through_the_page fails
+Reports to send upstream, versions and ends: docs/upstream/rendering.md
 """
 
 from __future__ import annotations

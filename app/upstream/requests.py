@@ -1,39 +1,10 @@
 """Which requests are answered, and what of them is believed.
 
-Rules before every route of the server, including the websocket's and the static files'.
+Rules come before every route of the server, including the websocket's and the static files'; a visitor's address and
+protocol are what X-Forwarded-For and X-Forwarded-Proto say; a page opens at every address that a browser may send;
+and only the page and its connection are served.
 
-Bokeh takes further routes behind its own only, and answers under any name that a request was made under.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2, Tornado 6.6.1
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_ask_first.py::test_as_shipped_a_foreign_host_is_served fails
-
-Behind a proxy, a visitor's address and protocol are what X-Forwarded-For and X-Forwarded-Proto say.
-
-Tornado prefers X-Real-Ip and X-Scheme, which most proxies hand on as a visitor sent them: anybody could take any
-address, also this machine's own, to which the metrics are open.
-
-Written for: Tornado 6.6.1
-Upstream: tornadoweb/tornado#2579 (open)
-Needless when: tests/app/upstream/test_proxy_headers.py::test_as_shipped_a_visitor_chooses_an_address fails
-
-A page opens at every address that a browser may send.
-
-Panel takes the address of a request apart at each ":" and "?": an IPv6 host, or a second "?" in a query, ends in an
-exception while the session is made, and the visitor sees an empty page.
-
-Written for: Panel 1.9.4
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_request_location.py::test_as_shipped_some_addresses_are_a_fault fails
-
-Only the page and its connection are served.
-
-Bokeh also offers each page as a script for other sites, its metadata, and a session over a plain request, with no
-switch to leave them out.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_routes.py::test_as_shipped_the_page_is_offered_to_other_sites fails
+Reports to send upstream, versions and ends: docs/upstream/requests.md
 """
 
 from __future__ import annotations

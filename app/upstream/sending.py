@@ -1,39 +1,11 @@
 """How changes are sent to the browser: in order, all of them, and at once.
 
-Changes are sent to the browser in the order they are made, and without a timer.
+Bokeh (3.9) puts a change into words at once but writes it when the event that made it has been dealt with; Panel
+(1.9.4) writes at once where the connection is free, and otherwise puts the change into a queue that it looks at every
+10 ms. Here every change takes its place in the connection's own line when it is put into words. Changes made right
+after the page was sent are kept, a message is one write, and a page that is closed meanwhile is no error.
 
-A message names models that messages before it have brought; a page that gets them in another order fails. As
-shipped, two hands write: Bokeh (3.9) puts a change into words at once but writes it when the event that made it has
-been dealt with; Panel (1.9.4) writes at once where the connection is free, and otherwise puts the change into a queue
-and looks again every 10 ms. So each could overtake the other, a slider's step waited for the clock, and a queue was
-forgotten when its last change came just as the one before had been written: the last news of a run waited for the
-next thing that person did.
-
-Here every change takes its place in the connection's own line when it is put into words.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2
-Upstream: holoviz/panel#6443, holoviz/panel#6667 (merged: in order among Panel's own)
-Needless when: tests/app/upstream/test_writes.py::test_all_is_sent_at_once_and_in_the_order_it_was_made fails
-
-Changes made right after the page was sent reach the browser.
-
-A page has its connection, is sent its document, draws it and then says that it is ready. As shipped what a hold
-collects before that last word is dropped, "since the document is serialized in full once the session connects". It
-was serialized before: what changes between the two, a second on a busy machine, is never seen.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2
-Upstream: holoviz/panel#8698 (merged: drops them on purpose)
-Needless when: tests/app/upstream/test_first_changes.py::test_as_shipped_a_change_before_it_is_ready_is_lost fails
-
-A message is sent in one write; a closed page is no error.
-
-A slider's step is a message of two dozen frames, an array being two. As shipped each is a write to the socket and a
-task of the event loop: a tenth of what the server spends on the step. What was still to be sent to a page that is
-closed meanwhile is a warning in the log, or a task's exception that nobody takes; here it is nothing.
-
-Written for: Panel 1.9.4, Bokeh 3.9.2, Tornado 6.6.1
-Upstream: none found, searched 2026-11-22
-Needless when: tests/app/upstream/test_one_write.py::test_as_shipped_each_frame_is_a_write fails
+Reports to send upstream, versions and ends: docs/upstream/sending.md
 """
 
 from __future__ import annotations

@@ -1,10 +1,6 @@
-"""An HTML pane sends only its text when the text changes.
+"""An HTML pane sends only its text when the text changes, and not all of its look.
 
-Panel works out and sends all of its look again, its sheet included: a quarter of a slider's step.
-
-Written for: Panel 1.9.4
-Upstream: holoviz/panel#5278 (merged: for designs only)
-Needless when: tests/app/upstream/test_text_pane.py::test_as_shipped_a_new_text_sends_the_sheet_again fails
+Reports to send upstream, versions and ends: docs/upstream/text_pane.md
 """
 
 from __future__ import annotations

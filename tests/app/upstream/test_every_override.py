@@ -1,8 +1,10 @@
-"""Every override says what it must, and was written for what is installed."""
+"""Every override says what it must, fits what is installed, and has its reports upstream ready to be sent."""
 
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from importlib.metadata import version
 from pathlib import Path
 
@@ -16,15 +18,14 @@ from app.upstream.browser import Repairs, head_script
 ROOT = Path(__file__).parents[3]
 ROOM = Path(app.upstream.__file__).parent
 SCRIPTS = sorted(ROOM.glob("*.js"))
-OVERRIDES = [
-    *(path for path in sorted(ROOM.glob("*.py")) if path.stem not in ("__init__", "browser")),
-    *SCRIPTS,
-    Path(nav_model.base.compiled.__file__),
-    Path(nav_model.base.numba_typing.__file__),
-]
+IN_PYTHON = [path for path in sorted(ROOM.glob("*.py")) if path.stem not in ("__init__", "browser")]
+REPORTS = [ROOT / "docs" / "upstream" / f"{path.stem}.md" for path in IN_PYTHON]
+SAYING = [
+    *REPORTS, *SCRIPTS, Path(nav_model.base.compiled.__file__), Path(nav_model.base.numba_typing.__file__)
+]  # fmt: skip
 
 
-@pytest.mark.parametrize("path", OVERRIDES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SAYING, ids=lambda path: path.stem)
 def test_it_says_version_source_and_end(path: Path) -> None:
     text = re.sub(r"^// ?", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
     written = re.findall(r"^Written for: (.+)$", text, re.MULTILINE)
@@ -40,6 +41,36 @@ def test_it_says_version_source_and_end(path: Path) -> None:
     assert len(ends) == len(written)
     for file, test in ends:
         assert f"def {test}(" in (ROOT / file).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", IN_PYTHON, ids=lambda path: path.stem)
+def test_it_names_its_reports(path: Path) -> None:
+    report = f"docs/upstream/{path.stem}.md"
+    assert report in path.read_text(encoding="utf-8")
+    _, *sections = re.split(r"^## .+$", (ROOT / report).read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert sections
+    for section in sections:
+        for part in ("For", "Written for", "Upstream", "Needless when"):
+            assert len(re.findall(rf"^{part}: .+$", section, re.MULTILINE)) == 1, part
+        assert "\n**What happens.** " in section
+        assert "\n**Expected.** " in section
+
+
+def test_no_report_is_left_of_an_override_that_went() -> None:
+    assert sorted((ROOT / "docs" / "upstream").glob("*")) == REPORTS
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("path", REPORTS, ids=lambda path: path.stem)
+def test_its_reproductions_print_what_they_say(path: Path) -> None:
+    blocks = re.findall(
+        r"^```python\n(.*?)^```\n```text\n(.*?)^```$", path.read_text("utf-8"), re.MULTILINE | re.DOTALL
+    )
+    for code, printed in blocks:  # as shipped, so in a process of its own
+        found = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False
+        )
+        assert found.stdout == printed, found.stderr
 
 
 def test_every_script_reaches_the_browser() -> None:
