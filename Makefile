@@ -39,13 +39,15 @@ lock:
 run: .venv/.runtime
 	$(BIN)/navbudget serve --port $(PORT)
 
-# What tests drive besides Python: a browser, a PostgreSQL that a test starts itself, and the proxy of deploy/nginx.conf.
+# What tests drive besides Python: a browser, a PostgreSQL that a test starts itself, the proxy of deploy/nginx.conf, and
+# a spreadsheet program without a screen.
 # A missing one is a failure, so all that are missing are installed here at once.
 system:
 	@missing=$$( \
 	  command -v chromium chromium-browser >/dev/null || echo chromium; \
 	  ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || command -v initdb >/dev/null || echo postgresql; \
-	  test -x /usr/sbin/nginx || command -v nginx >/dev/null || echo nginx); \
+	  test -x /usr/sbin/nginx || command -v nginx >/dev/null || echo nginx; \
+	  command -v soffice >/dev/null || echo libreoffice-calc-nogui); \
 	test -z "$$missing" || { \
 	  sudo=$$(test "$$(id -u)" = 0 || echo sudo); \
 	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends $$missing; }

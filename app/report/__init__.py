@@ -10,8 +10,10 @@ from app.document.blocks import Chapter, Section
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 
-SUFFIXES = (".html", ".pdf")
-"""The kinds of file a report comes in."""
+SPREADSHEET = ".xlsx"
+
+SUFFIXES = (".html", ".pdf", SPREADSHEET)
+"""The kinds of file a report comes in; a spreadsheet is of one design's budget alone."""
 
 
 def report_bytes(
@@ -29,6 +31,11 @@ def report_bytes(
     budget, which go into its chapter; ``front`` is the first page; ``shown`` how figures of the budget are told, as a
     link says it (`app.document.display`).
     """
+    if kind == SPREADSHEET:
+        from app.report.spreadsheet import workbook_bytes
+
+        (budget,) = budgets
+        return workbook_bytes(budget)
     from app.document.display import display_of
     from app.report.content import report_of
 
@@ -52,5 +59,5 @@ def kind_of(target: Path) -> str:
     """
     kind = target.suffix.lower()
     if kind not in SUFFIXES:
-        raise InputError("-o", f"{str(target)!r} does not end in {' or '.join(SUFFIXES)}")
+        raise InputError("-o", f"{str(target)!r} does not end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
     return kind

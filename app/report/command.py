@@ -11,7 +11,7 @@ from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
 from app.document.display import display_of
 from app.document.wording import chapter_key, design_labels
-from app.report import kind_of, report_bytes
+from app.report import SPREADSHEET, kind_of, report_bytes
 from app.subjects import STUDIES
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -22,7 +22,7 @@ def add_to(commands: Any) -> None:
     report = commands.add_parser("report", help="write a design report")
     design_arguments(report, one=False)
     add = report.add_argument
-    add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html or FILE.pdf")
+    add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html, FILE.pdf or FILE.xlsx")
     add("--with", dest="studies", default="", metavar="STUDY,...",
         help=f"studies to run and add to each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
     add("--show", default="", metavar="HOW",
@@ -47,6 +47,8 @@ def _report(options: argparse.Namespace) -> int:
     paths = paths_of(options)
     designs = [read_design(path, options.changes) for path in paths]
     kind, wanted = kind_of(options.output), _wanted(options.studies)
+    if kind == SPREADSHEET and (len(designs) > 1 or wanted or options.show):
+        raise InputError("-o", "a spreadsheet is of one design, without --with and --show")
     budgets = [analyse(design) for design in designs]
     with whole_file(options.output) as file:  # refused now, not after the studies
         studies = []

@@ -47,6 +47,7 @@ def refined_growth(
     latitude: ArrayLike,
     altitude: ArrayLike = 0.0,
     heading: ArrayLike = 0.0,
+    rule: tuple[Array, Array] | None = None,
 ) -> RefinedGrowth:
     """Variances `time` seconds after the last fix, from the posterior covariance of the filter. [T-17]
 
@@ -61,6 +62,8 @@ def refined_growth(
         Seconds since the last fix.
     speed, latitude, altitude, heading : array_like
         m/s, rad, m, rad.
+    rule : pair of array, optional
+        Nodes on [0, 1] and weights to integrate with, instead of those chosen by the Schuler angle.
 
     Raises
     ------
@@ -72,7 +75,7 @@ def refined_growth(
     radius = MEAN_RADIUS + as_numbers(altitude)
     omega = np.sqrt(g / radius)
     p, own = start, start_vertical
-    free, noise = _transition(omega, t)
+    free, noise = _transition(omega, t) if rule is None else (_responses(omega, t), _integrals(omega, t, *rule))
     sine, tilt, coupled, twice, cosine = free.sine, free.tilt, free.coupled, free.twice, free.cosine
     horizontal = (
         p.p11 * cosine**2
@@ -164,9 +167,17 @@ def _squared_integrals(omega: Array, t: Array) -> _Responses:
         raise ArithmeticError(
             f"an outage of {angle:.3g} rad of Schuler angle is beyond the {_RULES[-1][0]:g} integrated to rounding"
         )
-    nodes, weights = _rule(points)
-    at = _responses(omega[..., None], t[..., None] * nodes)
+    return _integrals(omega, t, *_rule(points))
+
+
+def _integrals(omega: Array, t: Array, nodes: Array, weights: Array) -> _Responses:
+    at = _responses(np.expand_dims(omega, -1), np.expand_dims(t, -1) * nodes)
     return _Responses(*((response**2 @ weights) * t for response in at))
+
+
+def longest_rule() -> tuple[Array, Array]:
+    """Nodes and weights that integrate every outage that is not refused."""
+    return _rule(_RULES[-1][1])
 
 
 @cache

@@ -5,14 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.base.traced import Traced
+
 Array = NDArray[np.float64]
 
 
 def as_numbers(x: ArrayLike) -> Array:
     """As an array of floats; complex numbers pass, so that a complex step gives exact derivatives.
 
+    A `Traced` passes too, which writes the formula.
+
     Source: Squire and Trapp, SIAM Review 40(1), 1998.
     """
     array = np.asarray(x)
-    numbers: Array = array if array.dtype.kind in "fc" else array.astype(float)
+    if array.dtype.kind in "fc":
+        return array
+    numbers: Array = x if isinstance(x, Traced) else array.astype(float)
     return numbers

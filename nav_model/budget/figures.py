@@ -73,8 +73,10 @@ def settled(x: Inputs) -> Sawtooth:
     )
 
 
-def outage(x: Inputs, posterior: Sawtooth, time: ArrayLike) -> tuple[Array, Array]:
-    """Refined position variances, horizontal and vertical, with the residual biases. [T-17]"""
+def outage(
+    x: Inputs, posterior: Sawtooth, time: ArrayLike, rule: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
+    """Refined position variances, horizontal and vertical, with the residual biases; `rule` as there. [T-17]"""
     refined = refined_growth(
         posterior.horizontal,
         posterior.vertical,
@@ -86,6 +88,7 @@ def outage(x: Inputs, posterior: Sawtooth, time: ArrayLike) -> tuple[Array, Arra
         latitude=x.latitude,
         altitude=x.altitude,
         heading=x.heading,
+        rule=rule,
     )
     bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
     return refined.horizontal + bias_a**2 + bias_w**2, refined.vertical + bias_a**2

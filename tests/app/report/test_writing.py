@@ -37,7 +37,7 @@ def test_a_way_to_show_figures_that_there_is_not_is_refused(tmp_path, capsys):
 
 @pytest.mark.parametrize("name", ["r.txt", "r", "r.html.gz", ".pdf"])
 def test_another_suffix_is_refused(name, tmp_path, capsys):
-    assert re.search(r"-o: .*does not end in \.html or \.pdf", refused(tmp_path / name, capsys))
+    assert re.search(r"-o: .*does not end in \.html, \.pdf or \.xlsx", refused(tmp_path / name, capsys))
     assert not list(tmp_path.iterdir())
 
 

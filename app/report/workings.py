@@ -1,0 +1,338 @@
+"""The real-time closed forms of one design as formulas of its inputs, for a spreadsheet.
+
+The formulas are those of `nav_model.budget.figures`, traced (`nav_model.base.traced`): none is written a second time.
+Where there is none, the budget's value is taken: the sampled filter with velocity fixes, a slow GNSS error, what
+vibration, unsensed motion and oscillator do over the aperture, and levels in decibels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from nav_model.analytic import coast as growth
+from nav_model.analytic import steady_state as steady
+from nav_model.analytic.discrete import Sawtooth
+from nav_model.analytic.refined_coast import longest_rule
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.aperture import geometry, phase
+from nav_model.base.constants import SPEED_OF_LIGHT
+from nav_model.base.traced import Traced, Workings
+from nav_model.budget.fast import LEVELS
+from nav_model.budget.figures import (
+    COASTING,
+    IMAGING,
+    PLACING,
+    SETTLED,
+    along_track_phase,
+    begun,
+    figures,
+    free_shifts,
+    outage,
+    phase_sources,
+    placing,
+    sampled,
+    settled,
+    sigmas,
+)
+from nav_model.budget.inputs import Inputs, inputs_of
+from nav_model.budget.provenance import steady_marks
+from nav_model.budget.verdict import label_of, limit_on
+from nav_model.design import Design
+from nav_model.processing.geolocation import circular_error, ground_covariance
+
+_PLAIN = {
+    "g": "flight.gravity", "interval": "gnss.interval", "fix": "gnss.position_noise",
+    "bias_a": "imu.accelerometer_bias", "bias_w": "imu.gyro_bias", "speed": "flight.speed",
+    "altitude": "flight.altitude", "latitude": "flight.latitude", "heading": "flight.heading",
+    "duration": "coast.duration", "before_aperture": "coast.before_aperture", "slant_range": "radar.slant_range",
+    "grazing_angle": "radar.grazing_angle", "squint": "radar.squint_angle",
+    "scene_height_error": "processing.scene_height_error",
+}  # fmt: skip
+_MORE = (
+    "imu.velocity_random_walk", "imu.angle_random_walk", "imu.vibration_factor", "gnss.vertical_position_noise",
+    "radar.frequency", "radar.azimuth_resolution", "radar.aperture_time",
+)  # fmt: skip
+_VELOCITY = ("gnss.velocity_noise", "gnss.vertical_velocity_noise", "gnss.velocity_interval")
+
+STATES = {"prior": "just before a fix", "closed": "rms over the fix cycle", "posterior": "just after a fix"}
+_UNITS = {"position": "m", "velocity": "m/s", "tilt": "rad"}
+_CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A figure of the budget, 1σ, in the cell named `symbol`; `dimension` is that of its limit."""
+
+    label: str
+    symbol: str
+    dimension: str
+    mark: str
+
+
+@dataclass(frozen=True)
+class Traces:
+    """Workings of a design: `sums` in order, and for each source of phase the symbols of its variances [m²]."""
+
+    workings: Workings
+    sums: tuple[Sum, ...]
+    sources: Mapping[str, phase.PhaseVariances]
+
+
+def followed(design: Design) -> tuple[str, ...]:
+    """Keys of the inputs that the formulas follow; each is a cell in SI under the name of `symbol_of`."""
+    given = _VELOCITY if design.gnss.velocity_noise is not None else ()
+    return (*_PLAIN.values(), *_MORE, *given)
+
+
+def symbol_of(key: str) -> str:
+    """The name of an input's cell."""
+    return key.replace(".", "_")
+
+
+def traces_of(design: Design) -> Traces:
+    """The workings of a design in real time, whatever its processing."""
+    plain = replace(inputs_of(design), post_processed=False)
+    made = _Making(design, plain)
+    return Traces(made.workings, tuple(made.sums), made.sources)
+
+
+class _Making:
+    """Workings while they are made, group by group."""
+
+    def __init__(self, design: Design, plain: Inputs) -> None:
+        self.design, self.plain, self.workings = design, plain, Workings()
+        self.sums: list[Sum] = []
+        self.sources: dict[str, phase.PhaseVariances] = {}
+        self.x = self._inputs()
+        saw = self._settled()
+        self._outage(saw)
+        self._image(saw["start"])
+        self._place(saw["start"])
+        self._checked()
+
+    def _cell(self, key: str) -> Any:
+        value: Any = self.design[key]
+        return Traced(symbol_of(key), np.nan if value is None else np.float64(value), self.workings)
+
+    def _or(self, key: str, otherwise: Any) -> Any:
+        """The input, or what is used where its cell is empty."""
+        own, value = self._cell(key), self.design[key]
+        other = otherwise if isinstance(otherwise, Traced) else Traced(repr(otherwise), otherwise, self.workings)
+        return Traced(
+            f'IF({own.text}="",{other.text},{own.text})', other.value if value is None else own.value, self.workings
+        )
+
+    def _inputs(self) -> Inputs:
+        name, cell, design = self.workings.name, self._cell, self.design
+        self.workings.head("Inputs as the formulas use them")
+        factor = cell("imu.vibration_factor")
+        wavelength = name("wavelength", SPEED_OF_LIGHT / cell("radar.frequency"), "wavelength", "m", "[T-13]")
+        inside = name(
+            "aperture_by_resolution",
+            geometry.aperture_time(
+                wavelength, cell("radar.slant_range"), cell("flight.speed"), cell("radar.azimuth_resolution"),
+                design.radar.window, cell("radar.squint_angle"),
+            ),
+            "aperture time from the resolution", "s", "[S-3]",
+        )  # fmt: skip
+        changes: dict[str, Any] = {field: cell(key) for field, key in _PLAIN.items()}
+        changes |= {
+            "sigma_a": name(
+                "sigma_a", cell("imu.velocity_random_walk") * factor, "accelerometer noise in flight", "m/s/√s"
+            ),
+            "sigma_w": name("sigma_w", cell("imu.angle_random_walk") * factor, "gyro noise in flight", "rad/√s"),
+            "fix_vertical": name(
+                "fix_vertical", self._or("gnss.vertical_position_noise", cell("gnss.position_noise")),
+                "noise of a fix, vertical", "m",
+            ),
+            "wavelength": wavelength,
+            "aperture": name("aperture", self._or("radar.aperture_time", inside), "aperture time in force", "s"),
+        }  # fmt: skip
+        if self.plain.velocity is not None:
+            level = cell("gnss.velocity_noise")
+            changes |= {
+                "velocity": level,
+                "velocity_vertical": name(
+                    "velocity_vertical", self._or("gnss.vertical_velocity_noise", level), "velocity, vertical", "m/s"
+                ),
+                "velocity_interval": name(
+                    "velocity_interval", self._or("gnss.velocity_interval", cell("gnss.interval")), "interval", "s"
+                ),
+            }
+        if self.plain.rectified is not None:
+            changes["rectified"] = name(
+                "rectified", self.plain.rectified, "bias caused by vibration", "m/s²", "[P-12]"
+            )
+        changes["fast"] = {
+            source: replace(
+                made,
+                **{
+                    part: name(
+                        f"source_{number}_{part}", getattr(made, part), f"{source}, {part}", "m²", "[P-8]", taken=True
+                    )
+                    for part in ("quadratic", "cubic", f"left_{self.plain.autofocus_order}", "mean", "slope")
+                },
+            )
+            for number, (source, made) in enumerate(self.plain.fast.items(), 1)
+        }
+        return replace(self.plain, **changes)
+
+    def _sum(self, symbol: str, of: Any, label: str, dimension: str, mark: str, *, taken: bool = False) -> None:
+        unit = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}.get(dimension, dimension)
+        self.workings.name(symbol, of, label, unit, mark, taken=taken)
+        self.sums.append(Sum(label, symbol, dimension, mark))
+
+    def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
+        """Both channels' covariances, every element in a cell."""
+        name = self.workings.name
+        level, upright = (
+            [
+                name(
+                    f"{prefix}_{letter}{place}",
+                    element,
+                    f"{channel} covariance {place}",
+                    _CHANNEL[place],
+                    mark,
+                    taken=taken,
+                )
+                for place, element in zip(places, elements, strict=True)
+            ]
+            for letter, channel, places, elements, mark in (
+                ("p", "horizontal", tuple(_CHANNEL), saw.horizontal, marks[0]),
+                ("v", "vertical", ("11", "12", "22"), saw.vertical, marks[1]),
+            )
+        )
+        return Sawtooth(Horizontal(*level), Vertical(*upright))
+
+    def _settled(self) -> dict[str, Sawtooth]:
+        x, marks = self.x, steady_marks(self.design)
+        closed_form = self.plain.slow is None and self.plain.velocity is None
+        head = self.workings.head
+        head("Steady state, rms over the fix cycle [T-3], [T-4], [P-6]")
+        saw = {"closed": self._channels(settled(x), "closed", marks)}
+        head("Just before a fix and just after it [T-8]")
+        both = sampled(x if closed_form else self.plain)
+        for state in ("prior", "posterior"):
+            moment, marked = getattr(both, state), ("[T-8]", "[T-8]")
+            saw[state] = self._channels(moment, state, marked, taken=not closed_form)
+        if self.plain.slow is None:
+            saw["start"] = saw["closed"]
+        else:
+            head("At the last fix before the aperture, with what the slow GNSS error adds")
+            saw["start"] = self._channels(begun(self.plain, both.posterior), "start", marks, taken=True)
+        head("Steady state, 1σ")
+        for state, when in STATES.items():
+            for figure, sigma in sigmas(saw["start" if state == "closed" else state]).items():
+                mark = "[T-8]" if state != "closed" else marks["vertical" in figure]
+                label = f"{label_of(figure)}, {when}"
+                self._sum(f"{state}_{figure}", sigma, label, limit_on(figure).dimension, mark)
+        kappa = steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)
+        self._sum("gyro_dominance", kappa, "Gyro dominance", "", "[T-6]")
+        level, upright = saw["closed"]
+        products = (
+            steady.lambda_dt(level.p11, x.s, x.interval),
+            steady.lambda_dt(upright.v11, x.s_vertical, x.interval),
+        )
+        self._sum("lambda_dt", np.maximum(*products), "Filter bandwidth times fix interval", "", "[T-8]")
+        for part, variance in zip(_UNITS, steady.gyro_dominated(x.sigma_w, x.s, x.g), strict=True):
+            dimension = {"position": "length", "velocity": "speed", "tilt": "angle"}[part]
+            self._sum(f"asymptote_{part}", np.sqrt(variance), f"{part.capitalize()}, gyro alone", dimension, "[T-7]")
+        return saw
+
+    def _outage(self, saw: Mapping[str, Sawtooth]) -> None:
+        x, (p, v) = self.x, saw["closed"]
+        self.workings.head("At the end of the outage")
+        t = x.duration
+        level = growth.horizontal_growth(p, x.sigma_a, x.sigma_w, x.g, t)
+        upright = growth.vertical_growth(v, x.sigma_a, t)
+        bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, t)
+        drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, x.g, t)
+        perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, t)
+        for label, variance, dimension, mark in (
+            ("Horizontal position, polynomial", level.position + bias_a**2 + bias_w**2, "length", "[T-9]"),
+            ("Vertical position, polynomial", upright.position + bias_a**2, "length", "[T-10]"),
+            ("Horizontal velocity, polynomial", level.velocity + drift_a**2 + drift_w**2, "speed", "[T-9]"),
+            ("Vertical velocity, polynomial", upright.velocity + drift_a**2, "speed", "[T-10]"),
+            ("Tilt, polynomial", level.tilt + (x.bias_w * t) ** 2, "angle", "[T-9]"),
+            ("Yaw growth", steady.yaw_variance(x.sigma_w, t), "angle", "[T-5]"),
+            ("Horizontal position, perfect start", perfect[0], "length", "[T-11]"),
+            ("Vertical position, perfect start", perfect[1], "length", "[T-11]"),
+            ("Horizontal position from initial tilt", growth.initial_tilt(p.p33, x.g, t), "length", "[T-12]"),
+        ):
+            symbol = "end_" + label.lower().replace(", ", "_").replace(" ", "_")
+            self._sum(symbol, np.sqrt(variance), f"{label}, at the end of the outage", dimension, mark)
+        rule: Any = tuple(Traced(name, part, self.workings) for name, part in zip(RULE, longest_rule(), strict=True))
+        for figure, variance in zip(COASTING, outage(x, saw["posterior"], t, rule), strict=True):
+            self._sum(f"real_time_{figure}", np.sqrt(variance), label_of(figure), "length", "[T-17]")
+
+    def _image(self, start: Sawtooth) -> None:
+        x, name = self.x, self.workings.name
+        self.workings.head("Phase over the aperture, by source: variances along the line of sight [S-5], [S-6]")
+        to_phase = name("to_phase", x.to_phase, "phase of a metre", "rad/m", "[T-13]")
+        found = {
+            source: phase.PhaseVariances(
+                *(
+                    name(f"{part}_{number}", variance, f"{source}, {part}", "m²", "[S-5], [S-6]")
+                    for part, variance in zip(phase.PhaseVariances._fields, variances, strict=True)
+                )
+            )
+            for number, (source, variances) in enumerate(phase_sources(x, start.horizontal).items(), 1)
+        }
+        self.sources = found
+        whole = phase.total(found)
+        along = along_track_phase(x, start.horizontal)
+        marks = ("[S-5]", "[S-2]", "[S-6]", "[T-15], [S-6]")
+        values = (*(to_phase * np.sqrt(part) for part in whole),)
+        for figure, value, mark in zip(IMAGING, (values[0], along, *values[1:]), marks, strict=True):
+            self._sum(f"real_time_{figure}", value, label_of(figure), "angle", mark)
+        cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
+        self._sum("cell_length", cell, "Azimuth cell", "length", "[S-3]")
+        self._sum("aperture_length", x.aperture * x.speed, "Length of the aperture", "length", "[S-3]")
+        for figure, value in figures(self.plain, LEVELS).items():
+            mark = {"paired_echo": "[P-9]", "islr": "[P-11]"}[figure]
+            self._sum(f"real_time_{figure}", value, label_of(figure), "level", mark, taken=bool(self.plain.fast))
+
+    def _place(self, start: Sawtooth) -> None:
+        x, name = self.x, self.workings.name
+        self.workings.head("Where the image lies [P-7]")
+        moved = free_shifts(x, start)
+        moved = type(moved)(*(
+            name(f"shift_{part}", value, f"variance of the shift, {part}", "m²", "[P-7]")
+            for part, value in zip(moved._fields, moved, strict=True)
+        ))  # fmt: skip
+        ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
+        one, other, both = (
+            name(f"ground_{part}", value, f"on the ground, {part}", "m²", "[P-7]")
+            for part, value in zip(("azimuth", "across", "both"), ground, strict=True)
+        )
+        placed = placing(x, moved, [figure for figure in PLACING if figure != "ce90"])
+        placed["ce90"] = circular_error(one, other, both)
+        for figure in PLACING:
+            self._sum(f"real_time_{figure}", placed[figure], label_of(figure), "length", "[P-7]")
+        self._sum("real_time_cep", circular_error(one, other, both, share=0.5), "CEP", "length", "[P-7]")
+
+    def _checked(self) -> None:
+        """Figures of the steady state at the point of the fix cycle that the design's limits hold for."""
+        self.workings.head("Steady state that is checked")
+        rows = {row.symbol: row for row in self.workings.rows}
+        marks = steady_marks(self.design) if self.plain.steady_state == "closed" else ("[T-8]", "[T-8]")
+        for figure in SETTLED:
+            prior, closed, posterior = (rows[f"{state}_{figure}"] for state in STATES)
+            chosen = rows[f"{self.plain.steady_state}_{figure}"]
+            choice = f'IF({CHOICE}="prior",{prior.symbol},IF({CHOICE}="closed",{closed.symbol},{posterior.symbol}))'
+            taken = prior.taken or closed.taken or posterior.taken
+            of = Traced(choice, chosen.value, self.workings, taken)
+            self._sum(
+                f"real_time_{figure}", of, label_of(figure), limit_on(figure).dimension, marks["vertical" in figure]
+            )
+
+
+CHOICE = symbol_of("requirements.steady_state")
+"""Name of the cell that chooses the point of the fix cycle."""
+
+RULE = ("rule_nodes", "rule_weights")
+"""Names of the two columns that integrate the outage."""

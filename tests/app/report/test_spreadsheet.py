@@ -1,0 +1,199 @@
+"""The spreadsheet, recalculated by two programs written by others, against the budget of the same inputs."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+import subprocess
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import formulas
+import openpyxl
+import pytest
+
+from app.report.spreadsheet import LIVE, OTHER, TAKEN, workbook_bytes
+from app.report.workings import traces_of
+from nav_model import Design, analyse, read_design
+from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.inputs import inputs_of
+
+EXAMPLES = Path("examples")
+CHANGED = {
+    "imu.angle_random_walk": (1e-6, 1e-4),
+    "imu.velocity_random_walk": (1e-5, 3e-3),
+    "gnss.position_noise": (0.02, 5.0),
+    "gnss.interval": (0.2, 5.0),
+    "radar.slant_range": (2e3, 2e4),
+    "coast.duration": (5.0, 900.0),
+    "flight.speed": (60.0, 200.0),
+    "requirements.confidence": (1.0, 3.0),
+    "requirements.quadratic_phase": (0.1, 3.0),
+    "requirements.detrended_phase": (0.05, 1.0),
+    "requirements.horizontal_position": (0.1, 3.0),
+    "requirements.coast_horizontal_position": (1.0, 100.0),
+    "requirements.ce90": (0.5, 10.0),
+    "requirements.tilt": (1e-5, 1e-3),
+}
+"""Inputs that are changed, and from where to where."""
+
+
+def drawn(base: Design, seed: int) -> Design:
+    random_numbers = random.Random(seed)
+    return base.replace(
+        {key: math.exp(random_numbers.uniform(*map(math.log, span))) for key, span in CHANGED.items()}
+    )
+
+
+def write(path: Path, design: Design) -> Path:
+    path.write_bytes(workbook_bytes(analyse(design)))
+    return path
+
+
+def entry(book: openpyxl.Workbook, key: str) -> str:
+    """The address of an input's yellow cell."""
+    return book.defined_names[key.replace(".", "_")].attr_text.rpartition("!")[2].replace("$D$", "B")
+
+
+def entered(book: openpyxl.Workbook, key: str, value: float) -> float:
+    """A value in SI as it is entered in the unit of its cell."""
+    in_si = book["Inputs"][entry(book, key).replace("B", "D")].value
+    factor = re.search(r"\*([\d.E-]+)\)$", in_si)
+    return value / float(factor[1]) if factor else value
+
+
+def expected(design: Design) -> dict[str, float]:
+    """Every figure in real time, and the verdict, under the names of the sheet's cells."""
+    found = figures(inputs_of(design.replace({"processing.mode": "real time"})))
+    return {f"real_time_{name}": float(value) for name, value in found.items()}
+
+
+@pytest.mark.parametrize("name", ["mems_x_band", "tactical_x_band", "l_band_jet"])
+def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str) -> None:
+    budget = analyse(read_design(EXAMPLES / f"{name}.toml"))
+    path = write(tmp_path / "budget.xlsx", budget.design)
+    book = openpyxl.load_workbook(path, data_only=True)
+    formulas_too = openpyxl.load_workbook(path)
+    rows = {row[1].value: row for row in book["Workings"].iter_rows(min_row=2) if row[1].value}
+    for symbol, value in expected(budget.design).items():
+        assert rows[symbol][2].value == pytest.approx(value, rel=1e-9)
+        assert rows[symbol][5].value == LIVE
+    assert str(formulas_too["Workings"][rows["real_time_quadratic_phase"][2].coordinate].value).startswith("=")
+    assert book["Budget"]["A2"].value == ("Closes" if budget.verdict.closes else "Does not close")
+    checked = {row[0].value: row for row in book["Budget"].iter_rows(min_row=6)}
+    for check in budget.verdict.checks:
+        row = checked[check.label]
+        assert row[6].value == pytest.approx(check.margin, abs=1e-9)
+        assert row[7].value == ("met" if check.met else "not met")
+    post = {row[0].value: row for row in book["Post-processed"].iter_rows(min_row=6)}
+    for check in budget.other_verdict.checks:
+        assert post[check.label][6].value == pytest.approx(check.margin, abs=1e-9)
+        assert post[check.label][9].value == TAKEN
+    listed = {row[0].value: row[1].value for row in book["Sources"].iter_rows(min_row=4)}
+    for line in budget.sar.lines:
+        assert listed[line.source] == pytest.approx(math.degrees(line.quadratic), rel=1e-9)
+
+
+def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
+    for name in (*(f"real_time_{figure}" for figure in FIGURES), "verdict_in_real_time"):
+        sheet, _, cell = book.defined_names[name].attr_text.rpartition("!")
+        yield name, f"{sheet.strip(chr(39))}!{cell.replace('$', '')}"
+
+
+@pytest.mark.long
+def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None:
+    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0)
+    path = write(tmp_path / "budget.xlsx", base)
+    book = openpyxl.load_workbook(path)
+    model = formulas.ExcelModel().loads(str(path)).finish()
+
+    def at(sheet: str, cell: str) -> str:
+        return f"'[budget.xlsx]{sheet.upper()}'!{cell}"
+
+    names = {name: at(*place.split("!")) for name, place in budget_names(book)}
+    states = [at("Budget", f"J{row}") for row in (6, 8)]
+    old = at("Post-processed", "J6")
+    as_written = model.calculate(outputs=[*names.values()])
+    for name, value in expected(base).items():
+        assert float(as_written[names[name]].value[0, 0]) == pytest.approx(value, rel=1e-6, abs=1e-12)
+    for seed in range(1, 21):
+        design = drawn(base, seed)
+        inputs = {at("Inputs", entry(book, key)): entered(book, key, design[key]) for key in CHANGED}
+        found = model.calculate(inputs=inputs, outputs=[*names.values(), *states, old])
+        for name, value in expected(design).items():
+            assert float(found[names[name]].value[0, 0]) == pytest.approx(value, rel=1e-6, abs=1e-12), (seed, name)
+        closes = analyse(design).verdict.closes
+        assert found[names["verdict_in_real_time"]].value[0, 0] == ("Closes" if closes else "Does not close")
+        assert [found[state].value[0, 0] for state in states] == [LIVE, LIVE]
+        assert found[old].value[0, 0] == OTHER
+
+
+@pytest.mark.long
+def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path) -> None:
+    """All workbooks in one start of the program, with a profile that nothing else uses."""
+    bases = [read_design(EXAMPLES / f"{name}.toml") for name in ("mems_x_band", "tactical_x_band", "l_band_jet")]
+    wanted: dict[str, Design] = {}
+    for seed in range(23):
+        base = bases[seed % 3]
+        path = write(tmp_path / f"{seed}.xlsx", base)
+        design = base if seed < 3 else drawn(base, seed)
+        book = openpyxl.load_workbook(path)
+        for key in CHANGED:
+            if design[key] is not None:
+                book["Inputs"][entry(book, key)] = entered(book, key, design[key])
+        book.save(path)  # without the values of formulas, which have to be computed
+        wanted[path.name] = design
+    done = tmp_path / "done"
+    subprocess.run(
+        ["soffice", f"-env:UserInstallation={(tmp_path / 'profile').as_uri()}", "--headless", "--convert-to", "xlsx",
+         "--outdir", str(done), *(str(tmp_path / name) for name in wanted)],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    for name, design in wanted.items():
+        book = openpyxl.load_workbook(done / name, data_only=True)
+        places = dict(budget_names(book))
+        for symbol, value in expected(design).items():
+            sheet, cell = places[symbol].split("!")
+            assert book[sheet][cell].value == pytest.approx(value, rel=1e-6, abs=1e-12), (name, symbol)
+        real_time = design.replace({"processing.mode": "real time"})
+        assert (book["Budget"]["A2"].value == "Closes") == analyse(real_time).verdict.closes
+        errors = [cell.coordinate for sheet in book for row in sheet for cell in row if cell.data_type == "e"]
+        assert not errors
+
+
+@pytest.mark.parametrize(
+    ("changes", "symbol"),
+    [
+        ({"gnss.velocity_noise": 0.05}, "real_time_coast_horizontal_position"),
+        ({"gnss.correlated": True}, "real_time_quadratic_phase"),
+        ({"motion.delay": 0.01, "motion.lines": ((30.0, 1e-4, "length"),)}, "real_time_quadratic_phase"),
+    ],
+)  # fmt: skip
+def test_what_has_no_formula_says_so(tmp_path: Path, changes: dict[str, Any], symbol: str) -> None:
+    design = read_design(EXAMPLES / "mems_x_band.toml").replace(changes)
+    rows = {row.symbol: row for row in traces_of(design).workings.rows}
+    assert rows[symbol].taken
+    for name, value in expected(design).items():
+        assert rows[name].value == pytest.approx(value, rel=1e-9)
+    write(tmp_path / "budget.xlsx", design)
+
+
+def test_names_are_texts_and_there_is_no_macro_or_link(tmp_path: Path) -> None:
+    for sign in "=+-@":
+        design = read_design(EXAMPLES / "mems_x_band.toml").replace({"name": f'{sign}HYPERLINK("http://x","y")'})
+        path = write(tmp_path / "budget.xlsx", design)
+        title = openpyxl.load_workbook(path)["Budget"]["A1"]
+        assert title.data_type == "s"
+        assert str(title.value).startswith(f"{sign}HYPERLINK")
+        with zipfile.ZipFile(path) as parts:
+            assert not [name for name in parts.namelist() if "vba" in name or "externalLink" in name]
+            assert not any(b"hyperlink" in parts.read(name) for name in parts.namelist() if "rels" in name)
+
+
+def test_names_of_cells_are_none_of_a_cell() -> None:
+    for row in traces_of(read_design(EXAMPLES / "mems_x_band.toml")).workings.rows:
+        assert not re.fullmatch(r"[A-Za-z]{1,3}\d+|[RrCc]\d*", row.symbol)
+        assert len(row.text) < 400
