@@ -169,7 +169,7 @@ def put(rows: Rows, which: Counts, new: Rows) -> Rows:
 
 
 class Doubles(Generic[Rows]):
-    """A unit, two of them in a row, four and so on, each worked out once."""
+    """A unit, two of them in a row, four and so on, each worked out once: `units[3]` is eight of them."""
 
     def __init__(self, unit: Rows, joined: Callable[[Rows, Rows], Rows]) -> None:
         self._found, self._joined = [unit], joined
@@ -180,7 +180,10 @@ class Doubles(Generic[Rows]):
         return self._found[power]
 
     def before(self, counts: Counts, row: Rows) -> Rows:
-        """So many units in a row, and `row` after them; (rows, ...), `counts` of (rows)."""
+        """So many units in a row, and `row` after them; (rows, ...), `counts` of (rows).
+
+        As in binary: of 5 units, the single one is put before `row` first, then the four before both.
+        """
         for power in range(int(counts.max(initial=0)).bit_length()):
             odd = np.flatnonzero((counts >> power) % 2)
             if len(odd):

@@ -102,23 +102,14 @@ def free_quadratic_variance(
     return np.asarray(np.einsum("...i,...ij,...j", by_state, carried, by_state) + noise + (j * by_jerk) ** 2)
 
 
-def bent_variance(
-    weights: _FloatArray,
-    start: _FloatArray,
-    accelerometer_noise: ArrayLike,
-    tilt_noise: ArrayLike,
-    aperture_time: ArrayLike,
-    coast_time: ArrayLike = 0.0,
-    jerk: ArrayLike = 0.0,
-) -> _FloatArray:
+def bent_variance(weights: _FloatArray, start: _FloatArray, *free: ArrayLike) -> _FloatArray:
     """What the turn adds to the variance [m²] of the quadratic: the variance with all weights minus that with the
     first.
 
     Arguments as `free_quadratic_variance`. It may be negative: the turn can work against the quadratic.
     """
-    free = (start, accelerometer_noise, tilt_noise, aperture_time, coast_time, jerk)
     still = np.asarray(weights * np.array([1.0, 0.0, 0.0]))
-    return np.asarray(free_quadratic_variance(weights, *free) - free_quadratic_variance(still, *free))
+    return np.asarray(free_quadratic_variance(weights, start, *free) - free_quadratic_variance(still, start, *free))
 
 
 def smoothed_bent_variance(weights: _FloatArray, found: Mapping[str, _FloatArray], of: str = "") -> _FloatArray:

@@ -45,8 +45,8 @@ class Channel:
 class Axis(NamedTuple):
     """Noise and fixes of one axis, one design a row, in its own units, ``length`` [m] and ``step`` [s].
 
-    Of the two kinds of fixes one, `dense`, comes every step and the
-    other, `sparse`, every ``parts`` steps: (rows, n, n). Both come at time 0.
+    Of the two kinds of fixes, of position and of velocity, one comes every step and the other every ``parts`` steps:
+    `dense` and `sparse` are the information of one such fix about the state, (rows, n, n). Both come at time 0.
     """
 
     length: Array
@@ -90,40 +90,45 @@ def axis_of(x: Mapping[str, Array]) -> Axis:
 
 
 class Flight:
-    """A flight, in units that are doubled: from a fix to the next one, and from one that both kinds share to the next
-    of these. Each unit has its last fix."""
+    """A flight, of two units that are doubled: a step, from a fix to the next one, and a period, from fixes of both
+    kinds to the next of both. Each has the fix at its end, not the one at its beginning.
+
+    Either is there twice: as a segment (``step``, ``period``), for what a filter needs, and as a stretch
+    (``step_along``, ``period_along``), which costs more, for what becomes of the error along the aperture.
+    """
 
     def __init__(self, axis: Axis) -> None:
         self.axis = axis
         one = stretch.measured(stretch.free(np.ones_like(axis.step), *axis.noise), axis.dense)
-        self.stretch = self.stretches = Doubles(one, stretch.joined)
-        self.unit = self.units = Doubles(one.segment, doubling.joined)
+        self.step_along = self.period_along = Doubles(one, stretch.joined)
+        self.step = self.period = Doubles(one.segment, doubling.joined)
         if np.any(axis.parts > 1):
-            many = stretch.measured(self.stretch.before(axis.parts - 1, one), axis.sparse)
-            self.stretches, self.units = Doubles(many, stretch.joined), Doubles(many.segment, doubling.joined)
+            many = stretch.measured(self.step_along.before(axis.parts - 1, one), axis.sparse)
+            self.period_along, self.period = Doubles(many, stretch.joined), Doubles(many.segment, doubling.joined)
 
     def start(self, gap: Array) -> Array:
         """Covariance just after the fixes at time 0, without those of a gap before it."""
-        found, axis = settled(self.units), self.axis
+        found, axis = settled(self.period), self.axis
         if np.any(gap):
             # Of the fixes since the last time that both kinds shared, those within the gap are missing; a gap longer
             # than that begins where both kinds come.
             count = np.maximum(axis.parts - np.maximum(_first(np.minimum(gap.real, axis.parts)), 1), 0)
             row = drift(np.where(gap.real > axis.parts, gap, axis.parts) - count, *axis.noise)
-            found = updated(carried(found, self.unit.before(count, row)), axis.dense + axis.sparse)
+            found = updated(carried(found, self.step.before(count, row)), axis.dense + axis.sparse)
         return found
 
     def along(self, until: Array) -> Stretch:
         """From time 0, without the fixes there, to a time that may be at a fix, without it."""
         fixes = _first(until) - 1
-        row = self.stretch.before(fixes % self.axis.parts, stretch.free(until - fixes, *self.axis.noise))
-        return self.stretches.before(fixes // self.axis.parts, row)
+        # Whole periods, then whole steps, then what is left without a fix.
+        row = self.step_along.before(fixes % self.axis.parts, stretch.free(until - fixes, *self.axis.noise))
+        return self.period_along.before(fixes // self.axis.parts, row)
 
     def to(self, until: Array) -> Segment:
         """The same without what becomes of the error along the way."""
         fixes = _first(until) - 1
-        row = self.unit.before(fixes % self.axis.parts, drift(until - fixes, *self.axis.noise))
-        return self.units.before(fixes // self.axis.parts, row)
+        row = self.step.before(fixes % self.axis.parts, drift(until - fixes, *self.axis.noise))
+        return self.period.before(fixes // self.axis.parts, row)
 
     def ahead(self, time: Array, until: Array, beyond: Array | None = None) -> Array:
         """Information about the state at a time, from the fixes from then on up to a later time: (rows, n, n).
@@ -136,12 +141,15 @@ class Flight:
         lead = -first % axis.parts  # steps to the next fix that both kinds share
         shared = count >= lead
         rest = np.where(shared, count - lead, 0)
+        # From the last fix back to the first: `row` is what is after a moment, and grows at its front. It begins with
+        # nothing but what is known beyond, then come steps, whole periods, and the steps to the first shared fix.
         row = drift(0 * time, *axis.noise)
         if beyond is not None:
             row = row._replace(info=row.info + beyond)
-        row = self.units.before(rest // axis.parts, self.unit.before(rest % axis.parts, row))
+        row = self.period.before(rest // axis.parts, self.step.before(rest % axis.parts, row))
         row = row._replace(info=row.info + axis.sparse * shared[:, None, None])
-        row = self.unit.before(np.where(shared, lead, np.maximum(count, 0)), row)
+        row = self.step.before(np.where(shared, lead, np.maximum(count, 0)), row)
+        # Units do not have the fix at their beginning: here it is the first of all. Then back from it to the time.
         known = row.info + axis.dense * (count >= 0)[:, None, None]
         return doubling.measured(drift(first - time, *axis.noise), known).info
 

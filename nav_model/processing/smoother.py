@@ -28,7 +28,7 @@ COLUMNS = (
     "cubic_with_turned", "cubic_with_curved", "cubic_turned_curved",
 )  # fmt: skip
 """What `smoothed_error` knows of an axis."""
-_NOW = frozenset(("position", "velocity", "tilt"))
+_IN_THE_MIDDLE = frozenset(("position", "velocity", "tilt"))  # the others are of the whole aperture
 
 # Quadratics, by the Legendre coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn;
 # then cubics.
@@ -96,13 +96,15 @@ def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]
     aperture, after, gap = (x[name] / axis.step for name in ("aperture", "after", "gap"))
     start = flight.start(gap)
     found: dict[str, Array] = {}
-    if not _NOW.issuperset(names):
+    if not _IN_THE_MIDDLE.issuperset(names):
+        # The aperture with its fixes and those after it; given these, its coefficients are lines x0 + noise.
         whole = stretch.measured(flight.along(aperture), flight.ahead(aperture, aperture + after))
-        at_start = updated(start, whole.info)
+        at_start = updated(start, whole.info)  # the state at the aperture's start, with every fix
         size = start.shape[-1]
         along = whole.lines[..., :size]
         spread = whole.spread + along @ at_start @ turned(along)
         rest = whole.rest + np.einsum("nij,nij->n", at_start, whole.gram[:, :size, :size])
+        # From orthonormal polynomials to those of Legendre, and from the axis's units to metres.
         root = np.sqrt(2 * np.arange(ORDERS) + 1)
         square = axis.length**2
         named, left_3 = (
@@ -110,8 +112,8 @@ def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]
             spread[:, 4, 4] + spread[:, 5, 5] + rest,
         )
         found |= _of_the_aperture(named, left_3 * square, x["aperture"])
-    if not _NOW.isdisjoint(names):
-        middle = aperture / 2
+    if not _IN_THE_MIDDLE.isdisjoint(names):
+        middle = aperture / 2  # forward to it with the fixes before, then the information of those after
         now = updated(carried(start, flight.to(middle)), flight.ahead(middle, aperture + after))
         variance = np.einsum("nii->ni", without_slow_error(now))
         for n, name in enumerate(("position", "velocity", "tilt")):
