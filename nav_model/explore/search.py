@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,7 +13,7 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design, Value
-from nav_model.design.catalogue import Entry, SourcedValue
+from nav_model.design.catalogue import OFFERED, Entry, SourcedValue
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
@@ -31,7 +32,7 @@ class Candidate:
     ``margin`` is that of the tightest requirement, ``margins`` of each; ``dominant`` is the error source with the
     largest share of the tightest figure's variance, which is its logarithmic sensitivity [T-18]. ``changes`` are
     the inputs (SI) that adopting it sets, ``written`` their units. ``doubts`` names values that the source does not
-    confirm.
+    confirm. ``price``, ``mass`` [kg] and ``power`` [W] are sums over the offers, None where one does not say it.
     """
 
     imu: str
@@ -45,6 +46,10 @@ class Candidate:
     changes: Mapping[str, Value]
     written: Mapping[str, str]
     doubts: tuple[str, ...]
+    price: float | None
+    currency: str
+    mass: float | None
+    power: float | None
 
     @property
     def pair(self) -> str:
@@ -57,14 +62,16 @@ def search(
 ) -> tuple[Candidate, ...]:
     """Every unit with every receiver class and with the design's own receiver, the widest margin first.
 
+    Where there are offers, the cheapest that passes is first, then what passes without a price, then what does not.
     Units whose sheet lacks a value cannot be judged: `left_out` names them. The design's vibration factor holds for
     every unit, because no data sheet prints it.
 
     Raises
     ------
     InputError
-        If the design gives no requirement or no unit can be judged.
+        If the design gives no requirement, no unit can be judged, or prices are in several currencies.
     """
+    currency = _currency((*imus.values(), *receivers.values()))
     names = list(limits(design))
     if not names:
         raise InputError("requirements", "none is given; give at least one limit to compare sensors with")
@@ -93,10 +100,35 @@ def search(
             changes={"imu.preset": imu.name, **changes[i]},
             written={key: item.unit for key, item in filled[i].items()},
             doubts=tuple(_doubts(filled[i])),
+            currency=currency,
+            **{key: _offered([imu, *([receiver] if receiver else [])], key) for key in OFFERED},
         )
         for i, (imu, receiver) in enumerate(pairs)
     ]
-    return tuple(sorted(rows, key=lambda row: -row.margin))
+    return tuple(sorted(rows, key=_rank))
+
+
+def _rank(row: Candidate) -> tuple[bool, float, float]:
+    """Price counts among those that pass; the others are in the order of their margins."""
+    return not row.closes, (math.inf if row.price is None else row.price) if row.closes else 0.0, -row.margin
+
+
+def _currency(entries: Iterable[Entry]) -> str:
+    """The one currency of all prices; empty without prices."""
+    priced = {entry.name: entry.offer["price"].unit for entry in entries if "price" in entry.offer}
+    first = next(iter(priced.values()), "")
+    for name, currency in priced.items():
+        if currency != first:
+            raise InputError(
+                f"{name}.price", f"is in {currency}, others are in {first}; give every price in one currency"
+            )
+    return first
+
+
+def _offered(parts: Sequence[Entry], key: str) -> float | None:
+    """What the parts cost, weigh or take together; None where one does not say it."""
+    said = [part.offer[key].value for part in parts if key in part.offer]
+    return sum(said) if len(said) == len(parts) else None
 
 
 def left_out(imus: Mapping[str, Entry], biases: Biases = "design") -> dict[str, str]:

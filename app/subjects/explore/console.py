@@ -98,11 +98,17 @@ def mapped(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
 def searched(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     """Every IMU with every receiver class."""
     imus, receivers = _entries("imu", options.imus), _entries("gnss", options.receivers)
+    offers = any(entry.offer for entry in (*imus.values(), *receivers.values()))
     rows = [
         {
             **{name: getattr(row, name) for name in _CANDIDATE},
             **{f"margin_{name}": margin for name, margin in row.margins.items()},
             "not_confirmed": "; ".join(row.doubts),
+            **(
+                {"price": row.price, "currency": row.currency, "mass_kg": row.mass, "power_w": row.power}
+                if offers
+                else {}
+            ),
         }
         for row in search(design, imus, receivers, options.biases)
     ]

@@ -42,6 +42,10 @@ EXAMPLE = """\
 name = "Our IMU"
 angle_random_walk = { value = "0.05 °/√h", status = "confirmed", source = "bench log of 3 May, unit 7" }
 velocity_random_walk = { value = "50 µg/√Hz", status = "secondary", source = "data sheet, typical" }
+# An offer adds what ranks it: the cheapest that passes is first.
+price = { value = "4200 EUR", status = "confirmed", source = "offer of 12 March" }
+mass = { value = "55 g", status = "confirmed", source = "data sheet" }
+power = { value = "1.5 W", status = "confirmed", source = "data sheet" }
 
 [[gnss]]
 name = "Our receiver"
@@ -167,7 +171,9 @@ class SearchPanel(Question):
     def _csv(self) -> io.BytesIO:
         margins = self._found[0].margins if self._found else ()
         head = ("IMU", "Receiver", "Closes", "Margin", "Tightest", "Main error source", "Its share",
-                *(f"Margin of {name}" for name in margins), "Unverified")  # fmt: skip
+                *(f"Margin of {name}" for name in margins), "Unverified",
+                "Price", "Currency", "Mass (kg)", "Power (W)")  # fmt: skip
         rows = ((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
-                 *row.margins.values(), "; ".join(row.doubts)) for row in self._found)  # fmt: skip
+                 *row.margins.values(), "; ".join(row.doubts), row.price, row.currency, row.mass, row.power)
+                for row in self._found)  # fmt: skip
         return io.BytesIO(csv_text((head, *rows)).encode())

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
 
-from nav_model.base.errors import InputError, not_a_choice
+from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.base.toml_text import read_toml
-from nav_model.base.units import QuantityError, parse_quantity
+from nav_model.base.units import Parsed, QuantityError, parse_quantity
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
 
@@ -58,6 +59,7 @@ class Entry:
 
     `values` fill the inputs of the same section of a design; `extra` is only shown
     (data-sheet biases of an inertial unit; speed and altitude of a radar's platform).
+    `offer` has what an offer adds, of `OFFERED`: a price in its currency, kg, W.
     """
 
     kind: Kind
@@ -66,8 +68,17 @@ class Entry:
     note: str
     values: Mapping[str, SourcedValue]
     extra: Mapping[str, SourcedValue]
+    offer: Mapping[str, SourcedValue]
 
 
+OFFERED: dict[str, dict[str, float]] = {
+    "price": {},
+    "mass": {"g": 1e-3, "kg": 1.0, "lb": 0.45359237, "oz": 0.028349523125},
+    "power": {"mW": 1e-3, "W": 1.0},
+}
+"""What an offer may say, and the units in SI; a price has the three letters of its currency (ISO 4217)."""
+
+_AMOUNT = re.compile(r"\s*(\d+(?:\.\d+)?(?:[eE][+-]?\d{1,2})?)\s*(\S*)\s*")
 _MOST_BYTES = 1_000_000  # the product's own have ten thousand
 _EXTRA: dict[str, dict[str, str]] = {
     "imu": {"gyro_bias": "angular rate", "accelerometer_bias": "acceleration"},
@@ -104,6 +115,7 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         raise InputError(f"{kind} catalogue", "an entry has no name")
     values: dict[str, SourcedValue] = {}
     extra: dict[str, SourcedValue] = {}
+    offer: dict[str, SourcedValue] = {}
     for key, item in table.items():
         if key in {"name", "grade", "note"}:
             continue
@@ -114,7 +126,9 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
             raise InputError(where, f"status {not_a_choice(item.get('status'), STATUSES)}")
         if not isinstance(item.get("source"), str) or not item["source"]:
             raise InputError(where, "has no source")
-        if key in _EXTRA[kind]:
+        if key in OFFERED:
+            parsed, target = _offered(key, item["value"], where), offer
+        elif key in _EXTRA[kind]:
             try:
                 parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
             except QuantityError as error:
@@ -126,7 +140,18 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         target[key] = SourcedValue(
             item["value"], parsed.value, parsed.unit, item["status"], item["source"], item.get("kind", "")
         )
-    return Entry(kind, name, str(table.get("grade", "")), str(table.get("note", "")), values, extra)
+    return Entry(kind, name, str(table.get("grade", "")), str(table.get("note", "")), values, extra, offer)
+
+
+def _offered(key: str, text: str, where: str) -> Parsed:
+    """A price, mass or power with its unit."""
+    units = OFFERED[key]
+    found = _AMOUNT.fullmatch(text)
+    number, unit = found.groups() if found else ("", "")
+    if found and (unit in units if units else re.fullmatch("[A-Z]{3}", unit)):
+        return Parsed(float(number) * units.get(unit, 1.0), unit)
+    choice = ", ".join(units) or "the three letters of a currency, as in 4200 EUR"
+    raise InputError(where, f"{shown(text)} is not a {key}. Write a number and a unit: {choice}.", text)
 
 
 def _input(kind: Kind, key: str, where: str) -> tuple[str, BaseQuantity[Any]]:
