@@ -38,7 +38,7 @@ from app.upstream.browser import head_script
 from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
 from app.upstream.listening import let_nobody_new_in, listen_on
-from app.upstream.rendering import copy_none, mark_own_part
+from app.upstream.rendering import copy_none
 from app.upstream.requests import ask_first, believe_proxies_only, read_any_address
 from app.upstream.sending import keep_first_changes, send_in_order, write_once
 from app.work import pool as workers
@@ -140,7 +140,6 @@ def serve_on(
     read_any_address()
     look_at_what_was_given()
     copy_none()
-    mark_own_part()
     believe_proxies_only()
     for name in COMPONENTS:
         import_module(name)

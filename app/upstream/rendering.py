@@ -1,7 +1,6 @@
-"""A component is rendered from the parameters of its class, each looked at once, and marks itself alone.
+"""A component is rendered from the parameters of its class, each looked at once.
 
-Copies of parameters that are there, as where one component has bounds of its own, remain in force. Each part has
-marked itself as belonging to its page when it was made, so nothing walks through a component's parts.
+Copies of parameters that are there, as where one component has bounds of its own, remain in force.
 
 Reports to send upstream, versions and ends: docs/upstream/rendering.md
 """
@@ -12,7 +11,7 @@ from functools import cache
 from typing import Any
 
 from panel.custom import ReactiveESM
-from panel.reactive import ReactiveCustomBase, Syncable
+from panel.reactive import Syncable
 from panel.viewable import is_viewable_param
 
 _shipped = ReactiveESM._get_properties
@@ -57,13 +56,3 @@ def copy_none() -> None:
     ReactiveESM._get_properties = _get_properties
     ReactiveESM._get_children = _get_children
     Syncable._init_params = _init_params
-
-
-def _mark(_: type[ReactiveCustomBase], props: Any, ref: str) -> None:
-    if (mark := f"__ref:{ref}") not in props.tags:
-        props.tags.append(mark)
-
-
-def mark_own_part() -> None:
-    """Install the override; the server calls it once, before it serves."""
-    ReactiveCustomBase._patch_datamodel_ref = classmethod(_mark)

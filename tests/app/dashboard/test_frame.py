@@ -3,28 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import pytest
 from bokeh.model import DataModel, Model
-from panel.reactive import ReactiveCustomBase
 
 from app.dashboard.frame import Frame
 from app.serving.server import first_design
 from app.session import Session
-from app.upstream.rendering import mark_own_part
 
 # The Material download button passes both names of one argument to its own base class.
 pytestmark = [
     pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
     pytest.mark.long,
 ]
-
-
-@pytest.fixture(autouse=True)
-def as_served(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ReactiveCustomBase, "_patch_datamodel_ref", ReactiveCustomBase._patch_datamodel_ref)
-    mark_own_part()
 
 
 def _models(root: Model) -> list[DataModel]:
@@ -40,18 +31,6 @@ def test_every_component_is_marked_as_the_pages():
     after = _models(root)
     assert len(after) > len(before) > 10
     assert [model for model in after if f"__ref:{root.ref['id']}" not in model.tags] == []
-
-
-def test_a_run_begins_without_a_walk_through_the_document(monkeypatch: pytest.MonkeyPatch):
-    """That walk took 100 ms, at the beginning and the end of each run, in which nobody's slider moved."""
-    session = Session(first_design())
-    root = Frame(session).__panel__().get_root()
-    walked: list[Any] = []
-    monkeypatch.setattr(Model, "references", lambda model: walked.append(model) or {model})
-    session.running = True
-    assert root.data.busy
-    assert root not in walked
-    assert root.data not in walked
 
 
 def test_pages_that_stay_at_one_sigma_say_so():
