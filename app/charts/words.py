@@ -86,7 +86,7 @@ def _dots(chart: DotChart) -> str:
         if told:
             said.append(f"{dot.label}: {told}")
     limit = f" Limit {_n(chart.limit)}°." if math.isfinite(chart.limit) else ""
-    return f"Dots of {_axis(chart.x_label)}: {'; '.join(said)}.{limit}"
+    return f"Bars of {_axis(chart.x_label)}: {'; '.join(said)}.{limit}"
 
 
 def _map(chart: MapChart) -> str:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 from app.work.run import Clock
 
-COMPILES = "preparing the simulator; its first use on a machine compiles it"
+COMPILES = "Compiling the simulator (first use only)"
 """What a command says before it flies anything."""
 
 _QUIET_SECONDS = 5.0  # between lines where standard error is not a terminal

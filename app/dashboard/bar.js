@@ -36,13 +36,14 @@ export function render({ model }) {
       <button class="copy" type="button">Copy link</button><span aria-live="polite"></span>
     </div>
     <div class="menu" data-for="view" hidden>
-      <label>Figures as <select class="spread"><option value="1s">1σ</option><option value="2s">2σ</option>
+      <label>Values as <select class="spread"><option value="1s">1σ</option><option value="2s">2σ</option>
         <option value="95">95 %</option><option value="cep">CEP (horizontal position)</option></select></label>
-      <label>Units <select class="units"><option value="">as data sheets</option><option value="si">SI</option>
+      <label>Units <select class="units"><option value="">data-sheet units</option><option value="si">SI</option>
         </select></label>
       <p>For the Budget page, comparisons and reports. Other pages and reviews show 1σ. The verdict does not change.</p>
     </div>
     <div class="menu" data-for="report" hidden>
+      <label>Description, for page 1<textarea rows="4" maxlength="2000"></textarea></label>
       <div class="studies"></div><p class="left"></p>
       <button data-report="pdf" type="button">PDF report</button>
       <button data-report="html" type="button">HTML report</button>
@@ -68,6 +69,11 @@ export function render({ model }) {
     if (event.key === "Enter") name.blur()
     if (event.key === "Escape") { name.value = model.named; name.blur() }
   }
+
+  // --- its description ---
+  const description = at("textarea")
+  const described = () => { if (document.activeElement !== description) description.value = model.description }
+  description.onchange = () => { model.description = description.value }
 
   // --- tabs ---
   tabs.innerHTML = model.titles.map((title) => `<button type="button" role="tab">${title}</button>`).join("")
@@ -111,7 +117,7 @@ export function render({ model }) {
         const right = innerWidth - opener.getBoundingClientRect().right
         menu.style.right = Math.max(8, Math.min(right, innerWidth - 320)) + "px"
         if (opener.dataset.menu === "share") share()
-        menu.querySelector("input:not([type=checkbox]), select, button")?.focus()
+        menu.querySelector("input:not([type=checkbox]), textarea, select, button")?.focus()
       }
     }
   }
@@ -207,7 +213,7 @@ export function render({ model }) {
   }
   const present = () => place.classList.toggle("presenting", model.presenting)
   const follow = {
-    named, active: turned, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown, presenting: present,
+    named, description: described, active: turned, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown, presenting: present,
   }
   for (const [property, change] of Object.entries(follow)) {
     model.on(property, change)

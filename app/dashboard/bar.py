@@ -22,6 +22,7 @@ class Bar(PlainScript):
     """The bar; ``told`` is called for each action of the user, with a dict that has the action's name under "do"."""
 
     named = param.String(doc="Name of the design, which a person can change here.")
+    description = param.String(doc="What its author says of the design, which a person can change here.")
     titles = param.List(default=[], doc="Of the tabs.")
     active = param.Integer(default=0, doc="Index of the tab in view.")
     can_undo = param.Boolean(default=False)

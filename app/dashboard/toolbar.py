@@ -55,6 +55,7 @@ class Toolbar(pn.viewable.Viewer):
             titles=[subject.title for subject in SUBJECTS],
             most=MAX_BYTES,
             named=session.design.name,
+            description=session.design.description,
             can_undo=session.param.can_undo,
             can_redo=session.param.can_redo,
             presenting=session.param.presenting,
@@ -63,15 +64,16 @@ class Toolbar(pn.viewable.Viewer):
             sizing_mode="stretch_width",
             margin=0,
         )
-        self.bar.param.watch(self._renamed, "named")
+        self.bar.param.watch(self._written, ["named", "description"])
 
     def __panel__(self) -> Bar:
         return self.bar
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        if self.bar.named != budget.design.name:
-            self.bar.named = budget.design.name
+        design = budget.design
+        if (self.bar.named, self.bar.description) != (design.name, design.description):
+            self.bar.param.update(named=design.name, description=design.description)
 
     @param.depends("session.findings", "session.budget", "session.running", watch=True)
     def _offer(self) -> None:
@@ -81,9 +83,11 @@ class Toolbar(pn.viewable.Viewer):
         if (self.bar.studies, self.bar.left_out) != (studies, left_out):
             self.bar.param.update(studies=studies, left_out=left_out)
 
-    def _renamed(self, event: Any) -> None:
-        if event.new != self.session.design.name:
-            self.session.change({"name": event.new})
+    def _written(self, *_: Any) -> None:
+        words = {"name": self.bar.named, "description": self.bar.description}
+        design = self.session.design
+        if (design.name, design.description) != (words["name"], words["description"]):
+            self.session.change(words)
 
     def _do(self, deed: dict[str, Any]) -> None:
         match deed["do"]:

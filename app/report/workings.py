@@ -58,7 +58,7 @@ _MORE = (
 )  # fmt: skip
 _VELOCITY = ("gnss.velocity_noise", "gnss.vertical_velocity_noise", "gnss.velocity_interval")
 
-STATES = {"prior": "just before a fix", "closed": "rms over the fix cycle", "posterior": "just after a fix"}
+STATES = {"prior": "just before a fix", "closed": "average between fixes", "posterior": "just after a fix"}
 _UNITS = {"position": "m", "velocity": "m/s", "tilt": "rad"}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
 
@@ -157,7 +157,7 @@ class _Making:
             changes |= {
                 "velocity": level,
                 "velocity_vertical": name(
-                    "velocity_vertical", self._or("gnss.vertical_velocity_noise", level), "velocity, vertical", "m/s"
+                    "velocity_vertical", self._or("gnss.vertical_velocity_noise", level), "vertical velocity", "m/s"
                 ),
                 "velocity_interval": name(
                     "velocity_interval", self._or("gnss.velocity_interval", cell("gnss.interval")), "interval", "s"
@@ -212,7 +212,7 @@ class _Making:
         x, marks = self.x, steady_marks(self.design)
         closed_form = self.plain.slow is None and self.plain.velocity is None
         head = self.workings.head
-        head("Steady state, rms over the fix cycle [T-3], [T-4], [P-6]")
+        head("Steady state, average between fixes [T-3], [T-4], [P-6]")
         saw = {"closed": self._channels(settled(x), "closed", marks)}
         head("Just before a fix and just after it [T-8]")
         both = sampled(x if closed_form else self.plain)

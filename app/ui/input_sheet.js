@@ -203,7 +203,7 @@ export function render({ model }) {
   wanted.onchange = () => { place.classList.toggle("explained", wanted.checked); rows.forEach(explain) }
   place.classList.toggle("explained", model.explained)
   if (model.groups.some(({ title }) => title)) {
-    place.append(make("label", { className: "explain" }, wanted, "Explain every input"))
+    place.append(make("label", { className: "explain" }, wanted, "Show help for all inputs"))
   }
   const groups = make("div", { className: "groups" })
   place.append(groups)

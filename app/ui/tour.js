@@ -80,6 +80,9 @@ export function render({ model }) {
   at(".skip").onclick = close
   card.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
   const ask = () => { if (!known() && card.hidden) { dress(offer); offered(true) } }
+  // It lies over the inputs, so it goes with the first press beside it; the bar's button still starts the tour.
+  const elsewhere = (event) => { if (!event.composedPath().includes(place)) offered(false) }
+  addEventListener("pointerdown", elsewhere, { capture: true, once: true })
   model.on("offers", ask)
   requestAnimationFrame(ask)
   return place

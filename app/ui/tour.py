@@ -17,7 +17,8 @@ STEPS: tuple[dict[str, str], ...] = (
     {
         "title": "Your design",
         "text": "IMU, receiver, flight, radar and limits. Start from the catalogue, then type values as a "
-        "data sheet prints them, such as 0.09 °/√h, or move a slider. “Explain every input” says what each one is.",
+        "data sheet prints them, such as 0.09 °/√h, or move a slider. “Show help for all inputs” says what "
+        "each one is.",
         "at": ".sidebar",
     },
     {
@@ -40,7 +41,7 @@ STEPS: tuple[dict[str, str], ...] = (
     },
     {
         "title": "Keep and share",
-        "text": "Undo takes back any change. Save writes a file, Share gives a link, Report writes a document. "
+        "text": "You can undo any change. Save writes a file, Share gives a link, Report writes a document. "
         "Open has examples "
         "to start from.",
         "at": "[role=toolbar]",

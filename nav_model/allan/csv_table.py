@@ -42,9 +42,7 @@ def read_csv_table(stream: BinaryIO, file_name: str, most_rows: int, most_bytes:
     try:
         return _read(text, file_name, most_rows, most_bytes)
     except UnicodeDecodeError as error:
-        raise InputError(
-            file_name, f"This does not look like a CSV or NPZ log: byte {error.start} is not text."
-        ) from error
+        raise InputError(file_name, "This does not look like a CSV or NPZ log: it is not text.") from error
     finally:
         text.detach()
 

@@ -38,7 +38,7 @@ def what_would_resolve(
         return _BY_CAUSE[cause]
     if term == "quantization":
         rate = _RATE_FACTOR / interval_s
-        return f"unfiltered samples at {rate:.3g} Hz would show half as much; rarely worth it"
+        return f"unfiltered samples at {rate:.3g} Hz would halve the detection limit"
     if term == "random_walk":
         return "a log sampled faster and longer, so that other noise leaves a stretch of slope -1/2"
     rivals = {name: _SLOPE[name] for name in resolved if name in _SLOPE} or {"random_walk": 0}
@@ -48,7 +48,7 @@ def what_would_resolve(
         return (
             f"a log with less {rival.replace('_', ' ')} (steady temperature, warmed up); a longer one shows no more"
         )
-    return f"a log of {_span(duration_s * 2.0 ** (2.0 / gap))} would show half as much"
+    return f"a log of {_span(duration_s * 2.0 ** (2.0 / gap))} would halve the detection limit"
 
 
 def _span(seconds: float) -> str:

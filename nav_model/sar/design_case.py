@@ -222,7 +222,7 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
         + (
             "The design is post-processed, so it can be the best."
             if processing.mode == POST_PROCESSED
-            else "The design is processed in real time, so it is shown but cannot be the best."
+            else "The design is processed in real time, so it is shown for reference."
         )
     )
     said.append(

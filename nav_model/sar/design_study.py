@@ -141,7 +141,7 @@ class SarStudy:
             said += f" Post-processed, {NAMES['9']} leaves {_millimetres(self.residual('9'))}."
         if advised not in (best.key, now.key):
             said += (
-                f" The formulas, which cover five of the strategies, alone favour {NAMES[advised]} "
+                f" By the formulas, which cover five of the strategies, the best is {NAMES[advised]} "
                 f"({_millimetres(self.residual(advised))})."
             )
         return said

@@ -52,7 +52,7 @@ STRATEGIES: tuple[Strategy, ...] = (
     Strategy("5w", "Quadratic fit, noise-weighted", AFTER_APERTURE, False, "optimal linear weight [S-5], [S-7]"),
     Strategy("6", "Tracking filter", IN_FLIGHT, True, "after Kim, Fellerhoff and Kohler 2001"),
     Strategy("7", "Damping loop", IN_FLIGHT, True, "after Song et al. 2015, 2017"),
-    Strategy("8", "RTS smoother", AFTER_APERTURE, False, "Rauch, Tung and Striebel 1965"),
+    Strategy("8", "RTS smoother of the aperture", AFTER_APERTURE, False, "Rauch, Tung and Striebel 1965"),
     Strategy("9", "Whole-leg smoother", POST_PROCESSED, False, "formula [P-3], [P-5]: fixes before, in and after"),
 )
 STRATEGY_KEYS: tuple[str, ...] = tuple(strategy.key for strategy in STRATEGIES)

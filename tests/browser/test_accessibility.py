@@ -165,5 +165,5 @@ def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page
     for said in ("Does not close", "Detrended phase", "initial tilt", "Point target in azimuth"):
         assert said in text[0], said  # verdict, tiles and both phase figures on one sheet
     assert any("Main error source" in sheet for sheet in text)
-    for tool in ("Explain every input", "PDF report", "Suborbital", "Position sigma: CSV"):
+    for tool in ("Show help for all inputs", "PDF report", "Suborbital", "Position sigma: CSV"):
         assert not any(tool in sheet for sheet in text), tool

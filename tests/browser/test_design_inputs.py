@@ -140,7 +140,7 @@ def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
     expect(source.locator("option:checked")).to_have_attribute("label", "Custom, based on STIM300")
     mark.click()
     expect(page.get_by_text("≠ STIM300: 0.15 °/√h")).to_be_visible()
-    page.get_by_role("button", name="Take the catalogue's values").first.click()
+    page.get_by_role("button", name="Restore catalogue values").first.click()
     expect(noise).to_have_value("0.15 °/√h")
     source.select_option("LN-100")
     expect(box(page, "Angle random walk")).to_have_value("0.001 °/√h")

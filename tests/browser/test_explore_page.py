@@ -146,7 +146,7 @@ def test_a_sweep_is_run_taken_away_and_nothing_axe_minds(visit: Visit, accessibl
         page.get_by_role("button", name=question, exact=True).click()
         if question == "How sure":
             page.get_by_role("button", name="Assume").click()
-            expect(page.get_by_role("status").first).to_contain_text("Closes with a probability of")
+            expect(page.get_by_role("status").first).to_contain_text("Probability of closing:")
         accessible(page, question, every=True)
     page.get_by_role("button", name="theme").click()
     accessible(page, "dark", every=True)

@@ -56,14 +56,14 @@ def test_an_example_is_opened_and_undone(visit: Visit) -> None:
 @pytest.mark.slow
 def test_every_open_input_is_explained(visit: Visit) -> None:
     page = visit()
-    page.get_by_role("switch", name="Explain every input").check()
+    page.get_by_role("switch", name="Show help for all inputs").check()
     for said in (
         "White noise of the gyros, per axis.",
         "Typical: navigation 0.002",
         "the steady state is then solved numerically",
     ):
         expect(page.get_by_text(said).first).to_be_visible()
-    page.get_by_role("switch", name="Explain every input").uncheck()
+    page.get_by_role("switch", name="Show help for all inputs").uncheck()
     expect(page.get_by_text("White noise of the gyros")).to_have_count(0)
 
 
@@ -117,7 +117,7 @@ def test_an_imu_and_a_log_lead_to_their_answers(visit: Visit) -> None:
     page.keyboard.press("Enter")
     expect(page.get_by_role("status").filter(has_text="Closes")).to_be_visible()
     page.get_by_role("button", name="My log").click()
-    expect(page.get_by_text("What does my log say?")).to_be_in_viewport()
+    expect(page.get_by_text("Analyse a log")).to_be_in_viewport()
     page = visit("/?arw=0.01deg/sqrt(h)")  # not an empty start
     expect(page.get_by_role("button", name="My radar")).to_be_hidden()
 
@@ -129,7 +129,7 @@ def test_figures_are_told_as_chosen_in_this_browser_and_by_the_link(visit: Visit
     answer = strip.inner_text()
     tiles = page.get_by_label("Key figures")
     page.get_by_role("button", name="View", exact=True).click()
-    page.get_by_label("Figures as").select_option("2s")
+    page.get_by_label("Values as").select_option("2s")
     expect(tiles).to_contain_text("80.8 cm")  # twice 40.4 cm
     page.get_by_label("Units").select_option("si")
     expect(tiles).to_contain_text("0.808 m")

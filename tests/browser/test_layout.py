@@ -150,7 +150,7 @@ def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(
         page.get_by_role("tab", name=name, exact=True).click()
         expect(regime).to_be_hidden()
         if name == "Sensors":
-            expect(page.get_by_text("What does my log say?")).to_be_visible()
+            expect(page.get_by_text("Analyse a log")).to_be_visible()
             page.evaluate("() => { window.measured = 0 }")
     expect(page.get_by_role("button", name="Save as new design")).to_be_visible()
     page.set_viewport_size({"width": 1100, "height": 800})  # hidden while the window becomes narrower

@@ -43,7 +43,7 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     page.get_by_label("Rate [Hz]").fill("100")
     page.get_by_label("Rate [Hz]").press("Tab")
     page.locator("input[type=file][accept*=npz]").set_input_files(log)
-    expect(page.get_by_role("heading", name="The log says")).to_be_visible()
+    expect(page.get_by_role("heading", name="Result")).to_be_visible()
     expect(page.get_by_role("region", name="Gyros: noise coefficients")).to_contain_text("< ")
     page.wait_for_function(f"({_CURVE})().length > 20")
     table = page.get_by_role("region", name="Accelerometers: noise coefficients").bounding_box()

@@ -38,7 +38,7 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(
         page.keyboard.press("ArrowRight")
     expect(status).to_contain_text("Linearised from the last exact run")
     expect(gyros).not_to_contain_text("26.7 km")
-    page.get_by_role("button", name="Recompute exactly").click()
+    page.get_by_role("button", name="Run full simulation").click()
     expect(page.get_by_role("button", name="Cancel")).to_be_enabled()
     expect(status).to_contain_text("The linear answer before was off by")
 

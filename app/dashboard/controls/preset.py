@@ -25,7 +25,7 @@ class PresetInput(DesignInput):
         options = [("", "none"), *((entry.name, _label(entry)) for entry in entries)]
         return {
             **choice_row("From the catalogue", "", options, wide=True),
-            "restore": "Take the catalogue's values",
+            "restore": "Restore catalogue values",
         }
 
     def seen(self, design: Design) -> object:

@@ -106,15 +106,15 @@ def regime_chart(budget: Budget) -> Chart:
     here, height = regime.design_point(budget.design)
     names, kappas, ratios = regime.catalogue_points(budget.design)
     velocity = budget.design.gnss.velocity_noise is not None
-    source, alone = ("closed form [P-6]", ", position fixes alone") if velocity else ("closed form [T-6]", "")
+    source, alone = ("formula [P-6]", ", position fixes alone") if velocity else ("formula [T-6]", "")
     return Chart(
         key="regime",
         title="What limits horizontal position: gyro or accelerometer",
         x_label="gyro dominance κ [1]",
         y_label="variance, horizontal / vertical [1]",
         lines=(
-            Line("exact", f"exact, u⁴ = 1 + κu{alone}", kappa, exact, "exact", "closed form [T-6]"),
-            Line("asymptote", f"gyro-dominated, κ^(1/3){alone}", kappa, asymptote, "asymptote", "closed form [T-7]"),
+            Line("exact", f"exact, u⁴ = 1 + κu{alone}", kappa, exact, "exact", "formula [T-6]"),
+            Line("asymptote", f"gyro-dominated, κ^(1/3){alone}", kappa, asymptote, "asymptote", "formula [T-7]"),
         ),
         points=(
             Points("catalogue", "catalogue with this GNSS", kappas, ratios, names, "reference", "circle",
@@ -132,7 +132,7 @@ def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
     """What rules the horizontal channel; with velocity fixes gyro dominance alone does not say it."""
     if velocity:
         return (
-            f"In real time. κ = {number(kappa)}; with this design's velocity fixes the variance ratio is "
+            f"Real time: κ = {number(kappa)}; with this design's velocity fixes the variance ratio is "
             f"{number(ratio)} [P-6]. The curves [T-6], [T-7] are for position fixes alone."
         )
     said = (
@@ -141,7 +141,7 @@ def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
         "both matter"
     )  # fmt: skip
     off = percent(abs(float(regime.asymptote_error(kappa))))
-    return f"In real time. κ = {number(kappa)}: {said}; the asymptote is {off} off here [T-6], [T-7]."
+    return f"Real time: κ = {number(kappa)}: {said}; the asymptote is {off} off here [T-6], [T-7]."
 
 
 @cache

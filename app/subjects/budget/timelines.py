@@ -120,17 +120,17 @@ def position_chart(budget: Budget) -> Chart:
     x = _grid(budget)
     curves = (
         ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
-         "horizontal", f"closed form {level}, [T-9]"),
+         "horizontal", f"formula {level}, [T-9]"),
         ("rh", "horizontal, refined", _after(coast.refined_horizontal),
          "horizontal refined", "linear covariance propagation [T-17]"),
         ("cv", "vertical", _held(steady.closed.position_vertical, coast.position_vertical),
-         "vertical", f"closed form {upright}, [T-10]"),
+         "vertical", f"formula {upright}, [T-10]"),
         ("rv", "vertical, refined", _after(coast.refined_vertical),
          "vertical refined", "linear covariance propagation [T-17]"),
         ("ph", "horizontal, perfect start", _after(coast.perfect_start_horizontal),
-         "perfect start", "closed form [T-11]"),
+         "perfect start", "formula [T-11]"),
         ("th", "horizontal, initial tilt alone", _after(coast.initial_tilt),
-         "initial tilt", "closed form [T-12]"),
+         "initial tilt", "formula [T-12]"),
     )  # fmt: skip
     lines = tuple(Line(key, label, x, y, style, source) for key, label, y, style, source in curves)
     limits = (
@@ -172,9 +172,9 @@ def velocity_chart(budget: Budget) -> Chart:
         y_label="velocity, 1σ [m/s]",
         lines=(
             Line("ch", "horizontal", x, _held(steady.closed.velocity_horizontal, coast.velocity_horizontal),
-                 "horizontal", f"closed form {level}, [T-9]"),
+                 "horizontal", f"formula {level}, [T-9]"),
             Line("cv", "vertical", x, _held(steady.closed.velocity_vertical, coast.velocity_vertical),
-                 "vertical", f"closed form {upright}, [T-10]"),
+                 "vertical", f"formula {upright}, [T-10]"),
         ),
         bands=(
             _cycle_band(budget, "bh", "horizontal, before/after fix", "velocity_horizontal", "horizontal"),
@@ -184,7 +184,7 @@ def velocity_chart(budget: Budget) -> Chart:
         spans=(_aperture_span(budget),),
         y_log=True,
         named_at_ends=True,
-        knowledge=f"Closed forms {_cited(budget)}, [T-9], [T-10]; band [T-8], {_validity(budget)}.",
+        knowledge=f"Formulas {_cited(budget)}, [T-9], [T-10]; band [T-8], {_validity(budget)}.",
     )  # fmt: skip
 
 
@@ -200,8 +200,8 @@ def attitude_chart(budget: Budget) -> Chart:
         y_label="attitude, 1σ [°]",
         lines=(
             Line("tilt", "roll and pitch, each", x, _held(steady.closed.tilt * DEGREES, coast.tilt * DEGREES),
-                 "tilt", f"closed form {level}, [T-9]"),
-            Line("yaw", "yaw, growth alone", x, _after(coast.yaw_growth * DEGREES), "yaw", "closed form [T-5]"),
+                 "tilt", f"formula {level}, [T-9]"),
+            Line("yaw", "yaw, growth alone", x, _after(coast.yaw_growth * DEGREES), "yaw", "formula [T-5]"),
         ),
         bands=(_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", DEGREES),),
         limits=_settled_limits(budget, "tilt", scale=DEGREES),
@@ -209,7 +209,7 @@ def attitude_chart(budget: Budget) -> Chart:
         y_log=True,
         named_at_ends=True,
         knowledge=(
-            f"Tilt {level}, [T-9] in closed form, band [T-8], {_validity(budget)}. "
+            f"Tilt {level}, formula [T-9], band [T-8], {_validity(budget)}. "
             "Yaw is unobservable on a straight path: only its growth [T-5] is shown."
         ),
     )  # fmt: skip

@@ -46,7 +46,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], found: Sequence[Way]
     ((key, value),) = lever.changes.items()
     now = next(solution.current for solution in solutions if solution.key == key)
     room = float(value) / now if now else math.inf  # type: ignore[arg-type]
-    gap = f"{number(1 / room)} times too much" if room < 1 else f"{number(room)} times as much still closes"
+    gap = f"{number(1 / room)} times too high" if room < 1 else f"{number(room)} times as much still closes"
     other = (f"Changing the {_name(wanted)} alone is not enough.",) if wanted and wanted not in lever.changes else ()
     said = (f"You have {lever.now}: {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
     return Answer(f"Closes if {_name(key)} is {lever.value}", tone, said)
@@ -109,7 +109,7 @@ def each_table(design: Design, solutions: tuple[Solution, ...]) -> Table:
 def map_answer(chart: TradeMapChart, here: float) -> Answer:
     """The design's place on a map: ``here`` is its result over the map's reference."""
     result = chart.title.partition(":")[0]
-    hint = "Click the map to take a point into the design."
+    hint = "Click the map to apply a point to the design."
     if chart.limited:
         tone, word = ("good", "✓ Within the limit") if here <= 1 else ("bad", "✗ Over the limit")
         return Answer(word, tone, (f"{result}: {number(here)} × the limit in this design.", hint))
@@ -160,7 +160,7 @@ def search_table(rows: Sequence[Candidate], own: bool) -> Table:
     what = "IMUs with your receiver" if own else "Pairs of IMU and receiver"
     return Table(
         "search",
-        f"{what}, widest margin first. Press one to take it into the design.",
+        f"{what}, widest margin first. Click one to apply it to the design.",
         tuple(Column(title, numeric=title == "Margin", sortable=True) for title in titles),
         tuple(_candidate(row, own) for row in rows),
         choose="button",
@@ -184,7 +184,7 @@ def uncertain_answer(found: UncertainVerdict) -> Answer:
     """The verdict as a probability."""
     low, middle, high = map(signed_percent, found.margin)
     tone = "good" if found.closes.low >= _SURE else "bad" if found.closes.high < _SURE / 2 else "warn"
-    head = f"Closes with a probability of {_probability(found.closes)}"
+    head = f"Probability of closing: {_probability(found.closes)}"
     return Answer(head, tone, (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
 
 
@@ -193,7 +193,7 @@ def uncertain_table(found: UncertainVerdict) -> Table:
     return Table(
         "uncertain",
         "Requirements under these ranges",
-        (Column("Requirement"), Column("Met with", numeric=True), Column("Tightest in", numeric=True)),
+        (Column("Requirement"), Column("Met with", numeric=True), Column("Is the tightest in", numeric=True)),
         tuple(
             (Cell(label_of(name)), Cell(_probability(p)), Cell(percent(found.limiting[name])))
             for name, p in found.each.items()
@@ -242,7 +242,7 @@ def sweep_table(plan: Plan, columns: Mapping[str, Swept]) -> Table:
     ratios = sweep_ratios(columns) if judged else np.full(plan.rows, np.nan)
     return Table(
         "sweep",
-        f"{shown}{order}. Press one to take it into the design.",
+        f"{shown}{order}. Click one to apply it to the design.",
         (
             Column("Design", sortable=True),
             *(Column(_swept_name(axis.key), numeric=True, sortable=True) for axis in plan.axes),

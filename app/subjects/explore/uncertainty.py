@@ -46,7 +46,7 @@ _INPUTS = (
     "radar.slant_range",
 )
 _ASSUMED = 1.3  # factor of one standard deviation that the button puts on the noises
-_AS_SET, _TYPICAL, _UNIFORM, _LOG = "As set", "Typical ×/÷", "Uniform", "Log-uniform"
+_AS_SET, _TYPICAL, _UNIFORM, _LOG = "Fixed", "Typical ×/÷", "Uniform", "Log-uniform"
 _LABELS = {_TYPICAL: ("typical", "factor (1σ)"), _UNIFORM: ("lowest", "highest"), _LOG: ("lowest", "highest")}
 _EXAMPLE = f"An example: every noise typical ×/÷ {_ASSUMED}. Choose a distribution for any input."
 _COMPUTING = Answer("How sure", "open", ("Computing …",))

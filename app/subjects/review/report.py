@@ -94,8 +94,8 @@ def conditions(review: Review) -> Block:
 
 
 _PROMISE = (
-    "The review is as it was when a NavBudget with this key signed it. Not who sat in front of it, and nothing "
-    "against somebody who can read the file of the key, which is kept outside the database."
+    "The review is as it was when a NavBudget with this key signed it. This does not prove who signed, "
+    "nor protect against access to the key file, which is kept outside the database."
 )
 
 

@@ -48,7 +48,7 @@ _OPENING = Answer("Reviews", "open", ("Opening the library …",))
 _NO_REVIEW = Answer("No review yet", "open", ("Select designs in the library, then start one.",))
 _EMPTY = (
     "<p>Select designs in the library, give the review a title, and start it. The review freezes the designs. "
-    "Everybody then comments and decides here, requirement by requirement, until somebody signs it off.</p>"
+    "The team then comments on each requirement and decides here, until one of them signs the review off.</p>"
 )
 _SUBJECTS = {
     report.subject_label(subject): subject

@@ -250,9 +250,9 @@ def _winner_chart(
                 here),
         contour=Line("limit", "phase limit", line[:, 0], line[:, 1], "limit", "requirement"),
         knowledge=(
-            "Formulas at every point [T-15], [T-16], [S-7], [S-1], each with its own settled filter, this design's "
-            "squint and its slow GNSS error. The map names the simplest strategy within 5 % of the least detrended "
-            f"phase, of the {_COUNT[len(drawn.strategies)]} that have a formula and that the processing "
+            "Formulas at every point [T-15], [T-16], [S-7], [S-1], for the settled filter of each point, this "
+            "design's squint and slow GNSS error. The map names the simplest strategy within 5 % of the least "
+            f"detrended phase, of the {_COUNT[len(drawn.strategies)]} that have a formula and that the processing "
             f"allows. {_chosen(budget)} "
             + ("Set a limit on the detrended phase to see where it is met." if limit is None else
                f"The limit of {degrees(limit)}° at 1σ is met towards shorter apertures.")

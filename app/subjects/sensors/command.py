@@ -23,7 +23,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--rate", type=float, metavar="HZ", help="samples per second, if not in the file")
     parser.add_argument("--gyro-unit", metavar="UNIT", help='"deg/s", increments "rad", or per count "0.05 deg/s"')
     parser.add_argument("--accelerometer-unit", metavar="UNIT", help='"m/s2", "g", "m/s", or "0.00333 g" per count')
-    parser.add_argument("--columns", metavar="NAME,...", help="columns of a CSV in order; - ignores one")
+    parser.add_argument("--columns", metavar="NAME,...", help="columns of a CSV in order; use - to skip one")
     parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="arrays of an NPZ, e.g. gyro=w,accelerometer=f")
     parser.add_argument("--motion", action="store_true", help="log recorded in motion: effective noise, no fit")
     parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')

@@ -50,7 +50,7 @@ from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
-_TITLE = "<h3>What does my log say?</h3>"
+_TITLE = "<h3>Analyse a log</h3>"
 _HELP = (
     "<p>A log taken <b>at rest</b>, an hour or more on a solid base, gives quantization, random walk, bias "
     "instability, rate random walk and ramp for every axis. A log taken <b>in motion</b> gives the vibration "

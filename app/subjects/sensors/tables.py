@@ -50,7 +50,7 @@ def _origin(design: Design, key: str) -> Cell:
     if key in design.origins:
         return Cell(printable(design.origins[key]), "noted", "good")
     if key == VIBRATION_KEY:
-        return Cell("bench value; a log in motion refines it" if design[key] == 1 else "set by hand")
+        return Cell("bench value; a log in motion gives a better one" if design[key] == 1 else "set by hand")
     entry = entry_of(design, "imu")
     item = entry.values.get(key.rpartition(".")[2]) if entry else None
     if entry is None or item is None or item.value != design[key]:
@@ -90,7 +90,7 @@ def offer(result: LogAnalysis) -> Answer:
             f"{title}: {number(found.value / scale)} {unit} ({_range(found, scale)}), {_interval(found)}; "
             f"{found.method}."
         )
-    return Answer("The log says", "open", tuple(lines))
+    return Answer("Result", "open", tuple(lines))
 
 
 def _interval(found: Coefficient) -> str:

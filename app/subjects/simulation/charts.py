@@ -170,7 +170,7 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
         ),
         spans=_outages(study),
         y_range=(0.0, 2.0 if most <= 2 else 1.2 * most),
-        knowledge="" if study is None else f"{_runs(study)}. One: the filter's sigma describes the errors exactly.",
+        knowledge="" if study is None else f"{_runs(study)}. 1 = filter sigma is exact.",
     )  # fmt: skip
 
 

@@ -138,7 +138,7 @@ class SimulatePage(View):
                         lambda: details.text(_told(departures, conditions_told)),
                     ),
                     ("Sigmas: simulated, filter, formula", lambda: details.text(_told(sigma_table))),
-                    ("What was flown", self._flown),
+                    ("Simulation set-up", self._flown),
                     ("Outage growth and spread of the runs", self._spread),
                     ("Exports", lambda: details.later(self._exports)),
                 )

@@ -14,7 +14,7 @@ from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 _FLIGHTS = {
-    "wandering": "nearly straight: metres of wander, one or two degrees of roll, pitch and yaw",
+    "wandering": "nearly straight: about 1 m of wander, 1° to 2° of roll, pitch and yaw",
     "straight": "exactly straight and level",
     "turns": "turns, then a long straight leg",
     "climb": "a climb at half time",
@@ -29,7 +29,7 @@ def verdict(study: SimulationStudy) -> Answer:
     result = study.result
     nees = result.nees
     word, tone = "✓ Consistent", "good"
-    meaning = "The filter covariance describes the errors of the runs."
+    meaning = "The filter covariance matches the simulated errors."
     if not nees.inside:
         high = nees.mean > nees.high
         word, tone = ("✗ Optimistic", "bad") if high else ("✗ Pessimistic", "warn")
@@ -49,7 +49,7 @@ def verdict(study: SimulationStudy) -> Answer:
 
 
 def findings(study: SimulationStudy, key: str) -> tuple[Block, ...]:
-    """What was flown, the sigmas, where they differ from the formulas, and how the simulated world differs."""
+    """Simulation set-up, the sigmas, where they differ from the formulas, and how the simulated world differs."""
     return (
         run_table(study, key),
         sigma_table(study, key),
@@ -80,7 +80,7 @@ def run_table(study: SimulationStudy, key: str) -> Table:
     )
     return Table(
         f"{key}-simulation-run",
-        "What was flown",
+        "Simulation set-up",
         (Column("Part", width=0.5), Column("Flown", width=1.9)),
         tuple((Cell(str(name)), Cell(text)) for name, text in rows),
     )
@@ -152,8 +152,8 @@ def departures(study: SimulationStudy, key: str) -> Block:
         columns,
         rows,
         "Differences above 10 % just after the fix; of the simulated errors, only those significant at 0.1 %. Each "
-        "cause is found by changing one thing at a time. The factors multiply to the whole, omitting factors below "
-        "3 % or a quarter of the largest.",
+        "cause is found by changing one thing at a time. Factors multiply; those below 3 % or a quarter "
+        "of the largest are omitted.",
     )
 
 

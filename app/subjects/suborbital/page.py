@@ -69,7 +69,7 @@ class SuborbitalPage(pn.viewable.Viewer):
         self._flown: Trajectory = None  # the trajectory of the last exact run
         self._strip = AnswerStrip(WAITING)
         self._tiles = html_pane("", margin=(8, 0, 0, 0))
-        self.bar = RunBar(self.exact, self.run, "Recompute exactly")
+        self.bar = RunBar(self.exact, self.run, "Run full simulation")
         self.study.views.param.watch(lambda _: self._sweep_camera(), "chosen")
         tools = pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json))
         self._view = screen_of_views(pn.Column(self._strip, self.inputs.notice, self._tiles), self.study, tools)

@@ -118,7 +118,7 @@ def paper_tables(shown: Shown) -> tuple[NumberTable, ...]:
         ("improvement in size", *map(float, abs(pure) - abs(aided)), *_paper("improvement by the star tracker")),
     )
     heads = (SUM, *(f"{channel} [m]" for channel in CHANNELS), *_PAPER_HEADS)
-    return (*tables, NumberTable("tracker", "INS against star tracker", heads, lines, how))
+    return (*tables, NumberTable("tracker", "INS alone vs with star tracker", heads, lines, how))
 
 
 def source_table(shown: Shown) -> NumberTable:

@@ -75,7 +75,7 @@ def _paper(index: int) -> Callable[[Shown], NumberTable]:
 VIEWS: tuple[View, ...] = (
     View("Errors", (_of(errors.aided_chart), _of(errors.source_chart)),
          chooses=("channel", "case", "aided_sources", "along_track")),
-    View("Unstable height", (errors.growth_chart,), chooses=("case", "channel")),
+    View("Vertical-channel instability", (errors.growth_chart,), chooses=("case", "channel")),
     View("Sources", tables=(source_table, gap_table)),
     View("Published values", tables=tuple(map(_paper, range(4)))),
     View("Sensor errors", tuple(_of(partial(_sensor, kind)) for kind in (0, 1)), chooses=("axis",)),
@@ -106,7 +106,7 @@ class StudyViews(pn.viewable.Viewer):
     )
     aided_sources: bool = declared(
         param.Selector(
-            objects={"INS alone": False, "INS with star tracker": True}, default=False, label="Errors by source of"
+            objects={"INS alone": False, "INS with star tracker": True}, default=False, label="Error sources of"
         )
     )
     along_track: bool = declared(

@@ -157,8 +157,7 @@ def differences() -> str:
     rows = tuple(_difference(row) for row in record().differences)
     table = Table("other-figures", "Values stated elsewhere, beside ours", columns, rows)
     said = (
-        "A paper, another program, our design notes or a simpler method gives a different value. A test shows "
-        "each case."
+        "A paper, another program, a design note or a simpler method gives a different value. A test shows each case."
     )
     return _folded(
         "differences", "Where values differ", f"{len(rows)} values stated elsewhere", html_of(Text(said), table)

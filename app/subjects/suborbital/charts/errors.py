@@ -45,7 +45,7 @@ def aided_chart(shown: Shown, channel: int) -> Chart:
     )
     return Chart(
         key=f"aided-{CHANNELS[channel]}",
-        title=f"INS against star tracker, {axis}",
+        title=f"INS alone vs with star tracker, {axis}",
         x_label=TIME,
         y_label=f"{_LABELS[channel]} [km]",
         lines=tuple(
@@ -97,11 +97,11 @@ def growth_chart(shown: Shown) -> Chart:
         lines=(
             Line("ins", "INS alone", x, _log(ins), "INS alone", "integrated INS [B-3]"),
             Line("aided", "INS with tracker", x, _log(aided), "INS with tracker", "integrated INS [B-7]"),
-            Line("holds", "decoupled channel (dotted: fails)", x, holds, "decoupled, holds", "[B-5]"),
-            Line("fails", "decoupled channel (dotted: fails)", x, fails, "decoupled, fails", "[B-5]"),
-            Line("closed", "formula (dotted: fails)", x, closed_holds, "closed form, holds", "[B-6]"),
-            Line("closed-fails", "formula (dotted: fails)", x, closed_fails, "closed form, fails", "[B-6]"),
-            Line("slope", "slope 1/k of the unstable height", x, slope, "reference", "[B-6]"),
+            Line("holds", "decoupled channel (dotted: not valid here)", x, holds, "decoupled, holds", "[B-5]"),
+            Line("fails", "decoupled channel (dotted: not valid here)", x, fails, "decoupled, fails", "[B-5]"),
+            Line("closed", "formula (dotted: not valid here)", x, closed_holds, "closed form, holds", "[B-6]"),
+            Line("closed-fails", "formula (dotted: not valid here)", x, closed_fails, "closed form, fails", "[B-6]"),
+            Line("slope", "slope 1/k", x, slope, "reference", "[B-6]"),
         ),
         spans=boost(study),
         y_log=True,

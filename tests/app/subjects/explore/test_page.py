@@ -193,14 +193,14 @@ def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
         sure = _ask(explore, "How sure")
         await soon(lambda: "An example" in " ".join(sure.answer.sentences), "the example of an empty page")
         next(row for row in sure.rows if row.key == "imu.angle_random_walk").set("Uniform", "0.02", "0.06")
-        await soon(lambda: "Closes" in sure.answer.word, "the probability")
+        await soon(lambda: "Probability" in sure.answer.word, "the probability")
         return sure
 
     sure = asyncio.run(asked())
     found = uncertain_verdict(first_design(), {"imu.angle_random_walk": read_uncertain(
         "imu.angle_random_walk", "0.02 °/√h .. 0.06 °/√h")})  # fmt: skip
     assert sure.run.result.closes == found.closes
-    assert "Closes with a probability of 40.1 %" in sure.answer.word
+    assert "Probability of closing: 40.1 %" in sure.answer.word
     bars = sure._chart.figure.plot  # the bins right of zero hold the probability
     assert bars.yaxis[0].axis_label == "designs in a bin [%]"
     edges, shares = found.histogram

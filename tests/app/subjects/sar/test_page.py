@@ -335,7 +335,7 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
     assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
     drawn = asyncio.run(scene._svg()).getvalue().decode("utf-8")
     assert drawn.count("<image") >= 10
-    assert "RTS smoother" in drawn
+    assert "RTS smoother of the aperture" in drawn
     assert "azimuth [m]" in drawn
     document = json.load(asyncio.run(sar._json()))
     assert document["engine"] == "fast"

@@ -200,7 +200,7 @@ def test_the_verdict_and_its_tables_are_the_studys(study: SimulationStudy) -> No
     assert figures == pytest.approx([nees.mean, nees.low, nees.high], rel=5e-3)
     blocks = findings(study, "page")
     titles = [block.caption for block in blocks if isinstance(block, Table)]
-    assert titles[0] == "What was flown"
+    assert titles[0] == "Simulation set-up"
     assert titles[-1] == "Where formula and simulation differ, and why"
     assert html_of(said, *blocks).count("<table") == len(titles) == 3
 
