@@ -13,8 +13,7 @@ from app.document.blocks import Block, Cell, Column, Section, Table, Text
 from app.document.chart_block import chart_block
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer, explained
-from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
-from app.subjects.suborbital.finding import Finding
+from app.subjects.suborbital.charts import Finding, Shown, attitude, errors, flight, sensors
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS

@@ -14,39 +14,32 @@ from nav_model.earth.gravity import compare_gravity
 from nav_model.suborbital.study import Study
 
 
-def _marks(study: Study) -> tuple[tuple[str, int], ...]:
+def _marks(study: Study, x: Array, y: Array) -> Points:
+    """The instants of a flight that have a name, on a curve with a point for each node."""
     flight = study.flight
     marks = [("lift-off", 0), ("apogee", int(np.argmax(flight.height_m))), ("end", flight.steps)]
     if flight.burnout_s is not None:
         marks.insert(1, ("burn-out", round(flight.burnout_s / flight.step_s)))
     if study.used.any():
         marks.append(("first star frame", int(np.argmax(study.used))))
-    return tuple(marks)
+    names, at = zip(*marks, strict=True)
+    return Points("marks", ", ".join(names), x[list(at)], y[list(at)], names, "mark", "diamond", "flight")
 
 
 def map_chart(shown: Shown) -> Chart:
     """Ground track on a plain map."""
     flight, every = shown.study.flight, shown.study.every
     latitude, longitude = np.degrees(flight.latitude_rad), np.degrees(np.unwrap(flight.longitude_rad))
-    marks = _marks(shown.study)
-    at = [index for _, index in marks]
     return Chart(
         key="map",
         title="Ground track",
         x_label="longitude, east [°]",
         y_label="latitude, north [°]",
         lines=(Line("track", "ground track", longitude[::every], latitude[::every], "path", flight.name),),
-        points=(
-            Points("marks", _mark_label(marks), longitude[at], latitude[at], tuple(name for name, _ in marks),
-                   "mark", "diamond", "flight"),
-        ),
+        points=(_marks(shown.study, longitude, latitude),),
         knowledge=f"{flight.source}. Latitude and longitude on the sphere, Earth turning under the flight; "
         f"{show(float(flight.ground_range_m[-1]), 'length')} over ground.",
     )  # fmt: skip
-
-
-def _mark_label(marks: tuple[tuple[str, int], ...]) -> str:
-    return ", ".join(name for name, _ in marks)
 
 
 def height_chart(shown: Shown) -> Chart:
@@ -54,8 +47,6 @@ def height_chart(shown: Shown) -> Chart:
     study = shown.study
     flight, every = study.flight, study.every
     x, height = flight.time_s[::every], flight.height_m / 1000.0
-    marks = _marks(study)
-    at = [index for _, index in marks]
     apogee_time, apogee = flight.apogee
     tracked = np.where(_near_frame(study, every), height[::every], np.nan)
     speed = float(np.linalg.norm(flight.velocity_ned, axis=1).max())
@@ -68,10 +59,7 @@ def height_chart(shown: Shown) -> Chart:
             Line("height", "height", x, height[::every], "path", "flight"),
             Line("tracked", "star frames taken", x, tracked, "axis y", "instants of frames [B-7]"),
         ),
-        points=(
-            Points("marks", _mark_label(marks), flight.time_s[at], height[at], tuple(name for name, _ in marks),
-                   "mark", "diamond", "flight"),
-        ),
+        points=(_marks(study, flight.time_s, height),),
         spans=boost(study),
         knowledge=f"{flight.source}. Apogee {show(apogee, 'length')} at {apogee_time:.0f} s; fastest "
         f"{show(speed, 'speed')} over ground; {int(study.used.sum())} star frames taken.",

@@ -10,6 +10,7 @@ from app.document.numbers import show_in
 from nav_model.suborbital.channels import closed_form_errors
 from nav_model.suborbital.noise_ensemble import NoiseEnsemble
 from nav_model.suborbital.sensor_history import SensorHistory, sensor_history
+from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.star_camera import StarFrame
 from nav_model.suborbital.study import Gap, Study, matrix_gap
 from nav_model.suborbital.survey import Survey
@@ -96,6 +97,14 @@ class Shown:
     def star_frame(self) -> StarFrame:
         """The star image looked at."""
         return self.survey.star_frames[self.star_index]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A study for the report: `shown` at `settings`, which its survey was run at unless the curves were moved."""
+
+    shown: Shown
+    settings: Settings
 
 
 def boost(study: Study) -> tuple[Span, ...]:
