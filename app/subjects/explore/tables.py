@@ -134,7 +134,7 @@ def search_answer(rows: Sequence[Candidate], own: bool, unbiased: int) -> Answer
     what = "IMUs pass with your receiver" if own else "pairs of IMU and receiver pass"
     if not rows:
         return Answer("No IMU can be judged", "warn", ("No data sheet in the list gives both random walks.",))
-    best = rows[0]
+    best = max(rows, key=lambda row: row.margin)
     name = best.imu if own else best.pair
     if not good:
         why = f"Nearest: {name}, margin {signed_percent(best.margin)} ({label_of(best.tightest).lower()})."
@@ -143,11 +143,15 @@ def search_answer(rows: Sequence[Candidate], own: bool, unbiased: int) -> Answer
             other = (f"With residual biases of zero, {unbiased} would: choose them below.",)
         return Answer(f"None of {len(rows)} {what}", "bad", (why, *other))
     why = f"Widest margin: {name}, {signed_percent(best.margin)}."
+    first = rows[0]
+    if first.price is not None:
+        why = f"Cheapest: {first.imu if own else first.pair}, {_price(first)}, {signed_percent(first.margin)}. {why}"
     return Answer(f"{len(good)} of {len(rows)} {what}", "good", (why,))
 
 
 def search_table(rows: Sequence[Candidate], own: bool) -> Table:
-    """Units, or pairs of unit and receiver, the widest margin first; each can be taken into the design."""
+    """Units, or pairs of unit and receiver, in the order of `search`; each can be taken into the design."""
+    offers = any(value is not None for row in rows for value in (row.price, row.mass, row.power))
     titles = (
         "IMU",
         *(() if own else ("Receiver",)),
@@ -155,20 +159,35 @@ def search_table(rows: Sequence[Candidate], own: bool) -> Table:
         "Margin",
         "Tightest",
         "Main error source",
+        *(_OFFERED if offers else ()),
         "Unverified",
     )
     what = "IMUs with your receiver" if own else "Pairs of IMU and receiver"
+    first = "cheapest that passes" if offers else "widest margin"
     return Table(
         "search",
-        f"{what}, widest margin first. Click one to apply it to the design.",
-        tuple(Column(title, numeric=title == "Margin", sortable=True) for title in titles),
-        tuple(_candidate(row, own) for row in rows),
+        f"{what}, {first} first. Click one to apply it to the design.",
+        tuple(Column(title, numeric=title in ("Margin", *_OFFERED), sortable=True) for title in titles),
+        tuple(_candidate(row, own, offers) for row in rows),
         choose="button",
     )
 
 
-def _candidate(row: Candidate, own: bool) -> tuple[Cell, ...]:
+_OFFERED = ("Price", "Mass", "Power")
+
+
+def _price(row: Candidate) -> str:
+    return f"{number(row.price or 0.0, 4, given=True)} {row.currency}"
+
+
+def _candidate(row: Candidate, own: bool, offers: bool) -> tuple[Cell, ...]:
     receiver = () if own else (Cell(row.gnss),)
+    said = (_price(row), f"{number(row.mass or 0.0, 3)} kg", f"{number(row.power or 0.0, 3)} W")
+    values = (row.price, row.mass, row.power)
+    offered = [
+        Cell("not given", tone="quiet", sort="") if value is None else Cell(text, sort=value)
+        for text, value in zip(said, values, strict=True)
+    ]
     return (
         Cell(row.imu, sort=row.imu, value=row.pair),
         *receiver,
@@ -176,6 +195,7 @@ def _candidate(row: Candidate, own: bool) -> tuple[Cell, ...]:
         Cell(signed_percent(row.margin), sort=row.margin),
         Cell(label_of(row.tightest)),
         Cell(f"{row.dominant} {percent(row.share)}"),
+        *(offered if offers else ()),
         Cell(", ".join(row.doubts)),
     )
 
