@@ -47,6 +47,7 @@ export function render({ model }) {
       <div class="studies"></div><p class="left"></p>
       <button data-report="pdf" type="button">PDF report</button>
       <button data-report="html" type="button">HTML report</button>
+      <button data-report="xlsx" type="button" title="The budget with live formulas; without studies">Spreadsheet</button>
       <p class="writing" aria-live="polite"></p>
       <button class="stop" type="button" hidden>Cancel</button>
     </div>

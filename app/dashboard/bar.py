@@ -15,7 +15,12 @@ import param
 from app.ui.theme import FIND, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 
-_KINDS = {"toml": "application/toml", "html": "text/html", "pdf": "application/pdf"}
+_KINDS = {
+    "toml": "application/toml",
+    "html": "text/html",
+    "pdf": "application/pdf",
+    "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
+}
 
 
 class Bar(PlainScript):

@@ -108,7 +108,7 @@ class Toolbar(pn.viewable.Viewer):
                 self._open(deed.get("data"), str(deed.get("name", "file")))
             case "tick":
                 self._choice.tick(str(deed.get("kind")), bool(deed.get("ticked")))
-            case "report" if deed.get("suffix") in {"pdf", "html"}:
+            case "report" if deed.get("suffix") in {"pdf", "html", "xlsx"}:
                 pn.state.execute(partial(self._write, deed["suffix"]))
             case "stop":
                 self._report.cancel()
@@ -150,7 +150,7 @@ class Toolbar(pn.viewable.Viewer):
             return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
 
         name = f"{_slug(self.session.design.name)}.{suffix}"
-        self.bar.writing = f"{suffix.upper()} report"
+        self.bar.writing = "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report"
         self._report.result = None
         try:
             await self._report.start(lambda _: write())
