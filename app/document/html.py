@@ -55,7 +55,7 @@ def to_html(report: Report) -> str:
     with document.models.freeze():  # looks through all charts once, and not again with every one that is added
         for plot in plots.values():
             document.add_root(plot)
-    script, places = components(plots)
+    script, places = components(plots) if plots else ("", {})
     equations = {item.mark for block in report.blocks() if isinstance(block, Equations) for item in block.items}
 
     def said(text: str) -> Markup:
@@ -80,7 +80,7 @@ def to_html(report: Report) -> str:
     page = environment.get_template("report.html").render(
         report=report,
         style=Markup(ROWS_SHEET + files("app.document").joinpath("report.css").read_text(encoding="utf-8")),
-        library=Markup(_library()),
+        library=Markup(_library() if plots else ""),
         script=Markup(script),
         places={key: Markup(place) for key, place in (places | written).items()},
         math=_math(report),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from app.document.blocks import Chapter, Section
+from app.document.blocks import Chapter, Report, Section
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 
@@ -39,7 +39,11 @@ def report_bytes(
     from app.document.display import display_of
     from app.report.content import report_of
 
-    report = report_of(budgets, now, added, studies, front, display_of(shown))
+    return document_bytes(report_of(budgets, now, added, studies, front, display_of(shown)), kind)
+
+
+def document_bytes(report: Report, kind: str) -> bytes:
+    """A report as the bytes of a file, ".html" or ".pdf"."""
     if kind == ".pdf":
         from app.document.pdf import to_pdf
 

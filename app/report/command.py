@@ -11,7 +11,7 @@ from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
 from app.document.display import display_of
 from app.document.wording import chapter_key, design_labels
-from app.report import SPREADSHEET, kind_of, report_bytes
+from app.report import SPREADSHEET, document_bytes, kind_of, report_bytes
 from app.subjects import STUDIES
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -27,6 +27,7 @@ def add_to(commands: Any) -> None:
         help=f"studies to run and add to each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
     add("--show", default="", metavar="HOW",
         help="figures of the budget: 1s (1σ, the default), 2s, 95 or cep; 95.si is 95 %% in SI units")  # fmt: skip
+    add("--supplier", choices=("imu", "gnss"), help="write the one-page sheet for a supplier of the unit instead")
     add = report.add_argument_group("the studies of --with").add_argument
     add("--runs", type=int, metavar="N", help="runs of the simulation and of SAR (default 100 and 200)")
     add("--seed", type=int, default=1, metavar="S", help="seed of every study (default 1)")
@@ -47,8 +48,19 @@ def _report(options: argparse.Namespace) -> int:
     paths = paths_of(options)
     designs = [read_design(path, options.changes) for path in paths]
     kind, wanted = kind_of(options.output), _wanted(options.studies)
-    if kind == SPREADSHEET and (len(designs) > 1 or wanted or options.show):
-        raise InputError("-o", "a spreadsheet is of one design, without --with and --show")
+    if (kind == SPREADSHEET or options.supplier) and (len(designs) > 1 or wanted or options.show):
+        what = "a supplier's sheet" if options.supplier else "a spreadsheet"
+        raise InputError("-o", f"{what} is of one design, without --with and --show")
+    if options.supplier:
+        from app.report.supplier import supplier_report
+
+        if kind == SPREADSHEET:
+            raise InputError("-o", "a supplier's sheet is a page: FILE.html or FILE.pdf")
+        sheet = supplier_report(designs[0], options.supplier)
+        with whole_file(options.output) as file:
+            file.write(document_bytes(sheet, kind))
+        print(f"wrote {options.output}", file=sys.stderr)
+        return 0
     budgets = [analyse(design) for design in designs]
     with whole_file(options.output) as file:  # refused now, not after the studies
         studies = []

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app.console.arguments import put_json
+from app.console.arguments import put_json, read_design
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity
@@ -28,17 +28,30 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--motion", action="store_true", help="log recorded in motion: effective noise, no fit")
     parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')
     parser.add_argument("--bench-vrw", metavar="QUANTITY", help='velocity random walk at rest, "0.03 m/s/√h"')
+    parser.add_argument(
+        "--against",
+        metavar="DESIGN",
+        help="judge a log at rest by what the design requires of its IMU; 1 if it fails",
+    )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the JSON to this file")
     parser.set_defaults(run=_allan, parser=parser)
 
 
 def _allan(options: argparse.Namespace) -> int:
+    from app.report.supplier import acceptance_json
     from app.subjects.sensors.log_study import LogRequest, read_options, study_log, study_to_json
     from nav_model.allan.log_file import Limits
     from nav_model.allan.motion import BenchNoise
+    from nav_model.allan.result import LogAnalysis
+    from nav_model.explore.supplier import judge_log, required
 
     if not options.motion and (options.bench_arw or options.bench_vrw):
         options.parser.error("--bench-arw and --bench-vrw belong to --motion")
+    if options.motion and options.against:
+        options.parser.error("--against is of a log at rest, without --motion")
+    design = read_design(options.against, ()) if options.against else None
+    lines = required(design, "imu") if design else ()  # refused now, not after the log
+    passes = True
     request = LogRequest(
         source=sys.stdin.buffer.read(Limits().file_bytes + 1) if options.log == "-" else options.log,
         file_name="standard input" if options.log == "-" else None,
@@ -53,10 +66,17 @@ def _allan(options: argparse.Namespace) -> int:
     )
 
     def work() -> Any:
+        nonlocal passes
         with show_progress() as progress:
-            return study_to_json(study_log(request, lambda share, what: progress(what, share)))
+            study = study_log(request, lambda share, what: progress(what, share))
+        if design is None:
+            return study_to_json(study)
+        assert isinstance(study, LogAnalysis)
+        judged = acceptance_json(design, judge_log(lines, study))
+        passes = judged["passes"]
+        return {**study_to_json(study), "acceptance": judged}
 
-    return put_json(work, options.output)
+    return put_json(work, options.output) or int(not passes)
 
 
 def _bench(option: str, key: str, text: str | None) -> float | None:

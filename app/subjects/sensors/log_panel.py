@@ -16,6 +16,7 @@ import param
 
 from app.declared import held
 from app.document.pane import html_of
+from app.report.supplier import acceptance_blocks
 from app.session import Session
 from app.subjects.sensors.charts import axis_chart, triad_chart
 from app.subjects.sensors.log_study import LogRequest, Study, read_options, study_log
@@ -48,6 +49,8 @@ from nav_model.allan.log_file import Limits
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.explore.supplier import judge_log, required
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
 _TITLE = "<h3>Analyse a log</h3>"
@@ -108,7 +111,7 @@ class LogPanel(pn.viewable.Viewer):
         self.bar.start.disabled = True
         self._said = html_pane(_TITLE + _HELP, margin=(10, 14, 0, 14))
         self.file.param.watch(self._uploaded, "value")
-        self.static = StaticResult(self._adopt)
+        self.static = StaticResult(session, self._adopt)
         self.moving = MotionResult(session, self._adopt)
         if pn.state.curdoc:
             pn.state.on_session_destroyed(lambda _: self.close())
@@ -236,18 +239,21 @@ class LogPanel(pn.viewable.Viewer):
 class StaticResult(View):
     """What a log at rest says."""
 
-    def __init__(self, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
+    def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
         super().__init__()
+        self._session = session
         self.analysis: LogAnalysis | None = None
         self._parts = parts = Follower(lambda: self.analysis)
         self.head = parts.text(_static_head, (10, 14, 0, 14))
         self.tables = parts.text(_static_tables, (0, 14, 10, 14))
+        self.accepted = parts.text(lambda analysis: _accepted(session.design, analysis), (0, 14, 10, 14))
         self.use = _button("Use these in the design")
         self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(parts.known())))
         self.axis = pmui.Select(label="Axis", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: parts.follow() if event.new else None, "value")
         charts = parts.later(self._charts)
-        self._view = pn.Column(_paper(self.head, self.use), charts, _paper(self.tables), visible=False)
+        accepted = _paper(self.accepted)
+        self._view = pn.Column(_paper(self.head, self.use), accepted, charts, _paper(self.tables), visible=False)
 
     def show(self, analysis: LogAnalysis) -> None:
         """Show another log's analysis."""
@@ -259,6 +265,11 @@ class StaticResult(View):
             self._parts.follow()
             self._view.visible = True
 
+    def follow(self) -> None:
+        """Judge the log again by what the design now requires."""
+        if self.analysis is not None:
+            self.accepted.object = _accepted(self._session.design, self.analysis)
+
     def _charts(self) -> pn.Column:
         chart = self._parts.chart
         triads = [chart(partial(triad_chart, quantity=quantity), 320) for quantity in ("gyro", "accelerometer")]
@@ -268,6 +279,14 @@ class StaticResult(View):
 
 def _static_head(analysis: LogAnalysis) -> str:
     return f"<h3>Log at rest: {html.escape(analysis.provenance.file_name)}</h3>" + html_of(offer(analysis))
+
+
+def _accepted(design: Design, analysis: LogAnalysis) -> str:
+    """The log against what the design requires of its inertial unit, or why that cannot be said."""
+    try:
+        return html_of(*acceptance_blocks(design, judge_log(required(design, "imu"), analysis)))
+    except InputError as error:
+        return f'<p class="quiet">Not judged by the supplier\'s sheet. {html.escape(str(error))}</p>'
 
 
 def _static_tables(analysis: LogAnalysis) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import io
+from functools import partial
+from html import escape
 from typing import Any
 
 import panel as pn
@@ -9,19 +12,24 @@ import panel_material_ui as pmui
 
 from app.declared import held
 from app.document.pane import html_of
+from app.report import document_bytes
+from app.report.supplier import NAMES, supplier_report
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.log_panel import LogPanel
 from app.subjects.sensors.tables import origin_answer, origin_table
 from app.ui.answer_strip import AnswerStrip
+from app.ui.downloads import download
 from app.ui.first_screen import screen_of_views
-from app.ui.html_pane import block_pane
+from app.ui.html_pane import block_pane, html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.view import View
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Kind
 from nav_model.design.presets import preset_of
+from nav_model.explore.supplier import Unit
 
 _SCROLLED = """
 :host { overflow: auto; }
@@ -49,12 +57,30 @@ class SensorsPage(View):
         self._views = NamedViews(
             "What to see",
             {
-                "My log": lambda: _scrolled(self.log, _sheet(self._origins)),
+                "My log": lambda: _scrolled(self.log, self._supplier(), _sheet(self._origins)),
                 "IMUs": lambda: _scrolled(self.tables["imu"]),
                 "Radars": lambda: _scrolled(self.tables["radar"]),
             },
         )
         self._view = screen_of_views(self._strip, self._views)
+
+    def _supplier(self) -> pn.Column:
+        """The sheets for suppliers, to be saved."""
+        said = html_pane("", margin=(0, 14))
+
+        def made(unit: Unit) -> io.BytesIO:
+            said.object = ""
+            try:
+                return io.BytesIO(document_bytes(supplier_report(self.session.design, unit), ".html"))
+            except InputError as error:
+                said.object = f'<p role="status">There is no sheet. {escape(str(error))}</p>'
+                return io.BytesIO(str(error).encode())
+
+        buttons = (
+            download(f"Sheet for the supplier: {name}", f"{unit}-required.html", partial(made, unit))
+            for unit, name in NAMES.items()
+        )
+        return pn.Column(pn.FlexBox(*buttons), said)
 
     def go_to(self, place: str) -> None:
         """Show the view of this name, such as "log" of "#sensors-log"."""
@@ -66,6 +92,7 @@ class SensorsPage(View):
         self._strip.show(origin_answer(budget.design))
         self._origins.object = html_of(origin_table(budget.design))
         self.log.moving.follow()
+        self.log.static.follow()
         self._mark()
 
     def _mark(self) -> None:

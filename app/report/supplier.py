@@ -1,0 +1,179 @@
+"""The sheet for a supplier: required values, how each is verified, and a log's outcome line by line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any
+
+from app.document.blocks import Answer, Bullets, Cell, Chapter, Column, Report, Section, Table, Text
+from app.document.numbers import show_in
+from app.document.wording import printable, title_of
+from nav_model.design import Design
+from nav_model.design.parts import declaration_of
+from nav_model.explore.supplier import (
+    AVERAGING,
+    CONFIDENCE,
+    Acceptance,
+    Required,
+    Unit,
+    accepted_share,
+    degrees_of,
+    required,
+    unit_of,
+)
+
+NAMES: dict[Unit, str] = {"imu": "inertial unit", "gnss": "satellite receiver"}
+
+_HOUR = 3600.0
+_FIXES = 1000
+_SOURCES = (
+    "IEEE Std 952-1997, annex C: Allan variance of inertial sensors.",
+    "W. Riley, NIST Special Publication 1065, 2008, sections 5.3 and 5.4: confidence from chi-square.",
+    "C. Greenhall and W. Riley, Uncertainty of stability variances based on finite differences, PTTI 2003: "
+    "equivalent degrees of freedom.",
+)
+
+
+def supplier_report(design: Design, unit: Unit, now: datetime | None = None) -> Report:
+    """The sheet of one unit.
+
+    Raises
+    ------
+    InputError
+        As `nav_model.explore.supplier.required`.
+    """
+    now = (now or datetime.now(UTC)).astimezone(UTC)
+    lines = required(design, unit)
+    values = _values(design, unit, lines), Bullets(_conditions(design, unit))
+    proof = Text(_proof(design, unit)), Text(_decision(design, unit))
+    title = f"Required of the {NAMES[unit]}: {title_of(design)}"
+    chapter = Chapter(
+        key=unit,
+        kind="Sheet for the supplier",
+        title=title,
+        running=f"{design.content_hash[:12]}",
+        description="",
+        verdict=None,
+        facts=(
+            ("Design", design.content_hash[:12]),
+            ("Written", f"{now:%d %B %Y, %H:%M} UTC"),
+            ("Program", f"NavBudget {version('navbudget')}"),
+        ),
+        sections=(
+            Section(f"{unit}-values", "Required values", values),
+            Section(f"{unit}-proof", "How each is verified", proof),
+            Section(f"{unit}-sources", "Sources", (Bullets(_SOURCES),)),
+        ),
+    )  # fmt: skip
+    return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), (chapter,), ())
+
+
+def _degrees(design: Design, unit: Unit) -> float:
+    """Degrees of freedom of the test that the sheet asks for."""
+    return degrees_of(_HOUR, design.imu.rate) if unit == "imu" else _FIXES - 1.0
+
+
+def _values(design: Design, unit: Unit, lines: Sequence[Required]) -> Table:
+    share = accepted_share(_degrees(design, unit))
+    rows = (
+        (
+            Cell(str(declaration_of(line.key).label)),
+            Cell(_said(design, line.key, line.value)),
+            Cell(_said(design, line.key, share * line.value)),
+            Cell(_said(design, line.key, line.current)),
+        )
+        for line in lines
+    )
+    return Table(
+        f"{unit}-required",
+        "Largest values with which every limit of the design is met, all at once",
+        (
+            Column("Quantity", width=1.4),
+            Column("At most", numeric=True, width=1),
+            Column("Accepted reading", numeric=True, width=1),
+            Column("Assumed so far", numeric=True, width=1),
+        ),
+        tuple(rows),
+        f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ.",
+    )
+
+
+def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
+    if unit == "gnss":
+        return (
+            f"Fixes every {design.gnss.interval:g} s. Errors independent from fix to fix, per axis.",
+            "A slow error (ionosphere, multipath) is not part of these values.",
+        )
+    return (
+        f"At rest, white noise per axis. The design multiplies it by {design.imu.vibration_factor:g} in flight.",
+        "Residual biases, 1σ after the filter: "
+        f"{_said(design, 'imu.accelerometer_bias', design.imu.accelerometer_bias)} and "
+        f"{_said(design, 'imu.gyro_bias', design.imu.gyro_bias)}. A log at rest does not show them.",
+    )
+
+
+def _proof(design: Design, unit: Unit) -> str:
+    if unit == "gnss":
+        return (
+            f"Log: {_FIXES} fixes of an antenna that does not move, at a surveyed place, each at least three "
+            "correlation times after the one before. Reading: the standard deviation of each axis."
+        )
+    return (
+        f"Log: one hour at rest on a solid base at constant temperature, at {design.imu.rate:g} Hz or faster, after "
+        "the unit has warmed up; every axis, as rates or increments. Reading: the overlapping Allan deviation at "
+        f"{AVERAGING:g} s, times the square root of {AVERAGING:g} s."
+    )
+
+
+def _decision(design: Design, unit: Unit) -> str:
+    degrees = _degrees(design, unit)
+    said = (
+        f"Decision: every axis may read at most {100 * accepted_share(degrees):.1f} % of the required value. That "
+        f"is the root of the chi-square quantile at {100 * (1 - CONFIDENCE):.0f} % over the degrees of freedom, "
+        f"here {degrees:.0f}. A shorter log has fewer and accepts less"
+    )
+    return f"{said}: navbudget allan LOG --against DESIGN computes both and decides." if unit == "imu" else f"{said}."
+
+
+def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answer, Table]:
+    """Whether a log shows what is required of the inertial unit, and why, axis by axis."""
+    failed = [row.axis for row in rows if not row.passes]
+    said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"{len(rows)} axes are."
+    answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {said}",))
+    titles = ("Axis", "Quantity", "Reading", "Accepted reading", "Required", "Degrees of freedom", "Result")
+    body = (
+        (
+            Cell(printable(row.axis)),
+            Cell(str(declaration_of(row.key).label)),
+            *(Cell(_said(design, row.key, value)) for value in (row.reading, row.accepted, row.required)),
+            Cell(f"{row.degrees:.0f}"),
+            Cell("✓ pass", tone="good") if row.passes else Cell("✗ fail", tone="bad"),
+        )
+        for row in rows
+    )
+    numeric = {"Reading", "Accepted reading", "Required", "Degrees of freedom"}
+    note = f"A reading is accepted if it proves the required value with {100 * CONFIDENCE:.0f} % confidence."
+    columns = tuple(Column(title, numeric=title in numeric) for title in titles)
+    return answer, Table("acceptance", "This log against the supplier's sheet", columns, tuple(body), note)
+
+
+def acceptance_json(design: Design, rows: Sequence[Acceptance]) -> dict[str, Any]:
+    """The same as JSON, SI."""
+    return {
+        "design": design.content_hash,
+        "confidence": CONFIDENCE,
+        "passes": all(row.passes for row in rows),
+        "axes": [
+            {
+                "name": row.axis, "input": row.key, "reading": row.reading, "accepted": row.accepted,
+                "required": row.required, "degrees_of_freedom": row.degrees, "passes": row.passes,
+            }
+            for row in rows
+        ],
+    }  # fmt: skip
+
+
+def _said(design: Design, key: str, value: float) -> str:
+    return show_in(value, unit_of(design, key), declaration_of(key).dimension, given=True)

@@ -1,0 +1,156 @@
+"""What a supplier of an inertial unit or a receiver has to deliver for a design, and how a log shows it.
+
+The required values are the largest multiple of the design's own, all of one unit together, with which every limit is
+still met: each can be at its limit at once. A log is accepted where the upper confidence limit of its reading is
+within the required value, so that noise in the test counts against the unit.
+
+Sources: IEEE Std 952-1997, annex C (Allan variance of inertial sensors); NIST SP 1065, sections 5.3 and 5.4
+(confidence from chi-square); C. Greenhall and W. Riley, PTTI 2003 (equivalent degrees of freedom).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from nav_model.allan.degrees import degrees_of_freedom
+from nav_model.allan.result import LogAnalysis
+from nav_model.base.errors import InputError
+from nav_model.base.units import from_si, to_si
+from nav_model.design import Design
+from nav_model.explore.margins import limits, quantity, ratios, worst
+
+Unit = Literal["imu", "gnss"]
+
+CONFIDENCE = 0.95
+"""One-sided: a unit at its required value passes in one case of twenty."""
+
+AVERAGING = 1.0
+"""Averaging time of the Allan deviation at which a random walk is read, s: N is the deviation there times √s."""
+
+_NOISES: Mapping[Unit, tuple[str, ...]] = {
+    "imu": ("imu.angle_random_walk", "imu.velocity_random_walk"),
+    "gnss": (
+        "gnss.position_noise", "gnss.vertical_position_noise", "gnss.velocity_noise", "gnss.vertical_velocity_noise",
+    ),
+}  # fmt: skip
+_TRIADS = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
+_LARGEST = 1e4
+_HALVINGS = 60
+
+
+@dataclass(frozen=True)
+class Required:
+    """One line of a sheet: the largest value [SI] of an input, and the one that the design has."""
+
+    key: str
+    value: float
+    current: float
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """One axis of a log against a line: reading, the largest that is accepted, and the required value, SI."""
+
+    axis: str
+    key: str
+    reading: float
+    accepted: float
+    required: float
+    degrees: float
+
+    @property
+    def passes(self) -> bool:
+        """Whether the upper confidence limit of the reading is within the required value."""
+        return self.reading <= self.accepted
+
+
+def required(design: Design, unit: Unit) -> tuple[Required, ...]:
+    """The lines of the sheet of a unit.
+
+    Raises
+    ------
+    InputError
+        If the design gives no requirement, if no unit of this kind meets them, or if every unit does.
+    """
+    if not limits(design):
+        raise InputError("requirements", "none is given; give at least one limit to require values for")
+    now = {key: float(value) for key in _NOISES[unit] if isinstance(value := design[key], float)}
+    low, high = math.log(1 / _LARGEST), math.log(_LARGEST)
+    if not _closes(design, now, math.exp(low)):
+        raise InputError(unit, "no noise is low enough: other inputs alone exceed a limit")
+    if _closes(design, now, math.exp(high)):
+        raise InputError(unit, "no limit depends on its noise, so that any unit would do")
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _closes(design, now, math.exp(middle)) else (low, middle)
+    return tuple(Required(key, _down(key, math.exp(low) * value, design), value) for key, value in now.items())
+
+
+def _closes(design: Design, now: Mapping[str, float], factor: float) -> bool:
+    largest = worst(ratios(design, {key: np.array(factor * value) for key, value in now.items()}))
+    return bool(largest <= 1)
+
+
+def _down(key: str, value: float, design: Design) -> float:
+    """The value with three digits in its unit, rounded to the safe side."""
+    unit, dimension = unit_of(design, key), quantity(key).dimension
+    shown = from_si(value, unit, dimension)
+    step = 10.0 ** (math.floor(math.log10(shown)) - 2)
+    return to_si(float(f"{math.floor(shown / step * (1 + 1e-12)) * step:.3g}"), unit, dimension)
+
+
+def unit_of(design: Design, key: str) -> str:
+    """The unit of data sheets in which a line is written."""
+    return design.unit(key)
+
+
+def accepted_share(degrees: float) -> float:
+    """Largest reading over required value that is accepted with so many degrees of freedom.
+
+    Examples
+    --------
+    >>> round(accepted_share(100.0), 4)
+    0.8828
+    """
+    from scipy.special import chdtri
+
+    return math.sqrt(float(chdtri(degrees, CONFIDENCE)) / degrees)
+
+
+def degrees_of(duration: float, rate: float) -> float:
+    """Equivalent degrees of freedom of the reading at `AVERAGING` of a log of this duration [s] and rate [Hz]."""
+    return degrees_of_freedom(0, max(1, round(AVERAGING * rate)), round(duration * rate))
+
+
+def judge_log(lines: tuple[Required, ...], log: LogAnalysis) -> tuple[Acceptance, ...]:
+    """Every axis of a log at rest against the lines of an inertial unit.
+
+    Raises
+    ------
+    InputError
+        If the log is too short or too slow for a reading at `AVERAGING`, or has no sensor of one kind.
+    """
+    for quantity_of in _TRIADS:
+        if not any(axis.quantity == quantity_of for axis in log.axes):
+            raise InputError(log.provenance.file_name, f"has no {quantity_of}; the sheet requires values of both")
+    by_key = {line.key: line for line in lines}
+    found = []
+    for axis in log.axes:
+        line, taus = by_key[_TRIADS[axis.quantity]], axis.deviation.tau_s
+        near = int(np.argmin(np.abs(np.log(taus / AVERAGING))))
+        if not 0.5 <= taus[near] / AVERAGING <= 2.0:
+            raise InputError(
+                log.provenance.file_name,
+                f"has no Allan deviation at {AVERAGING:g} s; a longer or faster log is needed",
+            )
+        factor = round(float(taus[near]) * log.provenance.rate_hz)
+        degrees = degrees_of_freedom(0, factor, log.provenance.samples)
+        reading = float(axis.deviation.deviation[near]) * math.sqrt(float(taus[near]))
+        limit = accepted_share(degrees) * line.value
+        found.append(Acceptance(axis.name, line.key, reading, limit, line.value, degrees))
+    return tuple(found)

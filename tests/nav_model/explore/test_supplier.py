@@ -1,0 +1,77 @@
+"""Required values of a supplier's sheet, and the risk that its acceptance leaves to both sides."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from nav_model import analyse, read_design
+from nav_model.allan.deviation import overlapping_allan_deviation
+from nav_model.allan.imu_log import ImuLog
+from nav_model.allan.static_log import analyse_log
+from nav_model.base.errors import InputError
+from nav_model.budget.figures import FIGURES
+from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, judge_log, required
+
+DESIGN = read_design("examples/tactical_x_band.toml")
+
+
+@pytest.mark.parametrize("unit", ["imu", "gnss"])
+def test_with_all_required_values_at_once_every_limit_is_met_and_one_percent_more_misses_one(unit: str) -> None:
+    lines = required(DESIGN, unit)  # type: ignore[arg-type]
+    at = {line.key: line.value for line in lines}
+    assert analyse(DESIGN.replace(at)).verdict.closes
+    assert not analyse(DESIGN.replace({key: 1.011 * value for key, value in at.items()})).verdict.closes
+    ratios = [line.value / line.current for line in lines]
+    assert max(ratios) == pytest.approx(min(ratios), rel=0.01)
+
+
+def test_what_no_unit_meets_and_a_design_without_limits_are_refused() -> None:
+    with pytest.raises(InputError, match="no noise is low enough"):
+        required(read_design("examples/mems_x_band.toml"), "gnss")
+    none = {f"requirements.{key}": None for key in set(FIGURES.values())}
+    with pytest.raises(InputError, match="none is given"):
+        required(DESIGN.replace(none), "imu")
+
+
+def test_the_accepted_share_is_the_quantile_of_chi_square() -> None:
+    for degrees in (10.0, 100.0, 5400.0):
+        assert accepted_share(degrees) == pytest.approx(np.sqrt(chi2.ppf(0.05, degrees) / degrees), rel=1e-9)
+    # An hour at 1 s has 1.5 degrees of freedom for each second: Greenhall and Riley, table 2, white noise.
+    assert degrees_of(3600, 100) == pytest.approx(1.5 * 3600, rel=2e-3)
+
+
+def log(factor: float, axes: int = 3) -> ImuLog:
+    """Ten minutes of white noise, so many times what is required."""
+    rate, rng = 100.0, np.random.default_rng(7)
+    walks = {line.key: factor * np.sqrt(rate) * line.value for line in required(DESIGN, "imu")}
+    gyro, accelerometer = (
+        walks[f"imu.{name}_random_walk"] * rng.standard_normal((60_000, axes)) for name in ("angle", "velocity")
+    )
+    return ImuLog(gyro, accelerometer, rate)
+
+
+def test_a_log_well_below_passes_and_one_above_fails_on_every_axis() -> None:
+    lines = required(DESIGN, "imu")
+    quiet, loud = (judge_log(lines, analyse_log(log(factor))) for factor in (0.85, 1.1))
+    assert [row.axis for row in quiet] == [f"{kind}_{axis}" for kind in ("gyro", "accelerometer") for axis in "xyz"]
+    assert all(row.passes for row in quiet)
+    assert not any(row.passes for row in loud)
+    assert quiet[0].reading == pytest.approx(0.85 * quiet[0].required, rel=0.1)
+
+
+def test_a_log_without_accelerometers_is_refused() -> None:
+    analysed = analyse_log(ImuLog(log(0.5).gyro, None, 100.0, file_name="gyro.csv"))
+    with pytest.raises(InputError, match=r"gyro\.csv: has no accelerometer"):
+        judge_log(required(DESIGN, "imu"), analysed)
+
+
+def test_a_unit_at_its_required_value_passes_in_one_case_of_twenty() -> None:
+    rng, rate, seconds, runs = np.random.default_rng(3), 10.0, 300, 2000
+    share = accepted_share(degrees_of(seconds, rate))
+    passed = 0
+    for _ in range(runs):
+        found = overlapping_allan_deviation(rng.standard_normal(int(rate * seconds)), 1 / rate, np.array([AVERAGING]))
+        passed += found.deviation[0] * np.sqrt(rate) <= share
+    assert passed / runs == pytest.approx(0.05, abs=4 * np.sqrt(0.05 * 0.95 / runs))
