@@ -33,12 +33,11 @@ _AXES = 9  # position, velocity, attitude
 
 class _Filter(NamedTuple):
     """The filter along the flight (k nodes): its covariance after each fix (k, m, m), gain (k, n, r) with zeros for
-    what it does not estimate, H' S⁻¹ (k, m, r), and I - K H (k, n, n)."""
+    what it does not estimate, and H' S⁻¹ (k, m, r)."""
 
     covariance: FloatArray
     gain: FloatArray
     weight: FloatArray
-    closed: FloatArray
 
 
 class _Later(NamedTuple):
@@ -89,13 +88,12 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
 def _filtered(model: ErrorModel) -> _Filter:
     k, r, n = model.rows.shape
     m = model.states
-    found = _Filter(np.empty((k, m, m)), np.zeros((k, n, r)), np.zeros((k, m, r)), np.zeros((k, n, n)))
-    found.closed[:] = np.eye(n)
+    found = _Filter(np.empty((k, m, m)), np.zeros((k, n, r)), np.zeros((k, m, r)))
     identity, p = np.eye(m), model.filter_start
-    transition = np.ascontiguousarray(model.transition[:, :m, :m])
     for node in range(k):
         if node:
-            p = transition[node - 1] @ p @ transition[node - 1].T + model.filter_noise[node - 1]
+            step = _transition(model, node, m)
+            p = step @ p @ step.T + model.filter_noise[node - 1]
         if model.is_fix[node]:
             used = np.isfinite(model.variance[node])
             rows, variance = model.rows[node, used, :m], model.variance[node, used]
@@ -106,7 +104,6 @@ def _filtered(model: ErrorModel) -> _Filter:
             p = kept @ p @ kept.T + (gain * variance) @ gain.T
             found.gain[node, :m, used] = gain.T
             found.weight[node][:, used] = rows.T @ inverse
-            found.closed[node, :m] -= gain @ model.rows[node, used]
         p = 0.5 * (p + p.T)
         found.covariance[node] = p
     if not np.all(np.isfinite(p)):
@@ -122,11 +119,25 @@ def _carried(model: ErrorModel, run: _Filter) -> FloatArray:
         found[node] = now
         if node == 0:
             break
-        if model.is_fix[node]:
-            closed = run.closed[node]
-            now = run.weight[node] @ model.rows[node] + closed[:m, :m].T @ now @ closed
-        step = model.transition[node - 1]
+        now = _over_fix(model, run, node, now)
+        step = _transition(model, node, n)
         now = step[:m, :m].T @ now @ step
+    return found
+
+
+def _over_fix(model: ErrorModel, run: _Filter, node: int, carried: FloatArray) -> FloatArray:
+    """L before the fix at a node from that after it."""
+    if not model.is_fix[node]:
+        return carried
+    rows, gain, m = model.rows[node], run.gain[node], model.states
+    back = carried - (carried @ gain) @ rows
+    return back - rows[:, :m].T @ (gain[:m].T @ back) + run.weight[node] @ rows
+
+
+def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
+    """The transition from the node before of the first `size` states."""
+    found = np.diag(np.concatenate([np.zeros(_AXES), model.kept[node - 1, : size - _AXES]]))
+    found[:_AXES] = model.top[node - 1, :, :size]
     return found
 
 
@@ -142,9 +153,10 @@ def _summed(model: ErrorModel, run: _Filter, looks: Apertures, carried: FloatArr
             node = looks.first[on] + step
             now = by_end[on]
             if step:
-                now = now @ model.transition[node - 1, :m, :m].swapaxes(1, 2)
+                moved = now @ model.top[node - 1, :, :m].swapaxes(1, 2)
+                now = np.concatenate([moved, now[:, :, _AXES:] * model.kept[node - 1, None, : m - _AXES]], axis=2)
                 by_innovation[step, on] = now @ run.weight[node]
-                now = now @ run.closed[node, :m, :m].swapaxes(1, 2)
+                now -= (now @ model.rows[node, :, :m].swapaxes(1, 2)) @ run.gain[node, :m].swapaxes(1, 2)
             by_end[on] = now - looks.weights[on, step] @ run.covariance[node, :6]
     by_start = np.zeros((count, COLUMNS, n))
     within = np.zeros((len(model.sources), count, COLUMNS, COLUMNS))
@@ -161,11 +173,16 @@ def _summed(model: ErrorModel, run: _Filter, looks: Apertures, carried: FloatArr
                 by_noise = now @ run.gain[node] - by_innovation[step, on]
                 scaled = by_noise[:, None] * model.noise[node, :, None, :]
                 within[:, on] += (scaled @ by_noise.swapaxes(1, 2)[:, None]).swapaxes(0, 1)
-                now = by_innovation[step, on] @ model.rows[node] + now @ run.closed[node]
+                now = now - by_noise @ model.rows[node]
             for place, source in enumerate(model.driven):
-                driven = now @ model.factors[node - 1, place]
+                factor, own = model.factors[node - 1, place], model.own[place]
+                driven = now[:, :, :_AXES] @ factor[:, :_AXES]
+                if own:
+                    driven += now[:, :, own : own + 3] @ factor[:, _AXES:]
                 within[source, on] += driven @ driven.swapaxes(1, 2)
-            now = now @ model.transition[node - 1]
+            moved = now[:, :, :_AXES] @ model.top[node - 1]
+            moved[:, :, _AXES:] += now[:, :, _AXES:] * model.kept[node - 1, None]
+            now = moved
         by_start[on] = now
     return _Sums(by_start, by_end, within)
 
@@ -190,17 +207,14 @@ def _later(
             ends[:, look] = sums.end[look] @ now @ sums.end[look].T
         if node == 0:
             break
-        carry = carried[node]
         if model.is_fix[node]:
-            closed = run.closed[node]
-            kept = closed[:m, :m].T
-            by_noise = kept @ carry @ run.gain[node] - run.weight[node]
+            kept = np.eye(m) - model.rows[node, :, :m].T @ run.gain[node, :m].T
+            by_noise = kept @ carried[node] @ run.gain[node] - run.weight[node]
             now = kept @ now @ kept.T
             scaled = by_noise * model.noise[node, noisy, None, :]
             now[noisy] += scaled @ by_noise.T
-            carry = run.weight[node] @ model.rows[node] + kept @ carry @ closed
-        back = model.transition[node - 1, :m, :m].T
-        now[driven] += _square(carry @ model.factors[node - 1])
+        back = _transition(model, node, m).T
+        now[driven] += _square(_over_fix(model, run, node, carried[node]) @ _factors(model, node))
         now = back @ now @ back.T
     return _Later(carried, outputs, ends)
 
@@ -214,7 +228,7 @@ def _forward(
     covariances of the apertures' sums (sources, apertures, COLUMNS, COLUMNS).
     """
     k, _, n = model.rows.shape
-    s = len(model.sources)
+    m, s = model.states, len(model.sources)
     variances = np.empty((2, s, len(model.outputs), _AXES))
     images = [part.within + (0.0 if part is not sums[1] else later.ends) for part in sums if part] if looks else None
     starting = _by_node(looks.first) if looks else {}
@@ -225,15 +239,14 @@ def _forward(
     shown = np.eye(_AXES)
     for node in range(k):
         if node:
-            step, closed = model.transition[node - 1], run.closed[node]
-            factors = model.factors[node - 1]
+            now = _stepped(model, node, now)
+            now[:, driven] += _square(_factors(model, node)).swapaxes(0, 1)
             if model.is_fix[node]:
-                step, factors = closed @ step, closed @ factors
-            now = ((step @ now.reshape(n, -1)).reshape(-1, n) @ step.T).reshape(n, s, n)
-            now[:, driven] += _square(factors).swapaxes(0, 1)
-            if model.is_fix[node]:
-                gain = run.gain[node]
-                now[:, noisy] += ((gain * model.noise[node, noisy, None, :]) @ gain.T).swapaxes(0, 1)
+                rows, gain = model.rows[node], run.gain[node]
+                now[:m] -= (gain[:m] @ (rows @ now.reshape(n, -1))).reshape(m, s, n)
+                now[:, :, :m] -= ((now.reshape(-1, n) @ rows.T) @ gain[:m].T).reshape(n, s, m)
+                noise = (gain[:m] * model.noise[node, noisy, None, :]) @ gain[:m].T
+                now[:m, noisy, :m] += noise.swapaxes(0, 1)
         if node in output_of:
             at = output_of[node]
             shown[ATTITUDE:, ATTITUDE:] = model.error_map[node]
@@ -251,6 +264,29 @@ def _forward(
                 turned = (rows @ now.reshape(n, -1)).reshape(-1, s, n)
                 image[:, look] += np.einsum("csn,dn->scd", turned, rows)
     return variances, images
+
+
+def _stepped(model: ErrorModel, node: int, covariances: FloatArray) -> FloatArray:
+    """Covariances (n, sources, n) at a node from those at the node before, without noise."""
+    n, s, _ = covariances.shape
+    top, kept = model.top[node - 1], model.kept[node - 1]
+    found = np.empty_like(covariances)
+    found[:_AXES] = (top @ covariances.reshape(n, -1)).reshape(_AXES, s, n)
+    np.multiply(covariances[_AXES:], kept[:, None, None], out=found[_AXES:])
+    moved = found.reshape(-1, n) @ top.T
+    found[:, :, _AXES:] *= kept
+    found[:, :, :_AXES] = moved.reshape(n, s, _AXES)
+    return found
+
+
+def _factors(model: ErrorModel, node: int) -> FloatArray:
+    """Factors (driven, n, 9) of what process noise adds in the step to a node."""
+    found = np.zeros((len(model.driven), model.rows.shape[2], 9))
+    found[:, :_AXES] = model.factors[node - 1, :, :_AXES]
+    for place, own in enumerate(model.own):
+        if own:
+            found[place, own : own + 3] = model.factors[node - 1, place, _AXES:]
+    return found
 
 
 def _square(factors: FloatArray) -> FloatArray:

@@ -29,7 +29,7 @@ from nav_model.trajectory.specification import CovarianceSpec
 FloatArray = NDArray[np.float64]
 _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact for noise through the chain gyro -> position
-_APERTURE_PARTS = 6  # nodes in an aperture at least
+_APERTURE_PARTS = 5  # nodes in an aperture at least
 _DENSEST = 0.02  # s between nodes, however short a correlation time
 
 
@@ -37,11 +37,13 @@ _DENSEST = 0.02  # s between nodes, however short a correlation time
 class ErrorModel:
     """The linear model of a flight with k nodes, n states of which the filter has the first m, s sources.
 
-    time_s (k); outputs: nodes of the results. transition (k - 1, n, n) from node to node; driven: the sources with
-    process noise, factors (k - 1, driven, n, 9) whose square is the covariance of what each adds to a step;
-    filter_noise (k - 1, m, m) as the filter assumes it. initial (s, n, n): covariance at time 0 by source;
-    filter_start (m, m). rows (k, r, n): what the fix at a node measures, zeros where there is none, with the
-    filter's variance (k, r), infinite where there is none, and the true ones by source (k, s, r).
+    time_s (k); outputs: nodes of the results. top (k - 1, 9, n): rows of the transition from node to node, and kept
+    (k - 1, n - 9) what is left of each further state, which none changes. driven: the sources with process noise;
+    factors (k - 1, driven, 12, 9), whose square is the covariance of what each adds in a step to the first nine states
+    and to three of its own from `own` on, 0 where it has none. filter_noise (k - 1, m, m) as the filter assumes it.
+    initial (s, n, n): covariance at time 0 by source; filter_start (m, m). rows (k, r, n): what the fix at a node
+    measures, zeros where there is none, with the filter's variance (k, r), infinite where there is none, and the true
+    ones by source (k, s, r).
     """
 
     time_s: FloatArray
@@ -51,8 +53,10 @@ class ErrorModel:
     states: int
     sources: tuple[str, ...]
     driven: tuple[int, ...]
-    transition: FloatArray
+    top: FloatArray
+    kept: FloatArray
     factors: FloatArray
+    own: tuple[int, ...]
     filter_noise: FloatArray
     initial: FloatArray
     filter_start: FloatArray
@@ -131,16 +135,20 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
     for index, rate in layout.decay.items():
         decay[index] = rate
     powers = _powers(dynamics, decay, steps)
-    inner = [
-        (_flow(powers, decay, steps, 0.5 * (1.0 + x)), 0.5 * w * steps)
-        for x, w in zip(_POINTS, _WEIGHTS, strict=True)
-    ]
+    inner = [(0.5 * (1.0 + x), 0.5 * w * steps) for x, w in zip(_POINTS, _WEIGHTS, strict=True)]
+    flows = [(_top(powers, part), _kept(decay, part * steps), np.sqrt(w)[:, None, None]) for part, w in inner]
 
     def driven_by(first: int, density: float) -> FloatArray:
-        """Factor (k - 1, n, 9) of white noise of this density [unit²/s] on three states."""
-        return np.concatenate(
-            [flow[:, :, first : first + 3] * np.sqrt(density * w)[:, None, None] for flow, w in inner], axis=2
-        )
+        """Factor (k - 1, 12, 9) of white noise of this density [unit²/s] on three states."""
+        found = np.zeros((len(steps), BIASES + 3, 9))
+        for n, (top, kept, root) in enumerate(flows):
+            into = slice(3 * n, 3 * n + 3)
+            found[:, :BIASES, into] = top[:, :, first : first + 3] * root
+            if first >= BIASES:
+                for i in range(3):
+                    found[:, BIASES + i, 3 * n + i] = kept[:, first - BIASES + i] * root[:, 0, 0]
+        found *= math.sqrt(density)
+        return found
 
     vibration = study.imu.vibration_factor**2
     drives = [
@@ -154,8 +162,9 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
     filter_noise = np.zeros((len(steps), m, m))
     for first, density in assumed:
         if density > 0.0:
-            factor = driven_by(first, float(density))[:, :m]
-            filter_noise += factor @ factor.swapaxes(1, 2)
+            into = [*range(BIASES), *range(first, first + 3)] if first >= BIASES else [*range(BIASES)]
+            factor = driven_by(first, float(density))[:, : len(into)]
+            filter_noise[:, np.array(into)[:, None], into] += factor @ factor.swapaxes(1, 2)
     start = initial_sigma(study)
     believed = start * study.filter.initial_scale
     believed[BIASES:] *= study.filter.bias_scale
@@ -178,8 +187,10 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
         states=m,
         sources=sources,
         driven=tuple(sources.index(source) for source, _, _ in drives),
-        transition=_flow(powers, decay, steps, 1.0),
+        top=_top(powers, 1.0),
+        kept=_kept(decay, steps),
         factors=np.stack([driven_by(first, density) for _, first, density in drives], axis=1),
+        own=tuple(first if first >= BIASES else 0 for _, first, _ in drives),
         filter_noise=filter_noise,
         initial=initial,
         filter_start=np.diag(believed**2),
@@ -268,14 +279,15 @@ def _powers(dynamics: FloatArray, decay: FloatArray, steps: FloatArray) -> list[
     return found
 
 
-def _flow(powers: list[FloatArray], decay: FloatArray, steps: FloatArray, part: float) -> FloatArray:
-    """The transition over this part of each step, (k - 1, n, n)."""
-    n = powers[0].shape[2]
-    found = np.zeros((len(steps), n, n))
-    for i, power in enumerate(powers, 1):
-        found[:, :BIASES] += power * part**i
-    found[:, range(n), range(n)] += np.exp(-decay * (part * steps)[:, None])
+def _top(powers: list[FloatArray], part: float) -> FloatArray:
+    """The first nine rows of the transition over this part of each step, (k - 1, 9, n)."""
+    found = np.asarray(sum(power * part**i for i, power in enumerate(powers, 1)))
+    found[:, range(BIASES), range(BIASES)] += 1.0
     return found
+
+
+def _kept(decay: FloatArray, times: FloatArray) -> FloatArray:
+    return np.asarray(np.exp(-decay[BIASES:] * times[:, None]))
 
 
 def _measurements(
