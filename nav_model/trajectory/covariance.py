@@ -131,7 +131,8 @@ def _over_fix(model: ErrorModel, run: _Filter, node: int, carried: FloatArray) -
         return carried
     rows, gain, m = model.rows[node], run.gain[node], model.states
     back = carried - (carried @ gain) @ rows
-    return back - rows[:, :m].T @ (gain[:m].T @ back) + run.weight[node] @ rows
+    found: FloatArray = back - rows[:, :m].T @ (gain[:m].T @ back) + run.weight[node] @ rows
+    return found
 
 
 def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:

@@ -39,11 +39,11 @@ class ErrorModel:
 
     time_s (k); outputs: nodes of the results. top (k - 1, 9, n): rows of the transition from node to node, and kept
     (k - 1, n - 9) what is left of each further state, which none changes. driven: the sources with process noise;
-    factors (k - 1, driven, 12, 9), whose square is the covariance of what each adds in a step to the first nine states
-    and to three of its own from `own` on, 0 where it has none. filter_noise (k - 1, m, m) as the filter assumes it.
-    initial (s, n, n): covariance at time 0 by source; filter_start (m, m). rows (k, r, n): what the fix at a node
-    measures, zeros where there is none, with the filter's variance (k, r), infinite where there is none, and the true
-    ones by source (k, s, r).
+    factors (k - 1, driven, 12, 9), whose square is the covariance of what each adds in a step to the first nine
+    states and to three of its own from `own` on, 0 where it has none. filter_noise (k - 1, m, m): as the filter
+    assumes it. initial (s, n, n): covariance at time 0 by source; filter_start (m, m). rows (k, r, n): what the fix
+    at a node measures, zeros where there is none, with the filter's variance (k, r), infinite where there is none,
+    and the true ones by source (k, s, r).
     """
 
     time_s: FloatArray
