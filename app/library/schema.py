@@ -82,6 +82,7 @@ STEPS: tuple[tuple[str, ...], ...] = (
             FOREIGN KEY (review, place) REFERENCES review_items(review, place))""",
     ),
     ("ALTER TABLE reviews ADD COLUMN signature TEXT",),
+    ("CREATE TABLE offers (name TEXT PRIMARY KEY, kept TEXT NOT NULL, text TEXT NOT NULL)",),
 )
 """What each version adds to the one before; version n is the first n steps. Released steps never change."""
 

@@ -24,7 +24,7 @@ from nav_model.explore.supplier import (
     unit_of,
 )
 
-NAMES: dict[Unit, str] = {"imu": "inertial unit", "gnss": "satellite receiver"}
+NAMES: dict[Unit, str] = {"imu": "IMU", "gnss": "satellite receiver"}
 
 _HOUR = 3600.0
 _FIXES = 1000

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import io
 from collections.abc import Mapping
 from html import escape
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -13,6 +15,8 @@ import param
 from app.charts.csv_text import csv_text
 from app.declared import declared
 from app.document.pane import html_of
+from app.library.offers import KINDS, Offers, keep_offers, kept_offers, read_offers
+from app.library.place import library
 from app.session import Session
 from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.tables import search_answer, search_table
@@ -26,7 +30,7 @@ from app.ui.theme import SWITCH
 from app.upstream.file_input import LimitedFileInput
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
+from nav_model.design.catalogue import Entry, Kind, catalogue
 from nav_model.explore.search import Biases, Candidate, left_out, search
 
 MAX_BYTES = 200_000
@@ -53,7 +57,6 @@ position_noise = { value = "3 cm", status = "assumed", source = "maker's web pag
 vertical_position_noise = { value = "5 cm", status = "assumed", source = "maker's web page" }
 interval = { value = "0.2 s", status = "confirmed", source = "manual" }
 """
-_KINDS: tuple[Kind, ...] = ("imu", "gnss")
 _BIASES = {"Biases of your design": "design", "Biases 0": "zero", "In-run biases of data sheets": "in-run"}
 
 
@@ -68,7 +71,9 @@ class SearchPanel(Question):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
-        self._own: dict[Kind, dict[str, Entry]] = {kind: {} for kind in _KINDS}
+        self._own: Offers = {kind: {} for kind in KINDS}
+        self._text = ""
+        self._keep = pmui.Button(label="Keep in the library", variant="text", disabled=True, on_click=self._kept)
         self._found: tuple[Candidate, ...] = ()
         self._said = html_pane("", margin=(0, 14))
         self._left_out = html_pane("", margin=(0, 14))
@@ -94,6 +99,8 @@ class SearchPanel(Question):
             ),
             words,
             self._file,
+            self._keep,
+            pmui.Button(label="Offers of the library", variant="text", on_click=self._load),
             download("Example file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
             download("Table: CSV", "search.csv", self._csv),
             align_items="center",
@@ -153,17 +160,39 @@ class SearchPanel(Question):
             return
         try:
             text = event.new.decode("utf-8-sig")
-            found = {kind: dict(read_catalogue(text, kind)) for kind in _KINDS}
-            names = [name for entries in found.values() for name in entries]
-            if not names:
-                raise InputError("file", "has neither [[imu]] nor [[gnss]] entries; see the example file")
-            self._own = found
-            self._say(f"Added {', '.join(names)}.")
+            self._add(read_offers(text))
+            self._text, self._keep.disabled = text, False
         except UnicodeDecodeError as error:
             self._say(f"Not opened. Save the file as UTF-8 text: byte {error.start} is not UTF-8.")
         except InputError as error:
             self._say(f"Not opened. {error}")
         self.show(self.session.budget)
+
+    def _add(self, found: Offers) -> None:
+        """Rank these units with those of the catalogue."""
+        self._own = found
+        self._say(f"Added {', '.join(name for entries in found.values() for name in entries)}.")
+
+    async def _kept(self, _: Any) -> None:
+        """Keep the file opened last in the library."""
+        try:
+            await asyncio.to_thread(lambda: keep_offers(library(), str(self._file.filename), self._text))
+            self._say(f"{self._file.filename} is kept in the library.")
+        except InputError as error:
+            self._say(f"Not kept. {error}")
+
+    async def _load(self, _: Any) -> None:
+        """Rank what the library holds."""
+        try:
+            found = await asyncio.to_thread(lambda: kept_offers(library()))
+        except InputError as error:
+            self._say(f"Not opened. {error}")
+            return
+        if any(found.values()):
+            self._add(found)
+            self.show(self.session.budget)
+        else:
+            self._say("The library holds no offers yet. Open a file and keep it.")
 
     def _say(self, text: str) -> None:
         self._said.object = f'<p role="status">{escape(text)}</p>'
