@@ -1,16 +1,72 @@
-"""The smoother along a flight against the textbook's."""
+"""The covariance along a flight against another program, and its smoother against the textbook's."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import pandas as pd
 import pytest
+from pyins.filters import run_feedforward_filter
+from pyins.inertial_sensor import EstimationModel
+from pyins.measurements import Position
 
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import specification
+from nav_model.simulation.specification import GnssModel, ImuModel, InitialErrors, SimulationSpec, TriadModel
 from nav_model.simulation.study_inputs import read_study_inputs
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.truth import true_states
 from nav_model.trajectory.covariance import _filtered, _transition, covariance
 from nav_model.trajectory.errors import ErrorModel, error_model
+from nav_model.trajectory.plan import Plan, Waypoint, fly
 from nav_model.trajectory.specification import Aiding, CovarianceSpec
+
+METRE = 1 / 6.38e6
+START = math.radians(45.0)
+
+
+@pytest.mark.long
+def test_through_two_turns_a_climb_and_an_outage_the_filter_is_that_of_another_program() -> None:
+    """pyins 1.0.1, at two steps a second: 1 % of every sigma over the whole flight."""
+    east = METRE / math.cos(START)
+    legs = [(0, 0, 3000.0), (6000, 0, 3000.0), (6000, 8000, 3200.0), (14000, 8000, 3200.0)]
+    flight = fly(Plan(tuple(Waypoint(START + n * METRE, e * east, up) for n, e, up in legs), 60.0))
+    imu = ImuModel(TriadModel(random_walk=1.5e-4), TriadModel(random_walk=8e-4))
+    duration, outage = math.floor(flight.duration), (150.0, 210.0)
+    spec = SimulationSpec(imu, GnssModel(1.0), flight.trajectory, duration=float(duration), outages=(outage,))
+    found = covariance(CovarianceSpec(spec)).real_time
+    mine = np.hstack([found.position, found.velocity, found.attitude])
+
+    start = InitialErrors()
+    t = np.arange(0.0, duration + 0.1, 0.5)
+    now = true_states(plan_trajectory(spec.trajectory, spec.duration), t[t <= duration])
+    angles = np.degrees(now.euler)
+    table = pd.DataFrame(
+        np.column_stack([np.degrees(now.position[:, :2]), now.position[:, 2], now.velocity, angles]),
+        columns=["lat", "lon", "alt", "VN", "VE", "VD", "roll", "pitch", "heading"],
+        index=np.round(t[t <= duration], 6),
+    )
+    whole = np.arange(1.0, float(duration))
+    fixes = table.loc[whole[(whole <= outage[0]) | (whole > outage[1])], ["lat", "lon", "alt"]]
+    sigma = (
+        run_feedforward_filter(
+            table,
+            table,
+            position_sd=start.position,
+            velocity_sd=start.velocity,
+            level_sd=math.degrees(start.tilt),
+            azimuth_sd=math.degrees(start.yaw),
+            gyro_model=EstimationModel(noise=imu.gyro.random_walk),
+            accel_model=EstimationModel(noise=imu.accelerometer.random_walk),
+            measurements=[Position(fixes, 1.0)],
+            time_step=0.5,
+        )
+        .trajectory_sd.loc[whole]
+        .to_numpy(copy=True)
+    )
+    sigma[:, 6:] = np.radians(sigma[:, 6:])
+    np.testing.assert_allclose(mine[1:-1], sigma, rtol=0.01)
 
 
 def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
