@@ -21,7 +21,6 @@ from nav_model.explore.supplier import (
     accepted_share,
     degrees_of,
     required,
-    unit_of,
 )
 
 NAMES: dict[Unit, str] = {"imu": "IMU", "gnss": "satellite receiver"}
@@ -176,4 +175,4 @@ def acceptance_json(design: Design, rows: Sequence[Acceptance]) -> dict[str, Any
 
 
 def _said(design: Design, key: str, value: float) -> str:
-    return show_in(value, unit_of(design, key), declaration_of(key).dimension, given=True)
+    return show_in(value, design.unit(key), declaration_of(key).dimension, given=True)

@@ -98,15 +98,10 @@ def _closes(design: Design, now: Mapping[str, float], factor: float) -> bool:
 
 def _down(key: str, value: float, design: Design) -> float:
     """The value with three digits in its unit, rounded to the safe side."""
-    unit, dimension = unit_of(design, key), quantity(key).dimension
+    unit, dimension = design.unit(key), quantity(key).dimension
     shown = from_si(value, unit, dimension)
     step = 10.0 ** (math.floor(math.log10(shown)) - 2)
     return to_si(float(f"{math.floor(shown / step * (1 + 1e-12)) * step:.3g}"), unit, dimension)
-
-
-def unit_of(design: Design, key: str) -> str:
-    """The unit of data sheets in which a line is written."""
-    return design.unit(key)
 
 
 def accepted_share(degrees: float) -> float:

@@ -12,12 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import formulas
+import numpy as np
 import openpyxl
 import pytest
 
 from app.report.spreadsheet import LIVE, OTHER, TAKEN, workbook_bytes
 from app.report.workings import traces_of
 from nav_model import Design, analyse, read_design
+from nav_model.base.traced import Traced, Workings
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
 
@@ -197,3 +199,9 @@ def test_names_of_cells_are_none_of_a_cell() -> None:
     for row in traces_of(read_design(EXAMPLES / "mems_x_band.toml")).workings.rows:
         assert not re.fullmatch(r"[A-Za-z]{1,3}\d+|[RrCc]\d*", row.symbol)
         assert len(row.text) < 400
+
+
+def test_a_formula_does_not_branch_by_value() -> None:
+    angle = Traced("angle", np.float64(1.0), Workings())
+    with pytest.raises(TypeError, match="cannot branch on angle>0"):
+        bool(angle > 0)
