@@ -21,7 +21,7 @@ from app.serving.allowance import FRAME, Allowance
 from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
-from app.serving.rules import Rules
+from app.serving.rules import Rules, is_loopback
 from app.upstream.connection import FramesAtOnce, LostConnection, NoTracebacks
 from app.upstream.late_session import new_token
 from app.upstream.requests import serve_only
@@ -80,6 +80,11 @@ class Surroundings:
         """Whether the limit on sessions is reached; also updates this process's count on the board."""
         self.row.put("sessions", own_sessions)
         return self.row.board.total("sessions") >= self.most
+
+    def taken(self, address: str) -> bool:
+        """Whether an address, other than this machine's own, has half of the places of this process."""
+        pages = sum(page.request.remote_ip == address and page.ws_connection is not None for page in _connections)
+        return not is_loopback(address) and pages >= max(1, self.most // (2 * self.row.board.processes))
 
 
 _here: Surroundings
@@ -165,7 +170,8 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
             self.finish()
             return
         known = {session.id for session in self.application_context.sessions}
-        if wanted not in known and (_here.stopping or _here.full(len(known))):
+        address = self.request.remote_ip or ""
+        if wanted not in known and (_here.stopping or _here.full(len(known)) or _here.taken(address)):
             _here.row.add("refused")
             self.set_status(503)
             self.finish()

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tornado.httpclient import HTTPClientError
 from tornado.websocket import WebSocketClosedError
 from waiting import PATIENCE, until
 
@@ -40,6 +41,26 @@ def test_session_limit(serving: Any) -> None:
         assert metrics["navbudget_sessions_limit"] == 2
         assert metrics["navbudget_sessions_refused_total"] == 1
         until(lambda: served.ask("/")[0] != 503, "a closed page's place")
+
+
+def test_one_address_gets_half_of_the_places(serving: Any) -> None:
+    with serving("--max-sessions", "4", "--behind-proxy", "--processes", "1") as served:
+
+        async def crowd() -> None:
+            loop = asyncio.get_running_loop()
+            tokens = [await loop.run_in_executor(None, served.token) for _ in range(4)]
+            greedy, other = ({"X-Forwarded-For": address} for address in ("192.0.2.7", "192.0.2.8"))
+            connections = [await served.connect(token, **greedy) for token in tokens[:2]]
+            for connection in connections:
+                assert "ACK" in str(await connection.read_message())
+            with pytest.raises(HTTPClientError, match="503"):
+                await served.connect(tokens[2], **greedy)
+            connections.append(await served.connect(tokens[3], **other))
+            assert "ACK" in str(await connections[-1].read_message())
+            for connection in connections:
+                await served.hang_up(connection)
+
+        asyncio.run(crowd())
 
 
 def test_metrics_and_liveness(visitor: Any) -> None:
