@@ -16,6 +16,8 @@ WORKS: Mapping[str, str] = MappingProxyType(
         "Anderson and Moore 1979": "Anderson and Moore, Optimal Filtering. Prentice-Hall, 1979.",
         "Bar-Shalom 2001": "Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation. "
         "Wiley, 2001.",
+        "Bryson 1963": "Bryson and Frazier, Smoothing for linear and nonlinear dynamic systems. Proceedings of the "
+        "Optimum System Synthesis Conference, Wright-Patterson AFB, 1963.",
         "Chu 2004": "Chu, Fan, Lin and Wang, Structure-preserving algorithms for periodic discrete-time algebraic "
         "Riccati equations. International Journal of Control 77(8), 2004.",
         "Harris 1978": "Harris, On the use of windows for harmonic analysis with the discrete Fourier transform. "
@@ -43,6 +45,7 @@ METHODS: tuple[tuple[str, str], ...] = (
     ("Sampled filter in steady state, spectral factorisation", "Anderson and Moore 1979"),
     ("Settled filters and many fixes by doubling", "Chu 2004"),
     ("Fixed-interval smoother of the simulator", "Rauch 1965"),
+    ("Fixed-interval smoother along a flight, by source", "Bryson 1963"),
     ("Windows of the aperture", "Harris 1978"),
     ("Taylor window", "Taylor 1955"),
     ("Shares and sensitivities by a complex step", "Squire 1998"),

@@ -95,4 +95,26 @@ PROCESSING: tuple[Equation, ...] = (
         "From the vibration's mean square; it adds to the accelerometer bias in [T-9] and [S-5]. A smoother "
         "absorbs it.",
     ),
+    Equation(
+        "P-13",
+        "Covariance along a flight",
+        "bold(z) <- bold(Phi) bold(z) + bold(w), quad bold(z) <- (1 - bold(K) bold(H)) bold(z) + bold(K) bold(v)",
+        "From node to node and at a fix. The gain acts on what the filter estimates; the rest is considered. Every "
+        "source's covariance goes through the same gains.",
+    ),
+    Equation(
+        "P-14",
+        "Smoothed error along a flight",
+        "bold(lambda) <- bold(H)^T bold(S)^(-1) bold(r) + (1 - bold(K) bold(H))^T bold(lambda), quad "
+        "bold(lambda) <- bold(Phi)^T bold(lambda), quad bold(e) - bold(P) bold(lambda)",
+        "Bryson and Frazier's smoother, backwards at a fix and over a step, and the smoothed error. It equals that "
+        "of Rauch, Tung and Striebel.",
+    ),
+    Equation(
+        "P-15",
+        "Image errors along a flight",
+        "c_m = sum_k bold(a)_(m k)^T bold(z)_k, quad bold(z)_k = bold(A)_k bold(z)_0 + bold(w)_k + bold(D)_k bold(n)",
+        "Legendre coefficients of the line-of-sight error over an aperture: weighted sums of errors at its nodes, "
+        "made of the error at its start, noises inside it and what later fixes say at its end.",
+    ),
 )

@@ -26,7 +26,7 @@ COLUMNS = ORDERS + 1
 _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ROUNDING = 1e-6  # s
 # Mean square that polynomials up to ORDERS - 1 leave of white noise integrated twice, over its density times T³: with
-# M = ORDERS - 1 it is (M + 1)/(8 (2M - 1)(2M + 1)(2M + 3)(2M + 5)), 1/420 for M = 1. [S-6], [P-13]
+# M = ORDERS - 1 it is (M + 1)/(8 (2M - 1)(2M + 1)(2M + 3)(2M + 5)), 1/420 for M = 1. [S-6], [P-15]
 _BEYOND = 1 / 25740
 
 

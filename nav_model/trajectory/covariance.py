@@ -2,7 +2,7 @@
 
 The gains come from the covariance that the filter believes; every source's own covariance is carried through the same
 gains, considered errors among them. The smoother is that of Bryson and Frazier, which gives what that of Rauch, Tung
-and Striebel gives [P-13]: the smoothed error is e - P λ, with λ a sum over later innovations. Going back along the
+and Striebel gives [P-14]: the smoothed error is e - P λ, with λ a sum over later innovations. Going back along the
 flight, λ = L z + n, z the errors at that node and n what later noises add, of which each source has its covariance.
 
 An image figure is a weighted sum of smoothed errors at the nodes of its aperture, and so a sum of the errors at its
