@@ -47,7 +47,10 @@ def assumption_list(budget: Budget) -> Bullets:
             f"Each value is checked at {requirements.confidence:g}σ.",
             "Broadside strip map. Only the IMU measures motion during the aperture, which starts "
             f"{number(budget.design.coast.before_aperture, given=True)} s after the last fix [S-1], [S-5].",
-            "Lever arm, timing, atmosphere and range migration are not part of the budget.",
+            "Lever arm, timing, atmosphere and range migration are not part of the budget."
+            if not budget.design.contributors
+            else "Beside the model, the budget has the design's own contributors. They are independent of the "
+            "model's errors and of each other; a systematic one adds linearly. Range migration is not part of it.",
         ),
         "Assumptions",
     )

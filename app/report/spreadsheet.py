@@ -26,6 +26,7 @@ from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
+from nav_model.budget.contributors import Part
 from nav_model.budget.figures import FIGURES, UNSCALED, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.result import Check
@@ -246,19 +247,43 @@ class _Sheets:
                     float(np.degrees(to_phase * np.sqrt(variance))),
                 )  # fmt: skip
                 everything = "+".join(getattr(other, part).text for other in lines)
-                share = variance / whole if whole else 0.0
-                sheet.write_formula(
-                    row, column + 3, f"=IF(({everything})=0,0,{symbol}/({everything}))", self.percent, share
-                )
+                share, formula = variance / whole if whole else 0.0, f"IF(({everything})=0,0,{symbol}/({everything}))"
+                if f"{part}_phase" in self.traces.contributors:
+                    product, size = self._product(f"{part}_phase")
+                    share, formula = to_phase**2 * variance / size, f"to_phase^2*{symbol}/({product})"
+                sheet.write_formula(row, column + 3, f"={formula}", self.percent, share)
             sheet.write_string(row, 7, "[S-5], [S-6]")
             self._state(sheet, row, 8, taken=any(self.values[symbol].taken for symbol in cells))
         row = first + count
+        for column, part in enumerate(parts, 1):
+            figure = f"{part}_phase"
+            for own in self.traces.contributors.get(figure, ()):
+                self._contributor(sheet, row, column, figure, own)
+                row += 1
         sheet.write_string(row, 0, "Sum", self.bold)
         for column, figure in enumerate(("quadratic_phase", "cubic_phase", "detrended_phase"), 1):
             symbol = f"real_time_{figure}"
             degrees = float(np.degrees(self.values[symbol].value))
             sheet.write_formula(row, column, f"=DEGREES({symbol})", self.figure, degrees)
         self._greyed(sheet, f"A{first + 1}:I{row + 1}", f"$I{first + 1}")
+
+    def _product(self, figure: str) -> tuple[str, float]:
+        """A phase times the root of what is random in it, by which shares divide: formula and value."""
+        whole, root = f"real_time_{figure}", f"root_{figure}"
+        return f"{whole}*{root}", float(self.values[whole].value * self.values[root].value)
+
+    def _contributor(self, sheet: Any, row: int, column: int, figure: str, own: Part) -> None:
+        """A contributor of a phase: its 1σ and its share."""
+        symbol, size = own.size.text, float(own.size.value)
+        product, value = self._product(figure)
+        whole = f"real_time_{figure}"
+        sheet.write_string(row, 0, own.name)
+        sheet.write_formula(row, column, f"=DEGREES({symbol})", self.figure, float(np.degrees(size)))
+        formula, share = f"{symbol}^2/({product})", size**2 / value
+        if own.systematic:
+            formula, share = f"{symbol}/{whole}", size / float(self.values[whole].value)
+        sheet.write_formula(row, column + 3, f"={formula}", self.percent, share)
+        self._state(sheet, row, 8, taken=False)
 
     def _sums(self, sheet: Any) -> None:
         columns = {"Figure, in real time, 1σ": 62, "Value": 16, "Unit": 10, "Equation": 16, "State": 22}

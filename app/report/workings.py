@@ -7,7 +7,7 @@ vibration, unsensed motion and oscillator do over the aperture, and levels in de
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.aperture import geometry, phase
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.traced import Traced, Workings
+from nav_model.budget.contributors import Part, entering, parts_of, random_and_systematic
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import (
     COASTING,
@@ -59,6 +60,7 @@ _MORE = (
 _VELOCITY = ("gnss.velocity_noise", "gnss.vertical_velocity_noise", "gnss.velocity_interval")
 
 STATES = {"prior": "just before a fix", "closed": "average between fixes", "posterior": "just after a fix"}
+_SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}
 _UNITS = {"position": "m", "velocity": "m/s", "tilt": "rad"}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
 
@@ -75,11 +77,16 @@ class Sum:
 
 @dataclass(frozen=True)
 class Traces:
-    """Workings of a design: `sums` in order, and for each source of phase the symbols of its variances [m²]."""
+    """Workings of a design: `sums` in order, and for each source of phase the symbols of its variances [m²].
+
+    `contributors` are those of each figure that has any, their size in a cell; the root of what is random is in the
+    cell named root_FIGURE.
+    """
 
     workings: Workings
     sums: tuple[Sum, ...]
     sources: Mapping[str, phase.PhaseVariances]
+    contributors: Mapping[str, Sequence[Part]]
 
 
 def followed(design: Design) -> tuple[str, ...]:
@@ -97,7 +104,7 @@ def traces_of(design: Design) -> Traces:
     """The workings of a design in real time, whatever its processing."""
     plain = replace(inputs_of(design), post_processed=False)
     made = _Making(design, plain)
-    return Traces(made.workings, tuple(made.sums), made.sources)
+    return Traces(made.workings, tuple(made.sums), made.sources, made.contributors)
 
 
 class _Making:
@@ -107,7 +114,9 @@ class _Making:
         self.design, self.plain, self.workings = design, plain, Workings()
         self.sums: list[Sum] = []
         self.sources: dict[str, phase.PhaseVariances] = {}
+        self.contributors: dict[str, list[Part]] = {}
         self.x = self._inputs()
+        self.own = parts_of(design, self.x.wavelength)
         saw = self._settled()
         self._outage(saw)
         self._image(saw["start"])
@@ -182,9 +191,22 @@ class _Making:
         return replace(self.plain, **changes)
 
     def _sum(self, symbol: str, of: Any, label: str, dimension: str, mark: str, *, taken: bool = False) -> None:
-        unit = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}.get(dimension, dimension)
-        self.workings.name(symbol, of, label, unit, mark, taken=taken)
+        self.workings.name(symbol, of, label, _SI.get(dimension, dimension), mark, taken=taken)
         self.sums.append(Sum(label, symbol, dimension, mark))
+
+    def _figure(self, figure: str, of: Any, dimension: str, mark: str, *, taken: bool = False) -> None:
+        """A figure that a requirement limits, with the contributors that enter it in cells of their own."""
+        if parts := entering(self.own, figure, post_processed=False):
+            unit, found = _SI[dimension], []
+            for part in parts:
+                symbol = f"contributor_{len(self.contributors.get(figure, ())) + 1}_{figure}"
+                size = self.workings.name(symbol, part.size, f"{part.name}, 1σ in {label_of(figure)}", unit)
+                found.append(replace(part, size=size))
+                self.contributors.setdefault(figure, []).append(found[-1])
+            root, systematic = random_and_systematic(of, found)
+            of = self.workings.name(f"root_{figure}", root, f"{label_of(figure)}, random", unit, mark, taken=taken)
+            of, taken = of + systematic, False
+        self._sum(f"real_time_{figure}", of, label_of(figure), dimension, mark, taken=taken)
 
     def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
         """Both channels' covariances, every element in a cell."""
@@ -267,7 +289,7 @@ class _Making:
             self._sum(symbol, np.sqrt(variance), f"{label}, at the end of the outage", dimension, mark)
         rule: Any = tuple(Traced(name, part, self.workings) for name, part in zip(RULE, longest_rule(), strict=True))
         for figure, variance in zip(COASTING, outage(x, saw["posterior"], t, rule), strict=True):
-            self._sum(f"real_time_{figure}", np.sqrt(variance), label_of(figure), "length", "[T-17]")
+            self._figure(figure, np.sqrt(variance), "length", "[T-17]")
 
     def _image(self, start: Sawtooth) -> None:
         x, name = self.x, self.workings.name
@@ -288,13 +310,13 @@ class _Making:
         marks = ("[S-5]", "[S-2]", "[S-6]", "[T-15], [S-6]")
         values = (*(to_phase * np.sqrt(part) for part in whole),)
         for figure, value, mark in zip(IMAGING, (values[0], along, *values[1:]), marks, strict=True):
-            self._sum(f"real_time_{figure}", value, label_of(figure), "angle", mark)
+            self._figure(figure, value, "angle", mark)
         cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
         self._sum("cell_length", cell, "Azimuth cell", "length", "[S-3]")
         self._sum("aperture_length", x.aperture * x.speed, "Length of the aperture", "length", "[S-3]")
         for figure, value in figures(self.plain, LEVELS).items():
             mark = {"paired_echo": "[P-9]", "islr": "[P-11]"}[figure]
-            self._sum(f"real_time_{figure}", value, label_of(figure), "level", mark, taken=bool(self.plain.fast))
+            self._figure(figure, value, "level", mark, taken=bool(self.plain.fast))
 
     def _place(self, start: Sawtooth) -> None:
         x, name = self.x, self.workings.name
@@ -312,7 +334,7 @@ class _Making:
         placed = placing(x, moved, [figure for figure in PLACING if figure != "ce90"])
         placed["ce90"] = circular_error(one, other, both)
         for figure in PLACING:
-            self._sum(f"real_time_{figure}", placed[figure], label_of(figure), "length", "[P-7]")
+            self._figure(figure, placed[figure], "length", "[P-7]")
         self._sum("real_time_cep", circular_error(one, other, both, share=0.5), "CEP", "length", "[P-7]")
 
     def _checked(self) -> None:
@@ -326,9 +348,7 @@ class _Making:
             choice = f'IF({CHOICE}="prior",{prior.symbol},IF({CHOICE}="closed",{closed.symbol},{posterior.symbol}))'
             taken = prior.taken or closed.taken or posterior.taken
             of = Traced(choice, chosen.value, self.workings, taken)
-            self._sum(
-                f"real_time_{figure}", of, label_of(figure), limit_on(figure).dimension, marks["vertical" in figure]
-            )
+            self._figure(figure, of, limit_on(figure).dimension, marks["vertical" in figure])
 
 
 CHOICE = symbol_of("requirements.steady_state")

@@ -22,6 +22,7 @@ from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import TURNING, smoothed_bent_variance, turn_weights
 from nav_model.aperture import geometry, phase
 from nav_model.base.arrays import Array, as_numbers
+from nav_model.budget.contributors import NONE, all_with_contributors
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.processing.flight import Channel
@@ -321,7 +322,7 @@ _PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase_1", "detrended_pha
 
 
 def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Array]:
-    """One sigma of some figures, in SI: those that `analyse` compares with the requirements.
+    """One sigma of some figures, in SI: those that `analyse` compares with the requirements, contributors included.
 
     Parameters
     ----------
@@ -335,6 +336,11 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
         Name -> array of the inputs' broadcast shape, or of a smaller shape that broadcasts to it. Phase figures
         are NaN where the aperture is longer than a design may have.
     """
+    return all_with_contributors(_of_model(x, names), x.own, post_processed=x.post_processed)
+
+
+def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
+    """The figures without contributors."""
     found: dict[str, Array] = {}
     wanted = set(names)
     if x.post_processed:
@@ -366,8 +372,9 @@ SHARED = (*SETTLED, *COASTING, *PLACING, "along_track_quadratic_phase", INITIAL_
 
 
 def real_time_figures(x: Inputs) -> dict[str, Array]:
-    """Figures of `SHARED` in real time, one sigma, whatever the processing; ``initial tilt`` [rad] of [S-5]."""
-    return figures(replace(x, post_processed=False, steady_state="closed"), SHARED)
+    """Figures of `SHARED` in real time without contributors, one sigma, whatever the processing; ``initial tilt``
+    [rad] of [S-5]."""
+    return figures(replace(x, post_processed=False, steady_state="closed", own=NONE), SHARED)
 
 
 def sigmas(moment: Sawtooth) -> dict[str, Array]:

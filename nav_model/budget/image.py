@@ -13,6 +13,7 @@ from nav_model.aperture.polynomial_response import half_power_extent, quadratic_
 from nav_model.aperture.window import ideal_null_cells
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.contributors import composed, entering
 from nav_model.budget.fast import LEVELS, levels, stays
 from nav_model.budget.figures import INITIAL_TILT, PLACING, imaging, phase_sources, placing
 from nav_model.budget.inputs import Inputs
@@ -22,6 +23,7 @@ from nav_model.design import Design
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 
+_COLUMNS = {"quadratic_phase": "quadratic", "cubic_phase": "cubic", "detrended_phase": "detrended"}
 _NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
 
 
@@ -34,18 +36,22 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
     wavelength, aperture = float(x.wavelength), float(x.aperture)
     budget = phase_sources(x, start)
     whole = phase.total(budget)
-    to_phase = 4 * math.pi / wavelength
-    found = {name: float(value) for name, value in imaging(x, start).items()}
+    of_model = {
+        name: {source: float(getattr(made, column) / getattr(whole, column)) for source, made in budget.items()}
+        for name, column in _COLUMNS.items()
+    } | {"along_track_quadratic_phase": shares["along_track_quadratic_phase"]}
+    found = {
+        name: composed(float(value), of_model[name], entering(x.own, name, post_processed=False))
+        for name, value in imaging(x, start).items()
+    }
+    one, two, three = (found[name] for name in _COLUMNS)
     lines = tuple(
         PhaseLine(
             source,
-            quadratic=to_phase * math.sqrt(float(variances.quadratic)),
-            cubic=to_phase * math.sqrt(float(variances.cubic)),
-            detrended=to_phase * math.sqrt(float(variances.detrended)),
-            share=float(variances.quadratic / whole.quadratic),
-            detrended_share=float(variances.detrended / whole.detrended),
+            *(each.sizes.get(source, 0.0) for each in (one, two, three)),
+            *(each.shares.get(source, 0.0) for each in (one, two, three)),
         )
-        for source, variances in budget.items()
+        for source in dict.fromkeys((*one.sizes, *two.sizes, *three.sizes))
     )
     return Sar(
         wavelength=wavelength,
@@ -56,15 +62,15 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         ),
         window=radar.window,
         autofocus_order=radar.autofocus_order,
-        quadratic=found["quadratic_phase"],
-        cubic=found["cubic_phase"],
-        detrended=found["detrended_phase"],
-        along_track_quadratic=found["along_track_quadratic_phase"],
+        quadratic=one.sigma,
+        cubic=two.sigma,
+        detrended=three.sigma,
+        along_track_quadratic=found["along_track_quadratic_phase"].sigma,
         lines=lines,
         tilt_shares=shares[INITIAL_TILT],
-        velocity_shares=shares["along_track_quadratic_phase"],
+        velocity_shares=found["along_track_quadratic_phase"].shares,
         half_power_extent=(
-            None if found["quadratic_phase"] > _NO_IMAGE else half_power_extent(found["quadratic_phase"], x.window)  # type: ignore[arg-type]
+            None if one.sigma > _NO_IMAGE else half_power_extent(one.sigma, x.window)  # type: ignore[arg-type]
         ),
         respond=partial(response_of, x),
     )
@@ -125,16 +131,24 @@ def _of(names: Collection[str], shares: Shares) -> Shares:
     return FrozenMapping({name: shares[name] / whole if whole else 1 / len(names) for name in names})
 
 
-def placement_of(x: Inputs, moved: Shifts, shares: Mapping[str, Shares]) -> Placement:
-    """Where the image lies, from the variances of its shift; `shares` are those of `PLACING` and more. [P-7]"""
+def placement_of(
+    x: Inputs, moved: Shifts, shares: Mapping[str, Shares], *, post_processed: bool = False
+) -> Placement:
+    """Where the image lies, from the variances of its shift; `shares` are those of `PLACING` and more. [P-7]
+
+    What enters a figure in this processing is in that figure, and in no other.
+    """
     ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
-    placed = {name: float(value) for name, value in placing(x, moved).items()}
+    placed = {
+        name: composed(float(value), shares[name], entering(x.own, name, post_processed=post_processed))
+        for name, value in placing(x, moved).items()
+    }
     return Placement(
-        range=placed["range_shift"],
-        azimuth=placed["azimuth_shift"],
+        range=placed["range_shift"].sigma,
+        azimuth=placed["azimuth_shift"].sigma,
         ground=(float(ground[0]), float(ground[1]), float(ground[2])),
-        ce90=placed["ce90"],
+        ce90=placed["ce90"].sigma,
         cep=float(circular_error(*ground, share=0.5)),
-        le90=placed["le90"],
-        shares=FrozenMapping({name: shares[name] for name in PLACING}),
+        le90=placed["le90"].sigma,
+        shares=FrozenMapping({name: placed[name].shares for name in PLACING}),
     )

@@ -15,6 +15,7 @@ from nav_model.aperture import geometry
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.errors import InputError
+from nav_model.budget.contributors import NONE, Parts, parts_of
 from nav_model.budget.fast import fast_sources, rectified
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
@@ -73,6 +74,7 @@ class Inputs:
     window: str
     fast: Mapping[str, Fast]
     rectified: Array | None
+    own: Parts
 
     @property
     def bias(self) -> Array:
@@ -188,4 +190,5 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         window=radar.window,
         fast=fast_sources(design, value, wavelength, aperture),
         rectified=rectified(design, value),
+        own=parts_of(design, wavelength) if design.contributors else NONE,
     )

@@ -7,8 +7,11 @@ from dataclasses import asdict, fields
 from typing import Any
 
 from nav_model.aperture.impulse_response import ImpulseResponse
+from nav_model.budget.contributors import size_of
 from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Spectral, Verdict
+from nav_model.design.contributors import ENTERED, Contributor
+from nav_model.processing.paired_echo import NOTHING
 
 
 def to_json(budget: Budget) -> dict[str, Any]:
@@ -82,6 +85,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "post_processed": _placement(budget.post_processed_placement),
         },
         "spectral": _spectral(budget.spectral),
+        "contributors": [_contributor(one, sar.wavelength) for one in design.contributors],
         "verdict": verdict_json(verdict),
         "other_verdict": verdict_json(budget.other_verdict),
         "cautions": list(cautions(budget)),
@@ -161,6 +165,15 @@ def _spectral(spectral: Spectral) -> dict[str, Any]:
         "peak_loss_db": _decibels(math.sqrt(spectral.stays)),
         "islr_shares": dict(spectral.shares["islr"]),
     }
+
+
+def _contributor(one: Contributor, wavelength: float) -> dict[str, Any]:
+    """A contributor with its 1σ in the figure that it enters, allowance included; zero for none."""
+    dimension, sigma = ENTERED[one.enters], float(size_of(one, wavelength))
+    if dimension == "level":
+        sigma = _decibels(max(sigma, NOTHING))
+    unit = {"angle": "rad", "length": "m", "speed": "m/s", "level": "dB"}[dimension]
+    return {"name": one.name, "enters": one.enters, "sigma": sigma, "unit": unit, "owner": one.owner}
 
 
 def _decibels(amplitude: float) -> float:

@@ -16,6 +16,7 @@ from nav_model.analytic.doubling import carried, drift, measured, updated, witho
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.errors import InputError, shown
 from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.contributors import composed, entering
 from nav_model.budget.figures import COASTING, SETTLED, channels, outage, sigmas
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.result import Outage, Sigmas, SteadyState
@@ -71,6 +72,7 @@ def steady_state_of(
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
         shares=FrozenMapping({name: shares[name] for name in SETTLED}),
+        own=x.own,
     )
 
 
@@ -103,12 +105,16 @@ def outage_of(x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array, sha
         "perfect_start_vertical": np.sqrt(perfect[1]),
         "initial_tilt": np.sqrt(growth.initial_tilt(p.p33, g, time)),
     }
+    level_end, upright_end = (
+        composed(float(curve[-1]), shares[name], entering(x.own, name, post_processed=False))
+        for name, curve in zip(COASTING, (refined_horizontal, refined_vertical), strict=True)
+    )
     return Outage(
         duration=duration,
-        end_refined_horizontal=float(refined_horizontal[-1]),
-        end_refined_vertical=float(refined_vertical[-1]),
-        shares_horizontal=shares[COASTING[0]],
-        shares_vertical=shares[COASTING[1]],
+        end_refined_horizontal=level_end.sigma,
+        end_refined_vertical=upright_end.sigma,
+        shares_horizontal=level_end.shares,
+        shares_vertical=upright_end.shares,
         **curves,
     )
 

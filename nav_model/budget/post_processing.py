@@ -9,7 +9,8 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.figures import SETTLED, SMOOTHED, smoothed_with_shifts
+from nav_model.budget.contributors import composed, entering
+from nav_model.budget.figures import IMAGING, SETTLED, SMOOTHED, smoothed_with_shifts
 from nav_model.budget.image import placement_of, response_of
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.navigation import smoothed_outage
@@ -61,20 +62,27 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     shares = shares_of(sized)
     shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
     by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]
+    value["detrended_phase"] = by_order[x.autofocus_order - 1]
+    whole = {
+        name: composed(value[name], shares[name], entering(x.own, name, post_processed=True))
+        for name in (*SETTLED, *IMAGING)
+    }
     smoothed = PostProcessed(
-        sigmas=Sigmas(*(value[name] for name in SETTLED)),
-        quadratic=value["quadratic_phase"],
-        cubic=value["cubic_phase"],
-        detrended=by_order[x.autofocus_order - 1],
+        sigmas=Sigmas(*(whole[name].sigma for name in SETTLED)),
+        quadratic=whole["quadratic_phase"].sigma,
+        cubic=whole["cubic_phase"].sigma,
+        detrended=whole["detrended_phase"].sigma,
         by_order=by_order,
-        along_track_quadratic=value["along_track_quadratic_phase"],
+        along_track_quadratic=whole["along_track_quadratic_phase"].sigma,
         turning_quadratic=value["turning_quadratic_phase"],
         turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),
         azimuth_shift=value["slope_shift"],
-        shares=FrozenMapping(shares),
+        shares=FrozenMapping(shares | {name: each.shares for name, each in whole.items()}),
+        sizes=FrozenMapping({name: each.sizes for name, each in whole.items()}),
+        navigation=FrozenMapping({name: value[name] for name in IMAGING}),
         respond=partial(response_of, x),
         through=partial(smoothed_outage, x),
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.asarray(value.real.flat[0]) for value in moved[0]))  # the shares' steps are imaginary
-    return smoothed, placement_of(x, shifts, shares)
+    return smoothed, placement_of(x, shifts, shares, post_processed=True)

@@ -169,7 +169,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             "not included."
         )
     if (smoothed := budget.smoothed) is not None:
-        counted = math.hypot(smoothed.quadratic, smoothed.along_track_quadratic)
+        counted = math.hypot(*(smoothed.navigation[f"{name}quadratic_phase"] for name in ("", "along_track_")))
         change = smoothed.turning_quadratic / counted - 1
         if abs(change) > _TURN_SAID:
             said.append(
@@ -178,7 +178,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
                 f"along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
             )
         order = budget.sar.autofocus_order
-        change = smoothed.turning_by_order[order - 1] / smoothed.detrended - 1 if order < 3 else 0.0
+        change = smoothed.turning_by_order[order - 1] / smoothed.by_order[order - 1] - 1 if order < 3 else 0.0
         if abs(change) > _TURN_SAID:
             said.append(
                 f"The residual after autofocus of order {order} is along the line of sight of mid-aperture. With the "

@@ -12,6 +12,7 @@ import numpy as np
 from nav_model.aperture.impulse_response import ImpulseResponse
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.contributors import Parts, entering, with_contributors
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
@@ -28,6 +29,16 @@ class Sigmas:
     velocity_vertical: float
     tilt: float
 
+    def named(self) -> dict[str, float]:
+        """The same under the names of the figures that requirements limit."""
+        return {
+            "horizontal_position": self.position_horizontal,
+            "vertical_position": self.position_vertical,
+            "horizontal_velocity": self.velocity_horizontal,
+            "vertical_velocity": self.velocity_vertical,
+            "tilt": self.tilt,
+        }
+
 
 @dataclass(frozen=True)
 class SteadyState:
@@ -37,6 +48,7 @@ class SteadyState:
     it; ``prior`` and ``posterior`` are the discrete filter just before and just after a fix [T-8], slow error
     included. ``asymptote`` is [T-7]: position, velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two
     channels. ``shares`` gives, for each kind of error, each source's share in the variance of ``average`` [T-18].
+    None of these has the user's own contributors, ``own``, but for `checked`.
     """
 
     closed: Sigmas
@@ -47,11 +59,22 @@ class SteadyState:
     asymptote: tuple[float, float, float]
     lambda_dt: float
     shares: Mapping[str, Shares]
+    own: Parts
 
-    def checked(self, moment: str) -> Sigmas:
-        """What requirements are checked against: "prior", "posterior", or "closed", the average between fixes."""
+    def moment(self, moment: str) -> Sigmas:
+        """The "prior", the "posterior", or "closed", the average between fixes."""
         sigmas: Sigmas = getattr(self, "average" if moment == "closed" else moment)
         return sigmas
+
+    def checked(self, moment: str) -> Sigmas:
+        """What requirements are checked against: that moment, with the contributors of real time."""
+        named = self.moment(moment).named()
+        return Sigmas(
+            *(
+                float(with_contributors(sigma, entering(self.own, name, post_processed=False)))
+                for name, sigma in named.items()
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -94,13 +117,14 @@ class Outage:
 
 @dataclass(frozen=True)
 class PhaseLine:
-    """One source of the phase budget: 1σ in rad; ``share`` is of the quadratic-phase variance."""
+    """One source of the phase budget: 1σ in rad; the shares are those in the variance of each."""
 
     source: str
     quadratic: float
     cubic: float
     detrended: float
     share: float
+    cubic_share: float
     detrended_share: float
 
 
@@ -153,7 +177,9 @@ class PostProcessed:
     most where it is less than 0.05 rad to each side, and some 2 % at 0.2 rad.
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
     ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad.
-    ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance.
+    ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance, and
+    ``sizes`` the 1σ of each. Contributors of the user's own are in what verdicts check; ``by_order`` and the figures
+    of the turn have none, nor has ``navigation``, the phases under the names of their figures.
     ``through`` gives navigation's sigmas before and in an outage, `nav_model.budget.navigation.smoothed_outage`.
     """
 
@@ -167,6 +193,8 @@ class PostProcessed:
     turning_by_order: tuple[float, float]
     azimuth_shift: float
     shares: Mapping[str, Shares]
+    sizes: Mapping[str, Mapping[str, float]]
+    navigation: Mapping[str, float]
     respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
     through: Callable[[Array], Mapping[str, Array]] = field(repr=False, compare=False)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nav_model.budget.contributors import Parts, composed, entering
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import FIGURES, PLACING, UNSCALED
 from nav_model.budget.provenance import steady_marks
@@ -63,7 +64,7 @@ def judge(
     the along-track term [S-2] as well, which has its own check because other sensors cause it.
     """
     wanted = checked(design)
-    figures = _figures(design, steady_state, coast, sar) | _levels(spectral)
+    figures = _figures(design, steady_state, coast, sar) | _levels(spectral, steady_state.own)
     if smoothed is not None:
         figures |= _smoothed(smoothed)
     figures |= _placed(placement, figures["quadratic_phase"].basis)
@@ -113,11 +114,12 @@ def _smoothed(smoothed: PostProcessed) -> dict[str, _Figure]:
     return {name: _Figure(sigma, basis, mark, smoothed.shares[name]) for name, (sigma, mark) in values.items()}
 
 
-def _levels(spectral: Spectral) -> dict[str, _Figure]:
-    return {
-        name: _Figure(spectral.levels[name], "lines and spectra", mark, spectral.shares[name])
-        for name, mark in zip(LEVELS, ("[P-9]", "[P-11]"), strict=True)
-    }
+def _levels(spectral: Spectral, own: Parts) -> dict[str, _Figure]:
+    found = {}
+    for name, mark in zip(LEVELS, ("[P-9]", "[P-11]"), strict=True):
+        whole = composed(spectral.levels[name], spectral.shares[name], own.get(name, ()))
+        found[name] = _Figure(whole.sigma, "lines and spectra", mark, whole.shares)
+    return found
 
 
 def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
@@ -131,31 +133,35 @@ def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
 def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> dict[str, _Figure]:
     chosen = design.requirements.steady_state
     level, upright = steady_marks(design)
-    sigmas = steady_state.checked(chosen)
+    sigmas = steady_state.moment(chosen).named()
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
 
-    def settled(name: str, sigma: float, closed_mark: str) -> _Figure:
+    def settled(name: str, closed_mark: str) -> _Figure:
         mark = "[T-8]" if chosen != "closed" else closed_mark
-        return _Figure(sigma, label, mark, steady_state.shares[name])
+        entered = entering(steady_state.own, name, post_processed=False)
+        whole = composed(sigmas[name], steady_state.shares[name], entered)
+        return _Figure(whole.sigma, label, mark, whole.shares)
 
     slow = design.gnss.correlated
     budget = "closed form" if not slow else "closed form, with the tilt that the slow GNSS error adds"
 
+    own = {part.name for parts in steady_state.own.values() for part in parts}
+
     def by_source(field: str) -> dict[str, float]:
-        if field == "cubic_share":
-            return {line.source: (line.cubic / sar.cubic) ** 2 for line in sar.lines}
-        return {line.source: getattr(line, field) for line in sar.lines}
+        """Shares of the model's sources and of the contributors that enter."""
+        shares = {line.source: getattr(line, field) for line in sar.lines}
+        return {source: share for source, share in shares.items() if share or source not in own}
 
     return {
         "quadratic_phase": _Figure(sar.quadratic, budget, "[S-5]", by_source("share")),
         "along_track_quadratic_phase": _Figure(sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares),
         "cubic_phase": _Figure(sar.cubic, budget, "[S-6]", by_source("cubic_share")),
         "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
-        "horizontal_position": settled("horizontal_position", sigmas.position_horizontal, level),
-        "vertical_position": settled("vertical_position", sigmas.position_vertical, upright),
-        "horizontal_velocity": settled("horizontal_velocity", sigmas.velocity_horizontal, level),
-        "vertical_velocity": settled("vertical_velocity", sigmas.velocity_vertical, upright),
-        "tilt": settled("tilt", sigmas.tilt, level),
+        "horizontal_position": settled("horizontal_position", level),
+        "vertical_position": settled("vertical_position", upright),
+        "horizontal_velocity": settled("horizontal_velocity", level),
+        "vertical_velocity": settled("vertical_velocity", upright),
+        "tilt": settled("tilt", level),
         "coast_horizontal_position": _Figure(
             coast.end_refined_horizontal, "refined", "[T-17]", coast.shares_horizontal
         ),

@@ -9,11 +9,12 @@ beside this one, gathered in `nav_model.design.parts`. The file reader (`nav_mod
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, cast
 
 from nav_model.base.errors import InputError, shown
 from nav_model.base.frozen import FrozenMapping
+from nav_model.design.contributors import Contributor, checked
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import (
     INPUTS,
@@ -63,6 +64,8 @@ class Design:
         Dotted key -> where the value came from, such as a log or a data sheet: one line.
     outdated : tuple of str
         Keys of a file or link of before that have no effect any more.
+    contributors : tuple of Contributor
+        Errors of the user's own that enter figures beside those of the model.
 
     Two designs are equal when their values and texts are, whatever units they were written in and wherever the
     values came from: `written` and `origins` are not part of a design's identity, nor of its hash.
@@ -80,6 +83,7 @@ class Design:
     written: Mapping[str, str]
     origins: Mapping[str, str]
     outdated: tuple[str, ...]
+    contributors: tuple[Contributor, ...]
     _values: dict[str, Value]
 
     def __init__(
@@ -88,18 +92,20 @@ class Design:
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
         outdated: tuple[str, ...] = (),
+        contributors: Iterable[Contributor] = (),
     ) -> None:
         """Make a design from dotted keys in SI; a key not given takes its default.
 
         Raises
         ------
         InputError
-            For an unknown key, a value out of bounds, or an origin that is not one line of text.
+            For an unknown key, a value out of bounds, an origin that is not one line of text, two contributors of
+            one name or too many.
         """
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
         parts = {part.section: part(**own) for part, own in _by_part(given)}
-        self.__dict__["outdated"] = outdated
+        self.__dict__.update(outdated=outdated, contributors=checked(contributors))
         self._fill(dict(texts), parts, dict(written or {}), dict(origins or {}))
 
     def _fill(
@@ -118,7 +124,7 @@ class Design:
 
     def __reduce__(self) -> tuple[type[Design], tuple[Any, ...]]:
         """Unpickle through the constructor, so that the copy is checked and immutable too."""
-        return type(self), (self._values, dict(self.written), dict(self.origins), self.outdated)
+        return type(self), (self._values, dict(self.written), dict(self.origins), self.outdated, self.contributors)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a Design does not change; make another with replace()")
@@ -150,8 +156,9 @@ class Design:
         changes: Mapping[str, Value],
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
+        contributors: Iterable[Contributor] | None = None,
     ) -> Design:
-        """The design that differs in `changes` (dotted keys, SI).
+        """The design that differs in `changes` (dotted keys, SI), and in its contributors where they are given.
 
         `written` updates the units remembered, `origins` where values came from; a value that changes loses the
         origin it had. Parts, units and origins in which nothing changes are the same objects.
@@ -159,7 +166,7 @@ class Design:
         Raises
         ------
         InputError
-            For an unknown key, a value out of bounds, or an origin that is not one line of text.
+            As the constructor.
         """
         given = dict(changes)
         texts = {key: str(given.pop(key)) for key in TOP_KEYS if key in given}
@@ -175,6 +182,8 @@ class Design:
             held = {**held, **(origins or {})}
         new = Design.__new__(Design)
         new.__dict__.update(self.__dict__)
+        if contributors is not None:
+            new.__dict__["contributors"] = checked(contributors)
         new._fill({**self._values, **texts}, parts, units, held)
         return new
 
@@ -192,10 +201,10 @@ class Design:
         return declaration.unit if not written or ":" in written else written
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Design) and self._values == other._values
+        return isinstance(other, Design) and self._values == other._values and self.contributors == other.contributors
 
     def __hash__(self) -> int:
-        return hash(tuple(self._values.items()))
+        return hash((tuple(self._values.items()), self.contributors))
 
     def __repr__(self) -> str:
         return f"Design({self.name!r}, {self.content_hash[:12]})"
@@ -203,12 +212,17 @@ class Design:
     @property
     def content_hash(self) -> str:
         """SHA-256 over every key and value, in hexadecimal; stable across runs, machines and units."""
-        lines = (
+        lines = [
             # Adding zero makes -0.0 the 0.0 it is equal to.
             f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(value)}"
             for key, value in self._values.items()
             if key not in LATER or value != declaration_of(key).default
-        )
+        ]
+        for one in self.contributors:
+            sizes = f"{one.value.hex()} {one.dimension} {one.allowance.hex()}"
+            lines.append(
+                f"contributor={(one.name, one.enters, one.kind, one.processing, one.owner, one.source)} {sizes}"
+            )
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 

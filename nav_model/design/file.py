@@ -17,6 +17,7 @@ import tomli_w
 from nav_model.base.errors import InputError, shown
 from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
+from nav_model.design.contributors import read_contributors
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
@@ -26,6 +27,8 @@ from nav_model.design.rows import Rows
 ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""
 MAX_BYTES = 250_000  # a design is two kilobytes; a quarter of a second is the most that any text of this size takes
+CONTRIBUTORS = "contributors"
+"""The tables of a design file that each hold a contributor of the user's own."""
 KEY_VALUE = 'KEY=VALUE, for example imu.angle_random_walk="0.3 °/√h"'
 """How a change on top of a file is written."""
 _MAX_TEXT = 10_000
@@ -148,7 +151,10 @@ def _drop(tables: dict[str, Any], section: str, name: str) -> None:
 def _build(tables: dict[str, Any]) -> Design:
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
+    contributors = read_contributors(tables.get(CONTRIBUTORS, []))
     for key, content in tables.items():
+        if key == CONTRIBUTORS:
+            continue
         if key in TOP_KEYS:
             values[key] = _text(key, content)
         elif key not in (*INPUTS, ORIGINS):
@@ -158,7 +164,7 @@ def _build(tables: dict[str, Any]) -> Design:
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
     outdated = tuple(key for key in OUTDATED if key.partition(".")[2] in tables.get(key.partition(".")[0], {}))
-    design = Design(values, written, outdated=outdated)
+    design = Design(values, written, outdated=outdated, contributors=contributors)
     origins = tables.get(ORIGINS) or noted_origins(design)
     if isinstance(origins, dict):
         origins = {key: origin for key, origin in origins.items() if key not in OUTDATED}
@@ -224,7 +230,8 @@ def _input_named(section: str, name: str) -> tuple[str, Input] | None:
 
 def _unknown(section: str) -> str:
     if not section:
-        return f"unknown key; allowed are {', '.join((*TOP_KEYS, *(f'[{s}]' for s in (*INPUTS, ORIGINS))))}"
+        sections = (f"[{name}]" for name in (*INPUTS, ORIGINS, f"[{CONTRIBUTORS}]"))
+        return f"unknown key; allowed are {', '.join((*TOP_KEYS, *sections))}"
     preset = ["preset"] if f"{section}.preset" in PRESET_KEYS else []
     return f"unknown key; [{section}] has {', '.join((*preset, *INPUTS[section]))}"
 
@@ -251,4 +258,6 @@ def format_design(design: Design) -> str:
         tables[section] = table
     if design.origins:
         tables[ORIGINS] = dict(design.origins)
+    if design.contributors:
+        tables[CONTRIBUTORS] = [one.record() for one in design.contributors]
     return tomli_w.dumps(tables)

@@ -2,17 +2,20 @@
 
 Only what differs from the defaults (or from the presets named) is written, under short names and in ASCII
 units: ``imu=LN-200&gn=3cm&f=1.3GHz``. Where a value came from follows under ``origin.`` and its short name:
-``origin.arw=datasheet``. Reading it gives an equal design with the same origins.
+``origin.arw=datasheet``. Contributors are a list in JSON, each as a design file has it. Reading it gives an equal
+design with the same origins.
 """
 
 from __future__ import annotations
 
+import json
 from functools import lru_cache
 from typing import Any
 from urllib.parse import parse_qsl, quote_plus, urlencode
 
 from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
+from nav_model.design.contributors import Contributor, read_contributors
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS
@@ -27,6 +30,7 @@ SETTINGS = ("simulation", "sar", "explore", "search", "map", "uncertainty")
 """The studies and questions whose settings stand beside a design's inputs, their names behind a point:
 ``sar.runs=200``."""
 _ORIGIN_PREFIX = "origin."
+_CONTRIBUTORS = "contributors"
 _NONE = "none"
 _SHORT: dict[str, str] = {
     declaration.short: f"{section}.{name}"
@@ -49,6 +53,9 @@ def to_query(design: Design) -> str:
         if value != base[key] or type(value) is not type(base[key]):
             pairs.append((short, _to_text(key, value, design)))
     pairs += [(_ORIGIN_PREFIX + short, design.origins[key]) for short, key in _SHORT.items() if key in design.origins]
+    if design.contributors:
+        records = [one.record() for one in design.contributors]
+        pairs.append((_CONTRIBUTORS, json.dumps(records, ensure_ascii=False, separators=(",", ":"))))
     return urlencode(pairs, safe="()/^-.:", quote_via=quote_plus)
 
 
@@ -100,6 +107,7 @@ def from_query(query: str) -> Design:
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     origins: dict[str, str] = {}
+    contributors: tuple[Contributor, ...] = ()
     names = [short for short, _ in pairs]
     for short in names:
         if names.count(short) > 1:
@@ -112,14 +120,25 @@ def from_query(query: str) -> Design:
     for short, text in pairs:
         if short in TOP_KEYS:
             values[short] = text
+        elif short == _CONTRIBUTORS:
+            contributors = _contributors(text)
         elif short.removeprefix(_ORIGIN_PREFIX) in _SHORT and short.startswith(_ORIGIN_PREFIX):
             origins[_SHORT[short.removeprefix(_ORIGIN_PREFIX)]] = text
         elif short not in _PRESET_SHORT and short.removeprefix(_ORIGIN_PREFIX) not in _OUTDATED:
             if short not in _SHORT:
                 raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
             _read(_SHORT[short], text, values, written)
-    design = Design(values, written, outdated=tuple(_OUTDATED[short] for short in names if short in _OUTDATED))
+    outdated = tuple(_OUTDATED[short] for short in names if short in _OUTDATED)
+    design = Design(values, written, outdated=outdated, contributors=contributors)
     return design.replace({}, origins=origins or noted_origins(design))
+
+
+def _contributors(text: str) -> tuple[Contributor, ...]:
+    try:
+        tables = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(_CONTRIBUTORS, "is not a list in JSON", text) from error
+    return read_contributors(tables)
 
 
 def _read(key: str, text: str, values: dict[str, Value], written: dict[str, str]) -> None:

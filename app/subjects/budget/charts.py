@@ -24,6 +24,7 @@ from nav_model.budget.fast import scattered_floor
 _RESPONSE_CELLS = 6.0  # shown on each side of the target
 
 """What the sum of the sources in quadrature is called beside them."""
+_GIVEN = "given in the design"
 _LINE_EQUATIONS = {
     "initial tilt": "(4π/λ)(T²/8) g √p33 cos ψ [S-5]",
     "accelerometer noise": "(4π/λ)(T²/8) σa √(10/7T) [S-5]",
@@ -53,7 +54,7 @@ def phase_chart(budget: Budget) -> BarChart:
         return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source, limited, parts)
 
     if smoothed is None:
-        bars = [bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS[x.source]) for x in sar.lines]
+        bars = [bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS.get(x.source, _GIVEN)) for x in sar.lines]
         marks, along = "[S-5], [T-15]", "πVT²δV/(λR) [S-2]"
         slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
         knowledge = (
@@ -62,15 +63,16 @@ def phase_chart(budget: Budget) -> BarChart:
             f"tilt comes from {', '.join(f'{name} {percent(share)}' for name, share in tilt)} [T-18].{slow}"
         )
     else:
-        shares = smoothed.shares["quadratic_phase"], smoothed.shares["detrended_phase"]
+        one, other = smoothed.sizes["quadratic_phase"], smoothed.sizes["detrended_phase"]
+        own = {each.name for each in budget.design.contributors}
         bars = [
             bar(
                 source,
-                smoothed.quadratic * math.sqrt(shares[0][source]),
-                smoothed.detrended * math.sqrt(shares[1][source]),
-                "[P-4], [P-5]",
+                one.get(source, 0.0),
+                other.get(source, 0.0),
+                _GIVEN if source in own else "[P-4], [P-5]",
             )
-            for source in shares[0]
+            for source in dict.fromkeys((*one, *other))
         ]
         marks = along = "[P-5]"
         knowledge = (

@@ -8,6 +8,7 @@ from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import (
+    contributor_table,
     echo_table,
     image_table,
     outage_table,
@@ -29,9 +30,12 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
     phase = chart_block(display.bars(charts.phase_chart(budget)), key)
     response, regime = (chart_block(draw(budget), key) for draw in (charts.response_chart, charts.regime_chart))
     echoes = (echo_table(budget, key),) if budget.has_fast_sources else ()
+    own = (contributor_table(budget, key),) if budget.design.contributors else ()
     return (
         Section(
-            f"{key}-requirements", "Requirements", (key_figures(budget, display), requirement_table(budget, key))
+            f"{key}-requirements",
+            "Requirements",
+            (key_figures(budget, display), requirement_table(budget, key), *own),
         ),
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),
         Section(f"{key}-steady", "Steady state", (steady_table(budget, key, display),)),

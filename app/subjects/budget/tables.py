@@ -11,10 +11,11 @@ from app.document.blocks import Cell, Column, Table, Text
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import SAID, check_words, met_cell, requirement_quantity
-from app.document.wording import best_of
+from app.document.wording import best_of, printable
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import provenance, steady_marks
 from nav_model.budget.result import Check
+from nav_model.budget.verdict import label_of
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
@@ -178,16 +179,12 @@ def phase_table(budget: Budget, key: str) -> Table:
     if smoothed is None:
         lines = [(x.source, x.quadratic, x.share, x.detrended, x.detrended_share) for x in sar.lines]
     else:
-        one, other = smoothed.shares["quadratic_phase"], smoothed.shares["detrended_phase"]
+        one, other = (
+            (smoothed.sizes[name], smoothed.shares[name]) for name in ("quadratic_phase", "detrended_phase")
+        )
         lines = [
-            (
-                source,
-                math.sqrt(one[source]) * smoothed.quadratic,
-                one[source],
-                math.sqrt(other[source]) * smoothed.detrended,
-                other[source],
-            )
-            for source in one
+            (x, one[0].get(x, 0.0), one[1].get(x, 0.0), other[0].get(x, 0.0), other[1].get(x, 0.0))
+            for x in dict.fromkeys((*one[0], *other[0]))
         ]
 
     def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> tuple[Cell, ...]:
@@ -231,6 +228,36 @@ def phase_table(budget: Budget, key: str) -> Table:
         if smoothed is None
         else "Smoothed with every fix [P-3]; shares of the variance [P-4]; phases [P-5].",
     )
+
+
+def contributor_table(budget: Budget, key: str) -> Table:
+    """The contributors that the design gives itself: what each is and what it enters."""
+    return Table(
+        f"{key}-contributors",
+        "Contributors given in the design",
+        (
+            Column("Contributor", width=1.3),
+            Column("Enters", width=1.3),
+            Column("Value, 1σ", numeric=True),
+            Column("Allowance", numeric=True, width=0.9),
+            Column("Kind"),
+            Column("Processing"),
+            Column("Owner"),
+            Column("Source", width=1.3),
+        ),
+        tuple(
+            tuple(
+                Cell(printable(text))
+                for text in (
+                    one.name, label_of(one.enters), one.show(6), percent(one.allowance), one.kind, one.processing,
+                    one.owner or NONE, one.source or NONE,
+                )
+            )
+            for one in budget.design.contributors
+        ),
+        "A random contributor adds in quadrature, a systematic one linearly, each with its allowance. A length along "
+        "the line of sight enters a phase by 4π/λ. One of CE90 or LE90 is a 90 % value.",
+    )  # fmt: skip
 
 
 def echo_table(budget: Budget, key: str) -> Table | Text:

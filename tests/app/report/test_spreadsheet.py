@@ -22,6 +22,7 @@ from nav_model import Design, analyse, read_design
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.design.contributors import Contributor
 
 EXAMPLES = Path("examples")
 CHANGED = {
@@ -73,9 +74,25 @@ def expected(design: Design) -> dict[str, float]:
     return {f"real_time_{name}": float(value) for name, value in found.items()}
 
 
+def contributors() -> tuple[Contributor, ...]:
+    """Some that enter phases, the image's place and navigation, random and systematic."""
+    return (
+        Contributor("=1+1", 1e-3, "quadratic_phase", "length"),
+        Contributor("lever arm", 2e-3, "quadratic_phase", "length", kind="systematic", allowance=0.2),
+        Contributor("time tag", 0.05, "detrended_phase", "angle", kind="systematic"),
+        Contributor("atmosphere", 1.5, "ce90", "length"),
+        Contributor("boresight", 1e-4, "tilt", "angle", processing="real time"),
+        Contributor("datum", 0.3, "coast_horizontal_position", "length"),
+        Contributor("after flight", 0.1, "horizontal_position", "length", processing="post-processed"),
+    )
+
+
+@pytest.mark.parametrize("own", [(), contributors()], ids=["model", "contributors"])
 @pytest.mark.parametrize("name", ["mems_x_band", "tactical_x_band", "l_band_jet"])
-def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str) -> None:
-    budget = analyse(read_design(EXAMPLES / f"{name}.toml"))
+def test_every_cell_is_written_with_the_value_of_the_budget(
+    tmp_path: Path, name: str, own: tuple[Contributor, ...]
+) -> None:
+    budget = analyse(read_design(EXAMPLES / f"{name}.toml").replace({}, contributors=own))
     path = write(tmp_path / "budget.xlsx", budget.design)
     book = openpyxl.load_workbook(path, data_only=True)
     formulas_too = openpyxl.load_workbook(path)
@@ -94,9 +111,11 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
     for check in budget.other_verdict.checks:
         assert post[check.label][6].value == pytest.approx(check.margin, abs=1e-9)
         assert post[check.label][9].value == TAKEN
-    listed = {row[0].value: row[1].value for row in book["Sources"].iter_rows(min_row=4)}
+    listed = {row[0].value: row for row in book["Sources"].iter_rows(min_row=4)}
     for line in budget.sar.lines:
-        assert listed[line.source] == pytest.approx(math.degrees(line.quadratic), rel=1e-9)
+        if line.quadratic:
+            assert listed[line.source][1].value == pytest.approx(math.degrees(line.quadratic), rel=1e-9)
+            assert listed[line.source][4].value == pytest.approx(line.share, rel=1e-9)
 
 
 def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
@@ -107,7 +126,7 @@ def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
 
 @pytest.mark.long
 def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None:
-    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0)
+    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0).replace({}, contributors=contributors())
     path = write(tmp_path / "budget.xlsx", base)
     book = openpyxl.load_workbook(path)
     model = formulas.ExcelModel().loads(str(path)).finish()

@@ -1,0 +1,47 @@
+"""Contributors of the user's own in the report and on the command line."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from app.document.html import to_html
+from app.report.content import report_of
+from app.subjects.budget.command import check_lines
+from nav_model import analyse, read_design
+from nav_model.design.contributors import read_contributors
+
+_BASE = read_design(Path("examples/mems_x_band.toml"))
+_LEVER_ARM = {
+    "name": "lever <arm>", "value": "1 mm", "enters": "detrended_phase", "allowance": "20 %", "owner": "mechanics",
+    "source": "survey, 2026-03",
+}  # fmt: skip
+_OMITTED = "Lever arm, timing, atmosphere"
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: str) -> None:
+    alone = _BASE.replace({"processing.mode": mode})
+    design = alone.replace({}, contributors=read_contributors([_LEVER_ARM]))
+    said, before = (to_html(report_of([analyse(one)])) for one in (design, alone))
+    assert _OMITTED in before
+    assert _OMITTED not in said
+    row = re.search(r"<tr>(?:(?!</tr>).)*lever &lt;arm&gt;(?:(?!</tr>).)*mechanics.*?</tr>", said, re.DOTALL)
+    assert row is not None
+    for text in ("Detrended phase", "1 mm", "20 %", "random", "both", "survey, 2026-03"):
+        assert text in row[0]
+    assert "Contributors given in the design" not in before
+
+
+def test_check_says_the_value_with_it() -> None:
+    base = _BASE.replace({"requirements.detrended_phase": 1.0, "requirements.confidence": 1.0})
+    design = base.replace({}, contributors=read_contributors([_LEVER_ARM]))
+    size = 4 * math.pi * 1.2e-3 * design.radar.frequency / 299_792_458.0
+    found = []
+    for one in (base, design):
+        (line,) = (line for line in check_lines("x", analyse(one)) if " detrended_phase " in line)
+        found.append(float(re.search(r"detrended_phase ([\d.]+)", line)[1]))  # type: ignore[index]
+    assert found[1] == pytest.approx(math.degrees(math.hypot(math.radians(found[0]), size)), rel=0.01)

@@ -1,0 +1,198 @@
+"""Contributors of the user's own, against sums written out here."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+import random
+from typing import Any
+
+import pytest
+
+from nav_model import Design, InputError, analyse
+from nav_model.base.constants import SPEED_OF_LIGHT
+from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.inputs import inputs_of
+from nav_model.budget.json import to_json
+from nav_model.design.contributors import ENTERED, Contributor, read_contributors
+from nav_model.design.file import format_design, parse_design
+from nav_model.design.link import from_query, to_query
+
+_LIMITS = {
+    f"requirements.{key}": {"angle": 1.0, "length": 10.0, "speed": 1.0, "level": 0.1}[ENTERED[key]]
+    for key in dict.fromkeys(FIGURES.values())
+}
+DESIGN = Design(_LIMITS)
+LEVER_ARM = {"name": "lever arm", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics"}
+_ALONE = {mode: analyse(DESIGN.replace({"processing.mode": mode})) for mode in ("real time", "post-processed")}
+
+
+def _with(*tables: dict[str, str], mode: str = "real time") -> Design:
+    return DESIGN.replace({"processing.mode": mode}, contributors=read_contributors(list(tables)))
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_a_millimetre_enters_the_phase_by_four_pi_over_lambda(mode: str) -> None:
+    design = _with(LEVER_ARM, mode=mode)
+    size = 4 * math.pi / (SPEED_OF_LIGHT / design.radar.frequency) * 1e-3
+    budget, alone = analyse(design), _ALONE[mode]
+    for check, before in zip(budget.verdict.checks, alone.verdict.checks, strict=True):
+        if check.name == "detrended_phase":
+            assert check.sigma == pytest.approx(math.hypot(before.sigma, size), rel=1e-14)
+            assert check.shares["lever arm"] == pytest.approx(size**2 / check.sigma**2, rel=1e-14)
+        else:
+            assert check == before
+    (told,) = to_json(budget)["contributors"]
+    expected = {"name": "lever arm", "enters": "detrended_phase", "unit": "rad", "owner": "mechanics"}
+    assert told == expected | {"sigma": pytest.approx(size, rel=1e-14)}
+    image = budget.smoothed or budget.sar
+    assert image.detrended == pytest.approx(math.hypot((alone.smoothed or alone.sar).detrended, size), rel=1e-14)
+
+
+def test_the_lines_of_the_phase_budget_name_it_and_add_up() -> None:
+    table = {**LEVER_ARM, "kind": "systematic", "enters": "cubic_phase"}
+    sar, alone = analyse(_with(table, LEVER_ARM | {"name": "other"})).sar, _ALONE["real time"].sar
+    size = 4 * math.pi / alone.wavelength * 1e-3
+    assert {line.source for line in sar.lines} - {line.source for line in alone.lines} == {"lever arm", "other"}
+    assert sar.cubic == pytest.approx(alone.cubic + size, rel=1e-14)
+    for share in ("share", "cubic_share", "detrended_share"):
+        assert math.fsum(getattr(line, share) for line in sar.lines) == pytest.approx(1, rel=1e-14)
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_one_of_zero_changes_nothing(mode: str) -> None:
+    zeros = [{"name": name, "value": value, "enters": name, "kind": "systematic"} for name, value in (
+        ("detrended_phase", "0 mm"), ("tilt", "0 rad"), ("ce90", "0 m"), ("coast_vertical_position", "0 m"),
+        ("horizontal_velocity", "0 m/s"),
+    )]  # fmt: skip
+    left, right = to_json(analyse(_with(*zeros, mode=mode))), to_json(_ALONE[mode])
+    for told in (left, right):
+        del told["contributors"], told["design"]
+    assert left == right
+
+
+def _random_set(draw: random.Random) -> list[Contributor]:
+    found = []
+    for number in range(draw.randint(1, 8)):
+        enters = draw.choice(list(ENTERED))
+        alike = enters.startswith("coast") or enters in ("paired_echo", "islr")
+        lengthy = ENTERED[enters] == "angle" and enters != "tilt" and draw.random() < 0.5
+        found.append(
+            Contributor(
+                f"c{number}", 10 ** draw.uniform(-4, -1), enters, "length" if lengthy else ENTERED[enters],
+                kind=draw.choice(["random", "systematic"]),
+                processing="both" if alike else draw.choice(["both", "real time", "post-processed"]),
+                allowance=draw.choice([0.0, 0.2]),
+            )
+        )  # fmt: skip
+    return found
+
+
+def test_random_sets_agree_with_the_sum_written_out() -> None:
+    draw = random.Random(29)
+    for number in range(500):
+        own = _random_set(draw)
+        mode = ("real time", "post-processed")[number % 2]
+        design = DESIGN.replace({"processing.mode": mode}, contributors=own)
+        # The maps' way for all, the verdict's for some, since a budget takes longer.
+        budget = analyse(design) if number % 25 < 2 else None
+        found = {c.name: c.sigma for c in budget.verdict.checks} if budget else figures(inputs_of(design))
+        for before in _ALONE[mode].verdict.checks:
+            square, linear = before.sigma**2, 0.0
+            for one in own:
+                if one.enters == before.name and one.processing in ("both", mode):
+                    size = one.value * (1 + one.allowance)
+                    if one.dimension == "length" and ENTERED[one.enters] == "angle":
+                        size *= 4 * math.pi / (SPEED_OF_LIGHT / design.radar.frequency)
+                    square, linear = (square + size**2, linear) if one.kind == "random" else (square, linear + size)
+            assert float(found[before.name]) == pytest.approx(math.sqrt(square) + linear, rel=1e-12), before.name
+        for check in budget.verdict.checks if budget else ():
+            assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+@pytest.mark.parametrize("moment", ["prior", "closed", "posterior"])
+def test_verdict_and_maps_have_the_same_figures(mode: str, moment: str) -> None:
+    tables = [
+        {"name": name, "value": {"angle": "1 mrad", "length": "1 cm", "speed": "1 mm/s", "level": "-40 dB"}[kind],
+         "enters": name, "kind": "systematic" if number % 2 else "random"}
+        for number, (name, kind) in enumerate(ENTERED.items())
+    ]  # fmt: skip
+    design = _with(*tables, mode=mode).replace({"requirements.steady_state": moment})
+    found = figures(inputs_of(design))
+    for check in analyse(design).verdict.checks:
+        assert check.sigma == pytest.approx(float(found[check.name]), rel=1e-9), check.name
+        assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
+        assert check.name in check.shares
+
+
+def test_file_link_pickle_and_replace_keep_them() -> None:
+    design = _with(LEVER_ARM | {"allowance": "20 %", "source": "survey, 2026-03"}, {
+        "name": "clock", "value": "2e-4 rad", "enters": "tilt", "kind": "systematic", "processing": "real time",
+    })  # fmt: skip
+    assert parse_design(format_design(design)) == design
+    assert 'value = "1 mm"' in format_design(design)
+    assert from_query(to_query(design)) == design
+    assert pickle.loads(pickle.dumps(design)) == design
+    assert design.replace({"gnss.interval": 0.5}).contributors == design.contributors
+    assert design.replace({}, contributors=()) == DESIGN != design
+    assert hash(design.replace({}, contributors=())) == hash(DESIGN)
+
+
+def test_the_content_hash_counts_them_and_is_that_of_before_without_any() -> None:
+    # Of the version before contributors.
+    assert Design().content_hash == "1ddf64c8a1ffdf37ffc6ef00d2802fa6027581b36bdf37cbda765da168b4f5fe"
+    assert len({_with(LEVER_ARM | change).content_hash for change in (
+        {}, {"value": "2 mm"}, {"value": "1 rad"}, {"kind": "systematic"}, {"allowance": "5 %"}, {"owner": "radar"},
+        {"enters": "cubic_phase"}, {"processing": "real time"}, {"name": "lever"}, {"source": "survey"},
+    )}) == 10  # fmt: skip
+    assert _with(LEVER_ARM).content_hash == _with(LEVER_ARM | {"value": "0.001 m"}).content_hash
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"value": "1 m/s"}, "contributors[lever arm].value"),
+        ({"value": "1"}, "contributors[lever arm].value"),
+        ({"value": "-1 mm"}, "contributors[lever arm].value"),
+        ({"value": 1}, "contributors[lever arm].value"),
+        ({"value": "1 mm", "enters": "tilt"}, "contributors[lever arm].value"),
+        ({"value": "1 mm", "enters": "islr"}, "contributors[lever arm].value"),
+        ({"enters": "yaw"}, "contributors[lever arm].enters"),
+        ({"enters": "confidence"}, "contributors[lever arm].enters"),
+        ({"kind": "normal"}, "contributors[lever arm].kind"),
+        ({"processing": "later"}, "contributors[lever arm].processing"),
+        ({"value": "1 m", "enters": "coast_vertical_position", "processing": "real time"},
+         "contributors[lever arm].processing"),
+        ({"allowance": "20 mm"}, "contributors[lever arm].allowance"),
+        ({"allowance": "-20 %"}, "contributors[lever arm].allowance"),
+        ({"name": "Gyro noise"}, "contributors[Gyro noise]"),
+        ({"name": " "}, "contributors[1].name"),
+        ({"owner": "two\nlines"}, "contributors[lever arm].owner"),
+        ({"colour": "red"}, "contributors[lever arm].colour"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_refused_by_name(change: dict[str, Any], named: str) -> None:
+    with pytest.raises(InputError) as refused:
+        read_contributors([LEVER_ARM | change])
+    assert refused.value.key == named
+
+
+@pytest.mark.parametrize(
+    ("tables", "named"),
+    [
+        ([LEVER_ARM, LEVER_ARM | {"name": "Lever arm "}], "contributors[Lever arm]"),
+        ([LEVER_ARM | {"name": f"c{n}"} for n in range(1000)], "contributors"),
+        ([{"name": "lever arm", "enters": "tilt"}], "contributors[lever arm].value"),
+        ({"name": "lever arm"}, "contributors"),
+        (["lever arm"], "contributors"),
+    ],
+)
+def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> None:
+    with pytest.raises(InputError) as refused:
+        read_contributors(tables)
+    assert refused.value.key == named
+    if not isinstance(tables, dict):
+        with pytest.raises(InputError):
+            from_query("contributors=" + json.dumps(tables))
