@@ -7,12 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
+from weakref import WeakKeyDictionary, ref
 
 import panel_material_ui as pmui
+from bokeh.document import Document
+from panel import state
 
 
 class LimitedFileInput(pmui.FileInput):
-    """A `FileInput` that drops whatever exceeds `max_file_size` and says so through `refused`."""
+    """A `FileInput` that drops whatever exceeds `max_file_size` and says so through `refused`.
+
+    Of the inputs of a page one receives at a time: an upload that another one begins takes the place of the first,
+    so a browser that finishes none leaves one file at most.
+    """
 
     def __init__(self, refused: Callable[[str], None], **params: Any) -> None:
         # What became of the file is said beside it: the button would say "Uploaded" of a refused one too.
@@ -25,6 +32,7 @@ class LimitedFileInput(pmui.FileInput):
         super().__init__(**shipped | params)
         self._refused = refused
         self._received = 0
+        self._receiving = False
 
     def _handle_msg(self, msg: dict[str, Any]) -> None:
         status = msg.get("status")
@@ -33,7 +41,10 @@ class LimitedFileInput(pmui.FileInput):
             return
         if status == "initializing":
             self._drop()
+            self._receive()
         elif status == "upload_event":
+            if not self._receiving:
+                return
             self._received += len(msg["data"])
             if self._received > self.max_file_size:
                 self._file_buffer.clear()
@@ -45,11 +56,23 @@ class LimitedFileInput(pmui.FileInput):
             return
         super()._handle_msg(msg)
 
+    def _receive(self) -> None:
+        before = _receiving.get(state.curdoc, lambda: None)()
+        if before is not None and before is not self and before._receiving:
+            before._refuse("another file was chosen before it had arrived")
+        _receiving[state.curdoc] = ref(self)
+        self._receiving = True
+
     def _refuse(self, reason: str) -> None:
         self._drop()
         self._refused(reason)
 
     def _drop(self) -> None:
+        self._receiving = False
         self._received = 0
         self._file_buffer.clear()
         self._buffer.clear()
+
+
+_receiving: WeakKeyDictionary[Document, ref[LimitedFileInput]] = WeakKeyDictionary()
+"""The input of each page whose upload began last."""

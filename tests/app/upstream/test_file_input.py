@@ -2,29 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import panel_material_ui as pmui
 import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
 
 from app.upstream.file_input import LimitedFileInput
 
 
-def _send(widget: pmui.FileInput, *chunks: bytes) -> None:
-    """As a browser that does not check."""
+def _send(widget: pmui.FileInput, *chunks: bytes, whole: bool = True) -> None:
+    """As a browser that does not check, or does not end."""
     widget._handle_msg({"status": "initializing"})
     for number, data in enumerate(chunks, start=1):
         widget._handle_msg(
             {"status": "upload_event", "name": "a", "chunk": number, "total_chunks": len(chunks),
              "mime_type": "", "data": data}
         )  # fmt: skip
-    widget._handle_msg({"status": "finished"})
+    if whole:
+        widget._handle_msg({"status": "finished"})
 
 
 def test_as_shipped_any_amount_is_kept() -> None:
     widget = pmui.FileInput(max_file_size=1000)
     _send(widget, b"x" * 600, b"y" * 600)
     assert len(widget.value) == 1200
+
+
+@pytest.fixture(autouse=True)
+def of_a_page() -> Iterator[None]:
+    with set_curdoc(Document()):
+        yield
 
 
 @pytest.fixture
@@ -48,3 +58,19 @@ def test_what_is_too_large_is_dropped(widget: Any) -> None:
     assert not upload._file_buffer
     _send(upload, b"again")
     assert taken[-1] == b"again"
+
+
+def test_of_uploads_that_nobody_ends_a_page_keeps_one(widget: Any) -> None:
+    first, refused = widget
+    others = [LimitedFileInput(refused.append, max_file_size=1000) for _ in range(5)]
+    for upload in (first, *others, first, *others):
+        _send(upload, b"x" * 900, whole=False)
+    for upload in (first, *others[:-1]):  # which go on although they were dropped
+        upload._handle_msg({"status": "upload_event", "name": "b", "chunk": 1, "total_chunks": 2, "mime_type": "",
+                            "data": b"y" * 90})  # fmt: skip
+    assert not any(upload._file_buffer for upload in (first, *others[:-1]))
+    assert refused[-1] == "another file was chosen before it had arrived"
+    with set_curdoc(Document()):  # somebody else's page is not concerned
+        _send(first, b"z", whole=False)
+    others[-1]._handle_msg({"status": "finished"})
+    assert others[-1].value == b"x" * 900

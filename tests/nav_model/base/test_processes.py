@@ -76,7 +76,7 @@ def send_half_a_result(told):
 def close_slowly():
     # So slowly that the end of the pool finds what the thread that mourns has closed, but not yet forgotten.
     close = Connection._close
-    Connection._close = lambda connection: (close(connection), time.sleep(connection.writable))
+    Connection._close = lambda connection: (close(connection), time.sleep(connection is pool._results._writer))
 
 if __name__ == "__main__":
     with worker_pool({workers}) as pool:
