@@ -5,11 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 import socket
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary, WeakSet
 
+from bokeh.server.contexts import ApplicationContext
 from bokeh.server.session import ServerSession
 from bokeh.util.token import get_session_id
 from panel.io.server import DocHandler
@@ -23,7 +25,7 @@ from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules, is_loopback
 from app.upstream.connection import FramesAtOnce, LostConnection, NoTracebacks
-from app.upstream.late_session import new_token
+from app.upstream.late_session import end_session, new_token
 from app.upstream.requests import serve_only
 from app.upstream.sending import FirstChanges
 
@@ -92,6 +94,7 @@ _here: Surroundings
 
 _connections: WeakSet[LimitedWSHandler] = WeakSet()
 _allowances: WeakKeyDictionary[ServerSession, Allowance] = WeakKeyDictionary()
+_addresses: WeakKeyDictionary[ServerSession, str] = WeakKeyDictionary()
 _MOST_FAULTS = 50  # of one connection
 
 
@@ -114,6 +117,23 @@ def close_door() -> None:
     _here.stopping = True
 
 
+async def _full(context: ApplicationContext) -> bool:
+    """Whether the limit on sessions is reached, and no page gives way.
+
+    Of the pages of this process that nobody is connected to, one of the address with most pages does, the oldest: one
+    address must not hold every place by pages that it has left.
+    """
+    if not _here.full(len(sessions := list(context.sessions))):
+        return False
+    held = Counter(_addresses.get(own) for own in sessions)
+    left = [own for own in sessions if own.connection_count == 0 and held[_addresses.get(own)] > 1]
+    if not left:
+        return True
+    own = max(left, key=lambda own: (held[_addresses.get(own)], own.milliseconds_since_last_unsubscribe))
+    await end_session(context, own)
+    return _here.full(len(list(context.sessions)))
+
+
 class PageHandler(DocHandler):
     """The page before its session: what the browser needs to load and connect, with a token of its own.
 
@@ -129,7 +149,7 @@ class PageHandler(DocHandler):
             self._turn_away(503, "Restarting", "This server is being stopped or restarted.", after=10)
         elif not _here.admits(str(self.current_user)):
             self._turn_away(403, "Not admitted", f"{self.current_user} has no access to this server.")
-        elif _here.full(len(list(self.application_context.sessions))):
+        elif await _full(self.application_context):
             _here.row.add("refused")
             event("full", sessions=_here.most)
             self._turn_away(
@@ -171,7 +191,7 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
             return
         known = {session.id for session in self.application_context.sessions}
         address = self.request.remote_ip or ""
-        if wanted not in known and (_here.stopping or _here.full(len(known)) or _here.taken(address)):
+        if wanted not in known and (_here.stopping or _here.taken(address) or await _full(self.application_context)):
             _here.row.add("refused")
             self.set_status(503)
             self.finish()
@@ -191,6 +211,8 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
         if self._hung_up():
             return
         await super()._async_open(token)
+        if self.connection is not None:
+            _addresses[self.connection.session] = str(self.request.remote_ip)
         if self._hung_up():  # while it was made
             self.on_close()
 
@@ -212,7 +234,7 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
 
     async def _handle(self, message: Any) -> Any:
         _here.heard()
-        if self._hung_up() or self.connection is None:
+        if self._hung_up() or self._given_up():
             return None
         reason = _allowances.setdefault(self.connection.session, Allowance(_here.most_bytes)).against(message)
         if reason:

@@ -11,10 +11,12 @@ import json
 import logging
 import sys
 import traceback
+import warnings
 from datetime import UTC, datetime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from tornado.web import RequestHandler
+if TYPE_CHECKING:  # a worker process reads this file too
+    from tornado.web import RequestHandler
 
 LOGGER = logging.getLogger("navbudget")
 _LONGEST = 10_000  # characters of a record for a terminal
@@ -59,12 +61,14 @@ class TextFormatter(logging.Formatter):
 
 
 def set_up(kind: str) -> None:
-    """Send the log to standard error: ``json`` for every event, ``text`` for warnings only."""
+    """Send the log of this process to standard error: ``json`` for every event, ``text`` for warnings only."""
     handler = logging.StreamHandler(sys.stderr)
     as_json = kind == "json"
     handler.setFormatter(
         JsonFormatter() if as_json else TextFormatter("%(asctime)s %(levelname)s %(name)s: %(message)s")
     )
+    if as_json:
+        warnings.showwarning = _warned  # type: ignore[assignment]
     root = logging.getLogger()
     root.handlers[:] = [handler]
     root.setLevel(logging.WARNING)
@@ -74,6 +78,10 @@ def set_up(kind: str) -> None:
         logger.handlers[:] = []
         logger.propagate = True
         logger.setLevel(logging.WARNING)
+
+
+def _warned(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
+    event("warning", logging.WARNING, category=category.__name__, raised=f"{filename}:{lineno}")
 
 
 def event(name: str, level: int = logging.INFO, **fields: Any) -> None:

@@ -8,6 +8,7 @@ import secrets
 import signal
 import time
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from importlib.resources import files
 from typing import Any
@@ -143,7 +144,7 @@ def serve_on(
     believe_proxies_only()
     for name in COMPONENTS:
         import_module(name)
-    workers.use(rules.workers, row.board.processes)
+    workers.use(rules.workers, row.board.processes, partial(set_up, rules.log))
     began, collector, loaded = time.monotonic(), Collector(), asyncio.Event()
     listen_on(listening, port)
     access = provider_of(rules)

@@ -31,6 +31,10 @@ class LostConnection(WSHandler):
         if self.connection is None or self.connection._session is not None:
             super().on_close()
 
+    def _given_up(self) -> bool:
+        """Whether there is no session for a message that came all the same."""
+        return self.connection is None or self.connection._session is None
+
 
 class NoTracebacks(WSHandler):
     """Tells that something failed, and no more."""

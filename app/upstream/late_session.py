@@ -21,6 +21,8 @@ from types import SimpleNamespace
 import bokeh.resources
 import panel as pn
 from bokeh.document import Document
+from bokeh.server.contexts import ApplicationContext
+from bokeh.server.session import ServerSession
 from bokeh.server.views.static_handler import StaticHandler
 from bokeh.util.token import generate_jwt_token, generate_session_id
 from panel.io.resources import LOCAL_DIST, Resources
@@ -54,6 +56,11 @@ def new_token(handler: DocHandler) -> str:
         extra_payload=handler._generate_token_payload(),
         expiration=server.session_token_expiration,
     )
+
+
+async def end_session(context: ApplicationContext, session: ServerSession) -> None:
+    """End a session that nobody is connected to, now instead of when its time has passed."""
+    await context._discard_session(session, lambda _: session.connection_count == 0)
 
 
 def sheets_from_here(document: Document) -> None:

@@ -81,7 +81,7 @@ class _Process:
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.ends, theirs = context.Pipe()
-        self._process = context.Process(target=_work, args=(theirs,), daemon=True)
+        self._process = context.Process(target=_work, args=(theirs, workers.first()), daemon=True)
         self._process.start()
         theirs.close()
 
@@ -111,10 +111,10 @@ def _places() -> asyncio.Semaphore:
     return asyncio.Semaphore(workers.size())
 
 
-def _work(ends: Connection) -> None:
+def _work(ends: Connection, begin: Callable[[], None] | None) -> None:
     """Do runs, as they come, until nobody is left to ask."""
     end_with_parent()
-    workers.step_back()
+    workers.step_back(begin)
     while True:
         try:
             function, arguments = ends.recv()

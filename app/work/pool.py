@@ -21,13 +21,15 @@ _T = TypeVar("_T")
 _NICENESS = 10  # of heavy work: a tenth of the share of a slider step, where both want the same core
 
 _size = 0  # 0: nothing was asked for
+_begin: Callable[[], None] | None = None
 _under_way = 0
 
 
-def use(count: int | None, servers: int = 1) -> None:
+def use(count: int | None, servers: int = 1, begin: Callable[[], None] | None = None) -> None:
     """Set how many processes the pools of all ``servers`` have together, before they start; None: one less than the
-    cores. Each has one at least."""
-    global _size
+    cores. Each has one at least, and calls ``begin``, an importable function, first."""
+    global _size, _begin
+    _begin = begin
     _size = math.ceil((count or _spare_cores()) / servers)
 
 
@@ -44,11 +46,19 @@ def _spare_cores() -> int:
 @functools.cache
 def pool() -> ProcessPoolExecutor:
     """The pool; its processes start with the first task."""
-    return worker_pool(size(), step_back)
+    return worker_pool(size(), functools.partial(step_back, _begin))
 
 
-def step_back() -> None:
-    """Lower this process's priority below the pages'; every worker calls it once."""
+def first() -> Callable[[], None] | None:
+    """What a worker calls first, to be sent to it."""
+    return _begin
+
+
+def step_back(begin: Callable[[], None] | None) -> None:
+    """Call what is to be called first, and lower this process's priority below the pages'; every worker does it
+    once."""
+    if begin is not None:
+        begin()
     if hasattr(os, "nice"):  # not on Windows
         os.nice(_NICENESS)
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import contextvars
+import logging
 import multiprocessing
-from collections.abc import Awaitable
+from collections.abc import Awaitable, Callable
 from typing import TypeVar
 
+from app.work.pool import first
 from app.work.run import Run
 from nav_model.simulation.warm import warm_up
 
@@ -29,9 +31,18 @@ def prepare() -> asyncio.Task[None]:
 
 async def _compile() -> None:
     """In a separate process: the pool's are for users who wait. A failure here is reported by the first run."""
-    process = multiprocessing.get_context("spawn").Process(target=warm_up, daemon=True)
+    process = multiprocessing.get_context("spawn").Process(target=_logged, args=(warm_up, first()), daemon=True)
     process.start()
     await asyncio.to_thread(process.join)
+
+
+def _logged(function: Callable[[], object], begin: Callable[[], None] | None) -> None:
+    if begin is not None:
+        begin()
+    try:
+        function()
+    except Exception:
+        logging.getLogger("navbudget").exception("fault in a worker")
 
 
 async def made_ready(run: Run, preparing: Awaitable[_T]) -> _T:

@@ -100,7 +100,7 @@ def test_heavy_work_steps_back_behind_the_pages(monkeypatch: pytest.MonkeyPatch)
         workers.stop()
         workers.pool.cache_clear()
     stepped: list[bool] = []
-    monkeypatch.setattr(workers, "step_back", lambda: stepped.append(True))
+    monkeypatch.setattr(workers, "step_back", lambda _: stepped.append(True))
 
     class Ends:
         asked: ClassVar[list[Any]] = [(lambda progress: len(stepped), ())]
@@ -112,5 +112,5 @@ def test_heavy_work_steps_back_behind_the_pages(monkeypatch: pytest.MonkeyPatch)
                 raise EOFError
             return self.asked.pop()
 
-    long_run._work(Ends())  # type: ignore[arg-type]
+    long_run._work(Ends(), None)  # type: ignore[arg-type]
     assert [answer[:2] for answer in Ends.answers] == [("done", 1)]

@@ -63,6 +63,27 @@ def test_one_address_gets_half_of_the_places(serving: Any) -> None:
         asyncio.run(crowd())
 
 
+def test_pages_that_an_address_has_left_do_not_keep_it_or_others_out(serving: Any) -> None:
+    with serving("--max-sessions", "2", "--session-lifetime", "3600") as served:
+
+        async def crowd() -> None:
+            tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
+            for token in tokens:
+                connection = await served.connect(token)
+                assert "ACK" in str(await connection.read_message())
+                await served.hang_up(connection)
+            third = await served.connect(await asyncio.to_thread(served.token))
+            assert "ACK" in str(await third.read_message())
+            kept = await served.connect(tokens[1])  # the older one gave way
+            assert "ACK" in str(await kept.read_message())
+            assert (await asyncio.to_thread(served.ask, "/"))[0] == 503  # and nobody does who is there
+            for connection in (third, kept):
+                await served.hang_up(connection)
+
+        asyncio.run(crowd())
+        assert served.metrics()["navbudget_sessions_opened_total"] == 3
+
+
 def test_metrics_and_liveness(visitor: Any) -> None:
     assert visitor.ask("/liveness")[0] == 200
     before = visitor.metrics()

@@ -7,14 +7,17 @@ import json
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from bokeh.server.connection import ServerConnection
 from open_page import Tab
 from tornado.websocket import WebSocketClosedError
 from waiting import PATIENCE
 
 from app.library.store import Library
+from app.serving import handlers
 
 pytestmark = pytest.mark.long
 
@@ -133,6 +136,14 @@ def test_the_log_never_says_what_a_design_says(logged: Any) -> None:
 
 
 @pytest.mark.slow
+def test_a_message_behind_the_end_of_its_session_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(handlers, "_here", SimpleNamespace(heard=lambda: None), raising=False)
+    late: Any = handlers.LimitedWSHandler.__new__(handlers.LimitedWSHandler)
+    late.ws_connection, late.connection = object(), ServerConnection.__new__(ServerConnection)
+    late.connection._session = None
+    assert asyncio.run(late._handle(SimpleNamespace(msgtype="PATCH-DOC"))) is None
+
+
 def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: Path) -> None:
     """The field with the name is shown disabled to whoever is logged in; a browser can be made to change it."""
     place = tmp_path / "library.db"

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import multiprocessing
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -94,3 +98,43 @@ def test_a_fault_goes_to_the_log_and_none_of_its_text_anywhere(
     assert record.__dict__["fields"]["exception"] == "KeyError"
     assert "_fail" in record.__dict__["fields"]["raised"][-1]
     assert "login" not in capfd.readouterr().err + str(record.__dict__)
+
+
+_WARNING = """
+import asyncio, warnings
+from functools import partial
+from app.serving.logs import set_up
+from app.work import alone, pool, simulator
+
+def warn(progress=None):
+    warnings.warn("what a file says")
+
+def fail():
+    raise TypeError("what a file says")
+
+simulator.warm_up = fail
+
+async def all_three():
+    await alone.run_alone(warn, progress=print)
+    await pool.elsewhere(warn)
+    await simulator.prepare()
+
+if __name__ == "__main__":
+    pool.use(1, begin=partial(set_up, "json"))
+    asyncio.run(all_three())
+    pool.stop()
+"""
+
+
+def test_what_workers_have_to_say_goes_through_the_log(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"  # a file: what is spawned imports it again
+    script.write_text(_WARNING, encoding="utf-8")
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True, timeout=PATIENCE)
+    said = [json.loads(line) for line in done.stderr.splitlines()]
+    assert [(own["level"], own["event"]) for own in said] == [
+        ("warning", "warning"), ("warning", "warning"), ("error", "fault in a worker")
+    ]  # fmt: skip
+    assert said[0]["category"] == "UserWarning"
+    assert said[0]["raised"].startswith(str(script))
+    assert said[2]["exception"] == "TypeError"
+    assert "what a file says" not in done.stderr
