@@ -211,7 +211,7 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
         if self._hung_up():
             return
         await super()._async_open(token)
-        if self.connection is not None:
+        if not self._given_up():
             _addresses[self.connection.session] = str(self.request.remote_ip)
         if self._hung_up():  # while it was made
             self.on_close()
