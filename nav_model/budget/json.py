@@ -7,6 +7,7 @@ from dataclasses import asdict, fields
 from typing import Any
 
 from nav_model.aperture.impulse_response import ImpulseResponse
+from nav_model.budget.allocation import Allocation
 from nav_model.budget.contributors import size_of
 from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Spectral, Verdict
@@ -90,6 +91,19 @@ def to_json(budget: Budget) -> dict[str, Any]:
         "other_verdict": verdict_json(budget.other_verdict),
         "cautions": list(cautions(budget)),
         "provenance": {key: asdict(entry) for key, entry in provenance(budget).items()},
+    }
+
+
+def allocation_json(found: Allocation) -> dict[str, Any]:
+    """An allocation under the contract's keys."""
+    keys = ("source", "allocated", "estimated", "margin", "owner", "locked", "systematic")
+    return {
+        "requirement": found.requirement,
+        "limit": found.limit,
+        "reserve": found.reserve,
+        "closes": found.closes,
+        "blocked_by": list(found.blocked_by),
+        "entries": [{key: getattr(entry, key) for key in keys} for entry in found.entries],
     }
 
 

@@ -195,7 +195,7 @@ def _read(table: Mapping[str, Any], number: int) -> Contributor:
     texts = {key: text.strip() for key, text in table.items() if key not in ("value", "allowance")}
     if texts["enters"] not in ENTERED:
         raise InputError(f"{where}.enters", not_a_choice(texts["enters"], ENTERED), texts["enters"])
-    value, unit, dimension = _value(f"{where}.value", table["value"], texts["enters"])
+    value, unit, dimension = read_size(f"{where}.value", table["value"], texts["enters"])
     allowance = 0.0
     if "allowance" in table:
         try:
@@ -205,7 +205,14 @@ def _read(table: Mapping[str, Any], number: int) -> Contributor:
     return Contributor(value=value, dimension=dimension, allowance=allowance, unit=unit, **texts)
 
 
-def _value(where: str, text: str, enters: str) -> tuple[float, str, str]:
+def read_size(where: str, text: str, enters: str) -> tuple[float, str, str]:
+    """A size in a figure, or along the line of sight where that is a phase: its value in SI, unit and dimension.
+
+    Raises
+    ------
+    InputError
+        If the unit does not fit; `where` names what is wrong.
+    """
     for dimension in dimensions_of(enters):
         try:
             return *parse_quantity(text, dimension), dimension
@@ -215,7 +222,7 @@ def _value(where: str, text: str, enters: str) -> tuple[float, str, str]:
 
 
 def _misfit(what: str, enters: str) -> str:
-    examples = " or ".join(DIMENSIONS[dimension].examples[0] for dimension in dimensions_of(enters))
+    examples = "5° or 1 mm" if enters in PHASES else DIMENSIONS[ENTERED[enters]].examples[0]
     return f"{what} does not fit {enters}. Write for example {examples}."
 
 

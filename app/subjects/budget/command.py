@@ -1,22 +1,28 @@
-"""The commands `evaluate`, `check` and `presets`: the budget of a design, its verdict, the catalogue."""
+"""The commands `evaluate`, `check`, `allocate` and `presets`: a design's budget, its verdict, what each source may
+take, the catalogue."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from typing import Any
 
-from app.console.arguments import design_arguments, paths_of, read_design
+from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.ending import one_line, refuse
 from app.document.sicd import sicd_xml
 from app.document.verdict import SAID, check_words
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, shown
+from nav_model.base.units import QuantityError, parse_quantity
 from nav_model.budget import Budget, analyse
-from nav_model.budget.json import to_json
+from nav_model.budget.allocation import SPLITS, allocate, check_of
+from nav_model.budget.json import allocation_json, to_json
 from nav_model.budget.provenance import cautions
+from nav_model.budget.result import Check
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
+from nav_model.design.contributors import read_size
 
 
 def add_to(commands: Any) -> None:
@@ -36,6 +42,21 @@ def add_to(commands: Any) -> None:
     check = commands.add_parser("check", help="check designs against their requirements")
     design_arguments(check, one=False)
     check.set_defaults(run=_check)
+
+    share_out = commands.add_parser("allocate", help="split a requirement's limit among sources and contributors")
+    design_arguments(share_out, one=True)
+    share_out.add_argument("--requirement", metavar="NAME", help="a requirement's name; by default the tightest")
+    share_out.add_argument(
+        "--split", choices=SPLITS, default="shares", help="equal values, in proportion to today's, or least change"
+    )
+    share_out.add_argument(
+        "--reserve", default="20%", metavar="RATIO", help="part of the limit to keep, such as 20%%"
+    )
+    share_out.add_argument(
+        "--lock", action="append", default=[], metavar="SOURCE=VALUE",
+        help='a source whose value is given, with its unit, at the confidence of the limit: "gyro noise=5 deg"',
+    )  # fmt: skip
+    share_out.set_defaults(run=_allocate)
 
     presets = commands.add_parser("presets", help="list the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar", "gnss"))
@@ -109,6 +130,40 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         f"margin {margin}",
     ]
     return [line.replace("−", "-") for line in lines]
+
+
+def _allocate(options: argparse.Namespace) -> int:
+    (path,) = paths_of(options)
+    budget = analyse(read_design(path, options.changes))
+    try:
+        check = check_of(budget, options.requirement)
+        locks: dict[str, float] = {}
+        for text in options.lock:
+            source, value = _lock(text, check, budget.sar.wavelength)
+            if source in locks:
+                raise InputError("lock", f"{source!r} is locked twice.", text)
+            locks[source] = value
+        found = allocate(budget, check.name, options.split, _ratio(options.reserve), locks)
+    except InputError as error:
+        raise (error.under(f"--{error.key}") if error.key in ("requirement", "reserve", "lock") else error) from error
+    return put_json(lambda: allocation_json(found)) or int(not found.closes)
+
+
+def _lock(text: str, check: Check, wavelength: float) -> tuple[str, float]:
+    """A source and its value in SI; a length along the line of sight is a phase where the figure is one."""
+    source, equals, value = text.rpartition("=")
+    if not equals:
+        raise InputError("lock", f'{text!r} has no "=". Write SOURCE=VALUE, for example "gyro noise=5 deg".', text)
+    size, _, dimension = read_size("lock", value.strip(), check.name)
+    turned = dimension == "length" and check.dimension == "angle"
+    return source.strip(), 4 * math.pi / wavelength * size if turned else size
+
+
+def _ratio(text: str) -> float:
+    try:
+        return parse_quantity(text, "ratio").value
+    except QuantityError as error:
+        raise InputError("reserve", f"{shown(text)} is not a ratio. Write for example 20%.", text) from error
 
 
 def _presets(options: argparse.Namespace) -> int:

@@ -1,0 +1,213 @@
+"""Allocation of a requirement: what each source and contributor may take of its limit, less a reserve.
+
+Allocated entries combine as the figure does: the root of the sum of squares of what is random plus the sum of what is
+systematic is the limit times (1 - reserve). Source: ECSS-E-ST-60-10C, apportionment of an error budget.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError, not_a_choice
+from nav_model.budget.contributors import entering
+from nav_model.budget.result import Budget, Check
+from nav_model.budget.verdict import confidence_of
+from nav_model.design.processing import POST_PROCESSED
+from nav_model.processing.paired_echo import NOTHING
+
+SPLITS = ("equal", "shares", "cheapest")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What one source may take and takes today, both in SI at the confidence of the limit.
+
+    ``margin`` is 1 - estimated/allocated, None where nothing is left to allocate.
+    """
+
+    source: str
+    allocated: float
+    estimated: float
+    owner: str
+    locked: bool
+    systematic: bool
+
+    @property
+    def margin(self) -> float | None:
+        """The part of the allocated value that is left over."""
+        return 1 - self.estimated / self.allocated if self.allocated else None
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """The entries of one requirement; ``limit`` in SI, ``blocked_by`` the locks that leave nothing for the rest."""
+
+    requirement: str
+    limit: float
+    reserve: float
+    blocked_by: tuple[str, ...]
+    entries: tuple[Entry, ...]
+
+    @property
+    def closes(self) -> bool:
+        """Whether the entries fit the limit with the reserve."""
+        return not self.blocked_by
+
+
+def check_of(budget: Budget, requirement: str | None = None) -> Check:
+    """The check of a requirement, by default the tightest.
+
+    Raises
+    ------
+    InputError
+        If the design has no requirement, or none of this name.
+    """
+    checks = {check.name: check for check in budget.verdict.checks}
+    if budget.verdict.tightest is None:
+        raise InputError("requirement", "The design has no requirement, so there is nothing to allocate.")
+    if requirement is None:
+        return budget.verdict.tightest
+    if requirement not in checks:
+        raise InputError("requirement", not_a_choice(requirement, checks), requirement)
+    return checks[requirement]
+
+
+def allocate(
+    budget: Budget,
+    requirement: str | None = None,
+    split: str = "shares",
+    reserve: float = 0.2,
+    locks: Mapping[str, float] | None = None,
+) -> Allocation:
+    """Split a requirement's limit among the sources that are above zero.
+
+    Parameters
+    ----------
+    budget : Budget
+    requirement : str, optional
+        Name of a check of the budget's verdict; by default the tightest.
+    split : str
+        How what the locks leave is split. "equal": every entry has the same value. "shares": all have the same ratio
+        to their estimates, so that they keep their shares among each other. "cheapest": the sum over the free
+        entries of the squared relative change, ((allocated - estimated) / estimated)², is as small as it can be; an
+        entry that this takes below zero is zero.
+    reserve : float
+        Part of the limit that is not allocated, from 0 to less than 1.
+    locks : mapping, optional
+        Source -> its allocated value, SI, at the confidence of the limit.
+
+    Raises
+    ------
+    InputError
+        As `check_of`, and for a reserve out of bounds, an unknown split, and a lock of an unknown source or of a
+        value that is not above zero.
+    """
+    check, locked = check_of(budget, requirement), dict(locks or {})
+    if split not in SPLITS:
+        raise InputError("split", not_a_choice(split, SPLITS), split)
+    if not 0 <= reserve < 1:
+        raise InputError("reserve", f"{reserve:g} is not allowed. Give 0 % or more and less than 100 %.", reserve)
+    sizes, systematic = _sizes(budget, check)
+    for source, value in locked.items():
+        if source not in sizes:
+            sources = f"{check.name} has {', '.join(sizes)}" if sizes else f"{check.name} has no source"
+            raise InputError("lock", f"{source!r} is no source here; {sources}.", source)
+        if not 0 < value < math.inf:
+            raise InputError("lock", f"{source} must be locked at more than zero.", value)
+    target = check.limit * (1 - reserve)
+    free = [source for source in sizes if source not in locked]
+    square = sum(value**2 for source, value in locked.items() if source not in systematic)
+    left = target - sum(value for source, value in locked.items() if source in systematic)
+    blocked: tuple[str, ...] = ()
+    # With nothing free, locks may use the whole of the target; rounding of their sum is no excess.
+    if locked and math.sqrt(square) >= left + (0 if free else 1e-12 * target):
+        alone = tuple(source for source, value in locked.items() if value >= target)
+        blocked = alone or tuple(locked)
+    allocated = dict(locked) | dict.fromkeys(free, 0.0)
+    if free and not blocked:
+        estimates = np.array([sizes[source] for source in free])
+        linear = np.array([source in systematic for source in free])
+        start = np.ones(len(free)) if split == "equal" else estimates
+        if split == "cheapest":
+            start = _cheapest(estimates, linear, square, left)
+        split_up = start * _factor(start, linear, square, left)
+        allocated |= dict(zip(free, split_up.tolist(), strict=True))
+    owners = {one.name: one.owner for one in budget.design.contributors}
+    entries = tuple(
+        Entry(source, allocated[source], size, owners.get(source, ""), source in locked, source in systematic)
+        for source, size in sizes.items()
+    )
+    return Allocation(check.name, check.limit, reserve, blocked, entries)
+
+
+def _sizes(budget: Budget, check: Check) -> tuple[dict[str, float], frozenset[str]]:
+    """Size of each source of a figure at the confidence of its limit, and the names of the systematic ones."""
+    post = budget.design.processing.mode == POST_PROCESSED
+    parts = entering(budget.steady_state.own, check.name, post_processed=post)
+    systematic = frozenset(part.name for part in parts if part.systematic)
+    root = check.sigma - sum(float(part.size) for part in parts if part.systematic)
+    factor = confidence_of(budget.design, check.name)
+    sizes = {
+        source: factor * (share * check.sigma if source in systematic else math.sqrt(share * root * check.sigma))
+        for source, share in check.shares.items()
+    }
+    return {source: size for source, size in sizes.items() if size > NOTHING}, systematic
+
+
+def _combined(values: Array, linear: NDArray[np.bool_], square: float) -> float:
+    """The free entries with the `square` of the random locks."""
+    return float(np.sqrt(square + np.sum(values[~linear] ** 2)) + np.sum(values[linear]))
+
+
+def _factor(values: Array, linear: NDArray[np.bool_], square: float, left: float) -> float:
+    """By what all values are multiplied to combine to what is `left`: the positive root of a quadratic equation."""
+    squares, sums, rest = float(np.sum(values[~linear] ** 2)), float(np.sum(values[linear])), left**2 - square
+    return rest / (left * sums + math.sqrt(squares * rest + sums**2 * square))
+
+
+def _cheapest(estimates: Array, linear: NDArray[np.bool_], square: float, left: float) -> Array:
+    """The point nearest to today's, each axis in units of its estimate, of all that combine to what is `left`.
+
+    Lagrange's condition for a random entry e is a = e / (1 + t e²), and for a systematic one a = e (1 - t r e), not
+    below zero, with r the root of the sum of squares of all random ones; one multiplier t holds for all. Where even
+    random entries of zero leave systematic ones too large, the random ones are zero.
+    """
+    from scipy.optimize import brentq  # here, as a budget without an allocation does not need SciPy
+
+    scale = float(np.max(estimates))
+    e, square, left = estimates / scale, square / scale**2, left / scale
+
+    def at(multiplier: float) -> Array:
+        values = np.where(linear, 0.0, e / (1 + multiplier * e**2))
+        root = math.sqrt(square + float(np.sum(values**2)))
+        return np.where(linear, e * np.maximum(1 - multiplier * root * e, 0), values)
+
+    def linear_at(multiplier: float) -> Array:
+        return np.where(linear, e * np.maximum(1 - multiplier * e, 0), 0.0)
+
+    def solved(along: Callable[[float], Array], low: float, high: float) -> Array:
+        found = brentq(lambda t: _combined(along(t), linear, square) - left, low, high, xtol=1e-300, rtol=1e-14)
+        return scale * along(float(found))
+
+    if np.all(linear):
+        most = 1 / float(np.min(e))  # there, every entry is zero
+        least = -(left + float(np.sum(e))) / float(np.sum(e**2))
+        return solved(linear_at, least, most)
+    if _combined(e, linear, square) >= left:
+        high = 1.0
+        while _combined(at(high), linear, square) > left:
+            high *= 8
+            if high > 1e60:
+                return solved(linear_at, 0.0, 1 / float(np.min(e)))
+        return solved(at, 0.0, high)
+    pole = -1 / float(np.max(e[~linear])) ** 2
+    short = 0.5
+    while _combined(at(pole * (1 - short)), linear, square) < left:
+        short /= 8
+    return solved(at, pole * (1 - short), 0.0)

@@ -1,0 +1,168 @@
+"""Allocation against the sum written out here and against a numerical optimiser."""
+
+from __future__ import annotations
+
+import math
+import random
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from nav_model import Budget, Design, InputError, analyse
+from nav_model.budget.allocation import SPLITS, Allocation, allocate
+from nav_model.design.contributors import Contributor
+
+_REQUIREMENTS = {
+    "detrended_phase": 0.3, "quadratic_phase": 1.0, "ce90": 5.0, "horizontal_position": 1.0, "tilt": 1e-3,
+    "coast_horizontal_position": 30.0, "islr": 0.1,
+}  # fmt: skip
+
+
+@cache
+def _budget(seed: int) -> Budget:
+    draw = random.Random(seed)
+    changes: dict[str, Any] = {
+        f"requirements.{name}": limit * 10 ** draw.uniform(-0.7, 0.7) for name, limit in _REQUIREMENTS.items()
+    }
+    changes |= {
+        "requirements.confidence": draw.choice([1.0, 2.0]),
+        "processing.mode": draw.choice(["real time", "post-processed"]),
+        "imu.angle_random_walk": 10 ** draw.uniform(-6, -4), "gnss.position_noise": 10 ** draw.uniform(-1.5, 0.5),
+    }  # fmt: skip
+    own = (
+        Contributor("lever arm", 10 ** draw.uniform(-4, -3), "detrended_phase", "length", owner="mechanics"),
+        Contributor("time tag", 10 ** draw.uniform(-2.5, -1), "detrended_phase", "angle", kind="systematic"),
+        Contributor("datum", 10 ** draw.uniform(-2, 0), "ce90", "length", kind="systematic", allowance=0.2),
+    )
+    return analyse(Design(changes, contributors=own))
+
+
+def _whole(found: Allocation) -> float:
+    """The entries combined as a figure is."""
+    square = linear = 0.0
+    for entry in found.entries:
+        if entry.source in ("time tag", "datum"):
+            linear += entry.allocated
+        else:
+            square += entry.allocated**2
+    return math.sqrt(square) + linear
+
+
+def test_today_combines_to_the_value_that_is_checked() -> None:
+    for seed in range(10):
+        for check in _budget(seed).verdict.checks:
+            entries = allocate(_budget(seed), check.name).entries
+            square = sum(e.estimated**2 for e in entries if e.source not in ("time tag", "datum"))
+            linear = sum(e.estimated for e in entries if e.source in ("time tag", "datum"))
+            if check.name != "islr":
+                assert math.sqrt(square) + linear == pytest.approx(check.value, rel=1e-9), check.name
+
+
+def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
+    draw, blocked = random.Random(29), 0
+    for number in range(500):
+        budget = _budget(number % 20)
+        name = draw.choice([check.name for check in budget.verdict.checks if check.name != "islr"])
+        reserve, split = draw.uniform(0, 0.99), draw.choice(SPLITS)
+        plain = allocate(budget, name, split, reserve)
+        target = plain.limit * (1 - reserve)
+        assert plain.closes
+        assert _whole(plain) == pytest.approx(target, rel=1e-9)
+        sources = [entry.source for entry in plain.entries]
+        locks = {
+            source: target * draw.uniform(0.05, 1.2) for source in draw.sample(sources, min(2, len(sources) - 1))
+        }
+        found = allocate(budget, name, split, reserve, locks)
+        values = {entry.source: entry.allocated for entry in found.entries}
+        assert locks.items() <= values.items()
+        assert {entry.source for entry in found.entries if entry.locked} == locks.keys()
+        linear = sum(value for source, value in locks.items() if source in ("time tag", "datum"))
+        square = sum(value**2 for source, value in locks.items() if source not in ("time tag", "datum"))
+        if math.sqrt(square) + linear < target:
+            assert found.closes
+            assert _whole(found) == pytest.approx(target, rel=1e-9)
+            assert all(entry.allocated >= 0 for entry in found.entries)
+        else:
+            blocked += 1
+            assert not found.closes
+            assert set(found.blocked_by) <= locks.keys()
+            assert found.blocked_by
+    assert 20 < blocked < 480
+
+
+def test_equal_ones_are_equal_and_shares_keep_their_ratio() -> None:
+    budget = _budget(1)
+    equal = [e.allocated for e in allocate(budget, "detrended_phase", "equal").entries]
+    assert equal == pytest.approx([equal[0]] * len(equal), rel=1e-12)
+    ratios = [e.allocated / e.estimated for e in allocate(budget, "detrended_phase", "shares").entries]
+    assert ratios == pytest.approx([ratios[0]] * len(ratios), rel=1e-12)
+    margins = [e.margin for e in allocate(budget, "detrended_phase", "shares").entries]
+    assert margins == pytest.approx([1 - 1 / ratios[0]] * len(ratios), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_cheapest_is_that_of_a_numerical_optimiser(seed: int) -> None:
+    budget = _budget(seed)
+    for name, reserve in (("detrended_phase", 0.2), ("ce90", 0.2), ("detrended_phase", 0.95)):
+        found = allocate(budget, name, "cheapest", reserve)
+        target = (1 - reserve) * found.limit
+        e = np.array([entry.estimated for entry in found.entries])
+        linear = np.array([entry.source in ("time tag", "datum") for entry in found.entries])
+        ours = np.array([entry.allocated for entry in found.entries]) / e
+
+        def left(x: Any, e: Any = e, linear: Any = linear, target: float = target) -> float:
+            root = np.sqrt(np.sum((e * x)[~linear] ** 2))
+            return float((root + np.sum((e * x)[linear])) / target - 1)
+
+        def cost(x: Any) -> float:
+            return float(np.sum((x - 1) ** 2))
+
+        starts = [target / (left(np.ones(len(e))) * target + target) * np.ones(len(e)), ours * 1.3 + 0.01]
+        best = min(
+            (
+                minimize(cost, start, constraints={"type": "eq", "fun": left}, bounds=[(0, None)] * len(e),
+                         method="SLSQP", options={"ftol": 1e-15, "maxiter": 2000})
+                for start in starts
+            ),
+            key=lambda result: result.fun if abs(left(result.x)) < 1e-7 else math.inf,
+        )  # fmt: skip
+        assert abs(left(best.x)) < 1e-7
+        assert cost(ours) <= best.fun * (1 + 1e-5) + 1e-9
+        assert ours == pytest.approx(best.x, rel=1e-3, abs=2e-3 * float(np.max(best.x)))
+
+
+@pytest.mark.parametrize(
+    ("named", "options"),
+    [
+        ("requirement", {"requirement": "yaw"}),
+        ("requirement", {"requirement": "le90"}),
+        ("split", {"split": "fair"}),
+        ("reserve", {"reserve": 1.0}),
+        ("reserve", {"reserve": -0.1}),
+        ("reserve", {"reserve": math.nan}),
+        ("lock", {"requirement": "tilt", "locks": {"lever arm": 1.0}}),
+        ("lock", {"requirement": "tilt", "locks": {"gyro noise": 0.0}}),
+        ("lock", {"requirement": "tilt", "locks": {"gyro noise": math.nan}}),
+    ],
+)
+def test_what_is_wrong_is_refused_by_name(named: str, options: dict[str, Any]) -> None:
+    with pytest.raises(InputError) as refused:
+        allocate(_budget(1), **options)
+    assert refused.value.key == named
+
+
+def test_a_design_without_requirements_has_nothing_to_allocate() -> None:
+    with pytest.raises(InputError, match="no requirement"):
+        allocate(analyse(Design()))
+
+
+def test_the_tightest_is_taken_and_the_owner_named() -> None:
+    budget = _budget(3)
+    assert budget.verdict.tightest is not None
+    assert allocate(budget).requirement == budget.verdict.tightest.name
+    owners = {e.source: e.owner for e in allocate(budget, "detrended_phase").entries}
+    assert owners.pop("lever arm") == "mechanics"
+    assert not any(owners.values())
