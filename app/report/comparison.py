@@ -7,14 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from app.charts.words import in_words
 from app.document.blocks import Cell, Chapter, ChartBlock, Column, Section, Table
 from app.document.display import ONE_SIGMA, Display
-from app.document.numbers import NONE, show_in
+from app.document.numbers import NONE, percent, show_in
 from app.document.verdict import check_words, verdict_of
-from app.document.wording import labelled, title_of
+from app.document.wording import labelled, printable, title_of
 from app.report.comparison_charts import image_of, phase_comparison, position_comparison
 from app.report.inputs import shown_value, sourced_value
 from nav_model.budget import Budget
 from nav_model.budget.result import Sigmas
 from nav_model.budget.verdict import label_of, limit_on
+from nav_model.design import Design
 from nav_model.design.parts import INPUTS
 
 _COLUMNS = 5  # designs that fit side by side on a page
@@ -156,6 +157,10 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
         if len({design[f"{section}.{name}"] for design in designs}) > 1
     ]
 
+    own = dict.fromkeys(one.name for design in designs for one in design.contributors)
+    held = {name: [_contributor(design, name) for design in designs] for name in own}
+    differing = {name: texts for name, texts in held.items() if len(set(texts)) > 1}
+
     def cell(design: int, section: str, name: str) -> Cell:
         text = shown_value(designs[design], section, name) or "not given"
         sourced = sourced_value(designs[design], section, name)
@@ -169,11 +174,24 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
             tuple(
                 (Cell(str(INPUTS[section][name].label)), *(cell(design, section, name) for design in columns))
                 for section, name in keys
+            )
+            + tuple(
+                (Cell(f"Contributor {printable(name)}"), *(Cell(texts[design]) for design in columns))
+                for name, texts in differing.items()
             ),
-            "" if keys else "The designs have the same inputs.",
+            "" if keys or differing else "The designs have the same inputs.",
         )
 
     return _in_parts(len(budgets), labels, table, wide)
+
+
+def _contributor(design: Design, name: str) -> str:
+    """A contributor in a cell."""
+    one = next((one for one in design.contributors if one.name == name), None)
+    if one is None:
+        return "not given"
+    allowance = f" + {percent(one.allowance)}" if one.allowance else ""
+    return f"{one.show(6)}{allowance} in {one.enters}, {one.kind}, {one.processing}"
 
 
 def _in_parts(

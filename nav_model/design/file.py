@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ import tomli_w
 from nav_model.base.errors import InputError, shown
 from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
-from nav_model.design.contributors import read_contributors
+from nav_model.design.contributors import Contributor, read_contributors
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
@@ -258,6 +258,28 @@ def format_design(design: Design) -> str:
         tables[section] = table
     if design.origins:
         tables[ORIGINS] = dict(design.origins)
-    if design.contributors:
-        tables[CONTRIBUTORS] = [one.record() for one in design.contributors]
-    return tomli_w.dumps(tables)
+    return tomli_w.dumps(tables | _contributor_tables(design.contributors))
+
+
+def format_contributors(contributors: Sequence[Contributor]) -> str:
+    """TOML text of contributors alone; empty for none."""
+    return tomli_w.dumps(_contributor_tables(contributors)).strip()
+
+
+def parse_contributors(text: str) -> tuple[Contributor, ...]:
+    """Contributors from a TOML text that has nothing else; none from an empty one.
+
+    Raises
+    ------
+    InputError
+        As `nav_model.design.contributors.read_contributors`.
+    """
+    tables = read_toml(text, CONTRIBUTORS, "a list of contributors", MAX_BYTES) if text.strip() else {}
+    for key in tables:
+        if key != CONTRIBUTORS:
+            raise InputError(key, "is no contributor. Begin each with a line [[contributors]].")
+    return read_contributors(tables.get(CONTRIBUTORS, []))
+
+
+def _contributor_tables(contributors: Sequence[Contributor]) -> dict[str, Any]:
+    return {CONTRIBUTORS: [one.record() for one in contributors]} if contributors else {}

@@ -11,7 +11,9 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
-from nav_model.budget.inputs import VARIABLES
+from nav_model.budget.contributors import entering
+from nav_model.budget.figures import figures
+from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import OFFERED, Entry, SourcedValue
 from nav_model.explore.margins import limits, ratios, value_of, worst
@@ -186,7 +188,22 @@ def _dominant(
     for i, key in enumerate(keys):
         share = np.stack([slopes[name][i] for name in names])[tightest, np.arange(len(tightest))]
         by_source[SENSORS[key]] = by_source.get(SENSORS[key], np.zeros(share.shape)) + share
+    for source, shares in _contributed(design, names, columns, len(tightest)).items():
+        by_source[source] = shares[tightest, np.arange(len(tightest))]
     table = np.stack(list(by_source.values()))
     best = np.argmax(table, axis=0)
     sources = list(by_source)
     return [sources[k] for k in best], np.max(table, axis=0)
+
+
+def _contributed(design: Design, names: list[str], columns: Mapping[str, Array], count: int) -> dict[str, Array]:
+    """Contributor of the user's own -> its share of each figure of each candidate, zero where it does not enter."""
+    x = inputs_of(design, columns)
+    found: dict[str, Array] = {}
+    for name, whole in figures(x, names).items() if x.own else ():
+        parts = entering(x.own, name, post_processed=x.post_processed)
+        root = whole - sum(part.size for part in parts if part.systematic)
+        for part in parts:
+            share = part.size / whole if part.systematic else part.size**2 / (root * whole)
+            found.setdefault(part.name, np.zeros((len(names), count)))[names.index(name)] = share
+    return found

@@ -15,9 +15,11 @@ from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
+from nav_model.design.catalogue import catalogue
 from nav_model.design.contributors import ENTERED, Contributor, read_contributors
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
+from nav_model.explore.search import search
 
 _LIMITS = {
     f"requirements.{key}": {"angle": 1.0, "length": 10.0, "speed": 1.0, "level": 0.1}[ENTERED[key]]
@@ -196,3 +198,15 @@ def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> Non
     if not isinstance(tables, dict):
         with pytest.raises(InputError):
             from_query("contributors=" + json.dumps(tables))
+
+
+@pytest.mark.parametrize("kind", ["random", "systematic"])
+def test_a_search_names_a_contributor_that_dominates_with_its_share(kind: str) -> None:
+    own = read_contributors([LEVER_ARM | {"kind": kind, "value": "5 mm"}])
+    design = Design({"requirements.detrended_phase": 0.3, "requirements.tilt": 1.0}, contributors=own)
+    rows = search(design, catalogue("imu"), catalogue("gnss"))
+    dominated = [row for row in rows if row.dominant == "lever arm"]
+    assert len(dominated) > 3
+    for row in dominated[:3]:
+        (check, _) = analyse(design.replace(row.changes)).verdict.checks
+        assert row.share == pytest.approx(check.shares["lever arm"], rel=1e-9)
