@@ -97,8 +97,8 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
 
 
 def _settled(budget: Budget) -> Sigmas:
-    """Errors while fixes come in, of the design's processing."""
-    return budget.smoothed.sigmas if budget.smoothed else budget.steady_state.prior
+    """Errors while fixes come in, of the design's processing, contributors included."""
+    return budget.smoothed.sigmas if budget.smoothed else budget.steady_state.checked("prior")
 
 
 _FIGURES: Mapping[str, Callable[[Budget], float]] = {

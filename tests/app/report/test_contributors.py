@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from app.document.html import to_html
+from app.report.comparison import difference_tables
 from app.report.content import report_of
 from app.subjects.budget.command import check_lines
 from nav_model import analyse, read_design
@@ -45,3 +46,15 @@ def test_check_says_the_value_with_it() -> None:
         (line,) = (line for line in check_lines("x", analyse(one)) if " detrended_phase " in line)
         found.append(float(re.search(r"detrended_phase ([\d.]+)", line)[1]))  # type: ignore[index]
     assert found[1] == pytest.approx(math.degrees(math.hypot(math.radians(found[0]), size)), rel=0.01)
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_a_comparison_has_them_in_errors_while_fixes_come_in(mode: str) -> None:
+    alone = _BASE.replace({"processing.mode": mode})
+    monument = {"name": "monument", "value": "3 m", "enters": "horizontal_position", "kind": "systematic"}
+    budgets = [analyse(alone), analyse(alone.replace({}, contributors=read_contributors([monument])))]
+    _, figures, _ = difference_tables(budgets, ("D1", "D2"))
+    (row,) = (row for row in figures.rows if row[0].text == "Horizontal position")
+    assert [cell.mark for cell in row[1:]] == ["best", ""]
+    before, after = (float(cell.text.removesuffix(" m")) for cell in row[1:])
+    assert after == pytest.approx(before + 3, abs=0.006)
