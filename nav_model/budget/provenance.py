@@ -208,6 +208,11 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "fixes before it. In real time they are those with fixes throughout.",
     ),
     (
+        lambda design: not _fix_after(design),
+        "No fix comes in the time after the aperture: post-processed figures rest on the fixes before and in it "
+        "alone. They take a constant sensor bias for absorbed, which then it is not.",
+    ),
+    (
         lambda design: design.radar.grazing_angle > math.radians(89.5),
         "At this grazing angle the range says next to nothing about the ground range: CE90 has no meaning.",
     ),
@@ -254,6 +259,12 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "Quadratic phase is quoted and checked before autofocus; detrended phase is what autofocus leaves.",
     ),
 )
+
+
+def _fix_after(design: Design) -> bool:
+    gnss = design.gnss
+    often = gnss.interval if gnss.velocity_noise is None else min(gnss.interval, gnss.velocity_interval or math.inf)
+    return design.processing.leg_after >= often
 
 
 def _rounded(design: Design) -> bool:

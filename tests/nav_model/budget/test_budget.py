@@ -276,6 +276,21 @@ def test_wide_sawtooth_is_flagged():
     assert flagged(BASE.replace({"gnss.position_noise": 0.02}))  # 0.83
 
 
+@pytest.mark.parametrize(
+    ("changes", "due"),
+    [
+        ({"processing.leg_after": 10.0}, False),
+        ({"processing.leg_after": 9.9}, True),
+        ({"processing.leg_after": 0.0}, True),
+        ({"processing.leg_after": 9.9, "gnss.velocity_noise": 0.05, "gnss.velocity_interval": 2.0}, False),
+        ({"processing.leg_after": 9.9, "gnss.velocity_noise": 0.05}, True),  # with each position fix
+    ],
+)
+def test_an_aperture_without_a_fix_after_it_is_flagged(changes, due):
+    said = cautions(analyse(BASE.replace({"gnss.interval": 10.0, **changes})))
+    assert any("No fix comes in the time after the aperture" in sentence for sentence in said) is due
+
+
 def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refused():
     broad, squinted = (analyse(Design({"radar.squint_angle": math.radians(angle)})) for angle in (0, 40))
     assert squinted.sar.aperture_time == pytest.approx(broad.sar.aperture_time / math.cos(math.radians(40)))
