@@ -116,7 +116,7 @@ def test_it_wins_only_where_the_processing_allows(open_design):
     assert np.any(found.winner == found.strategies.index("9"))
     plain = gnss_map(now.budget, 20)
     assert np.all(found.phase <= plain.phase * 1.05)
-    assert any("shown but cannot be the best" in said for said in study_cautions(now.budget))
+    assert any("it is shown for reference" in said for said in study_cautions(now.budget))
     assert any("so it can be the best" in said for said in study_cautions(later.budget))
     data = to_json(later)
     assert data["processing"] == {"mode": "post-processed", "leg_after_s": 200.0}
