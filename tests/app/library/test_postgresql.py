@@ -28,7 +28,7 @@ pytestmark = pytest.mark.long
 
 _TABLES = (
     "review_decisions", "review_comments", "review_items", "reviews",
-    "tags", "revisions", "designs", "schema_version",
+    "offers", "tags", "revisions", "designs", "schema_version",
 )  # fmt: skip
 _MISSING = "no PostgreSQL: `make test` installs it (`make postgresql`)"
 
