@@ -65,7 +65,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
         chosen = budget.design.requirements.steady_state
-        moment, average = budget.steady_state.checked(chosen), budget.steady_state.average
+        moment, average = budget.steady_state.checked(chosen), budget.steady_state.checked("closed")
         pair = "horizontal" in name
         told = display.named(pair=pair)
 

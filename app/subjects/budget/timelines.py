@@ -98,13 +98,15 @@ def _cited(budget: Budget) -> str:
 def position_knowledge(budget: Budget) -> str:
     """How the curves of position are known."""
     coast = budget.coast
-    ratio = coast.end_refined_horizontal / coast.position_horizontal[-1]
-    ratio_v = coast.end_refined_vertical / coast.position_vertical[-1]
+    ratio = coast.refined_horizontal[-1] / coast.position_horizontal[-1]
+    ratio_v = coast.refined_vertical[-1] / coast.position_vertical[-1]
     slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
     if budget.smoothed:
         slow += (
             " Smoothed with the fixes before and after the outage [P-3]; dashed curves are an outage in real time."
         )
+    if budget.design.contributors:
+        slow += " Contributors given in the design enter the values that are checked, not the curves."
     return (
         f"Curves by formula {_cited(budget)}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
         f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "

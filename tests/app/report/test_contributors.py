@@ -12,6 +12,8 @@ from app.document.html import to_html
 from app.report.comparison import difference_tables
 from app.report.content import report_of
 from app.subjects.budget.command import check_lines
+from app.subjects.budget.key_figures import key_figures
+from app.subjects.budget.timelines import position_knowledge
 from nav_model import analyse, read_design
 from nav_model.design.contributors import read_contributors
 
@@ -20,6 +22,7 @@ _LEVER_ARM = {
     "name": "lever <arm>", "value": "1 mm", "enters": "detrended_phase", "allowance": "20 %", "owner": "mechanics",
     "source": "survey, 2026-03",
 }  # fmt: skip
+_POSITIONS = ("horizontal_position", "coast_horizontal_position", "coast_vertical_position")
 _OMITTED = "Lever arm, timing, atmosphere"
 
 
@@ -58,3 +61,18 @@ def test_a_comparison_has_them_in_errors_while_fixes_come_in(mode: str) -> None:
     assert [cell.mark for cell in row[1:]] == ["best", ""]
     before, after = (float(cell.text.removesuffix(" m")) for cell in row[1:])
     assert after == pytest.approx(before + 3, abs=0.006)
+
+
+def test_a_tile_has_them_in_both_moments_and_a_chart_says_that_its_curves_do_not() -> None:
+    own = [{"name": name, "value": "3 m", "enters": name, "kind": "systematic"} for name in _POSITIONS]
+    alone = analyse(_BASE.replace({"requirements.steady_state": "prior"}))
+    with_own = analyse(alone.design.replace({}, contributors=read_contributors(own)))
+    told = []
+    for budget in (alone, with_own):
+        (tile,) = (item for item in key_figures(budget).items if item.label == "Horizontal position")
+        found = re.search(r"average ([\d.]+) (c?)m", tile.detail)
+        assert found is not None
+        told.append(float(found[1]) / (100 if found[2] else 1))
+    assert told[1] == pytest.approx(told[0] + 3, abs=0.006)
+    said = " Contributors given in the design enter the values that are checked, not the curves."
+    assert position_knowledge(with_own) == position_knowledge(alone) + said
