@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any, NoReturn
 
-from app.console import trajectory
 from app.console.ending import BAD_INPUT, run_to_end
 from app.report import command as report
 from app.serving import command as serve
@@ -48,6 +47,6 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="navbudget", description="Navigation error budgets for airborne SAR.")
     parser.add_argument("--version", action="version", version=f"navbudget {version('navbudget')}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (serve, report, trajectory, *(subject.load("command") for subject in SUBJECTS if subject.command)):
+    for module in (serve, report, *(subject.load("command") for subject in SUBJECTS if subject.command)):
         module.add_to(commands)
     return parser

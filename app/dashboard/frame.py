@@ -36,7 +36,7 @@ from nav_model.design.link import from_query
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
 """Sheet of what stands only where the sidebar is a drawer over the page."""
-_ONE_SIGMA_ONLY = {"simulation", "sar", "suborbital", "explore"}
+_ONE_SIGMA_ONLY = {"simulation", "trajectory", "sar", "suborbital", "explore"}
 _SAID_OTHERWISE = "This page shows 1σ in the units of data sheets. Budget and report show {}."
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 

@@ -50,15 +50,22 @@ def read_flight(
     path = Path(path)
     with path.open("rb") as file:
         content = file.read(FILE_BOUNDS.most_bytes + 1)
-    kind = path.suffix.lower()
+    return parse_flight(content, path.name, speed, height, bank)
+
+
+def parse_flight(
+    content: bytes, name: str, speed: float, height: float | None = None, bank: float | None = None
+) -> PlannedFlight:
+    """The flight of a file's content, otherwise as `read_flight`."""
+    kind = Path(name).suffix.lower()
     if kind in (".gpx", ".kml"):
-        points = (gpx_waypoints if kind == ".gpx" else kml_waypoints)(content, path.name, height)
+        points = (gpx_waypoints if kind == ".gpx" else kml_waypoints)(content, name, height)
         plan = Plan(points, speed) if bank is None else Plan(points, speed, bank)
         try:
             return fly(plan)
         except InputError as error:
-            raise InputError(path.name, str(error)) from error
-    spec = parse_sbet(content, path.name) if kind == ".out" else parse_trajectory(content, path.name)
+            raise InputError(name, str(error)) from error
+    spec = parse_sbet(content, name) if kind == ".out" else parse_trajectory(content, name)
     return PlannedFlight(spec, file_duration(spec), ())
 
 

@@ -19,15 +19,22 @@ def judge(spec: CovarianceSpec, time_s: FloatArray, real: Processed, post: Proce
     return tuple(_judged(line, spec, time_s, chosen) for line in lines)
 
 
+def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *, image: bool) -> NDArray[np.bool_]:
+    """Which times count for a line from `start` to `stop` [s], (outputs).
+
+    An `image`'s aperture lies within its line as far as the line is long enough for one.
+    """
+    half = 0.5 * spec.aperture.duration if image and spec.aperture else 0.0
+    margin = min(half, 0.5 * (stop - start))
+    found: NDArray[np.bool_] = (time_s >= start + margin - 1e-9) & (time_s <= stop - margin + 1e-9)
+    return found
+
+
 def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> LineResult:
     most = dict(spec.limits.most)
     worst, mean, within, failing = {}, {}, {}, []
-    half = 0.5 * spec.aperture.duration if spec.aperture else 0.0
     for name in dict.fromkeys([*chosen.image, *most]):
-        # An image's aperture lies within its line as far as the line is long enough for one.
-        margin = min(half, 0.5 * (line.stop - line.start)) if name in chosen.image else 0.0
-        on = (time_s >= line.start + margin - 1e-9) & (time_s <= line.stop - margin + 1e-9)
-        values = chosen.figure(name)[on]
+        values = chosen.figure(name)[along(line.start, line.stop, spec, time_s, image=name in chosen.image)]
         values = values[np.isfinite(values)]
         if values.size:
             worst[name], mean[name] = float(values.max()), float(np.sqrt(np.mean(values**2)))

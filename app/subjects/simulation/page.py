@@ -38,7 +38,7 @@ from app.subjects.simulation.tables import conditions_told, departures, run_tabl
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import described, head_html, takes
 from app.ui.downloads import download
-from app.ui.fields import number, whole_number
+from app.ui.fields import number, outages_of, whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.follower import Follower
@@ -340,20 +340,3 @@ class SimulatePage(View):
 def _told(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[SimulationStudy], str]:
     """Blocks of a study as HTML."""
     return lambda study: html_of(*(one(study, "page") for one in tell))
-
-
-def outages_of(text: str) -> tuple[tuple[float, float], ...]:
-    """Outages as people write them: ``200,300`` or ``100,150; 200,300``, seconds; none for an empty text.
-
-    Raises
-    ------
-    InputError
-        Under "outages".
-    """
-    try:
-        pairs = [tuple(float(part) for part in piece.split(",")) for piece in text.split(";") if piece.strip()]
-    except ValueError:
-        pairs = [()]
-    if any(len(pair) != 2 for pair in pairs):
-        raise InputError("outages", f"{text[:60]!r} is not start,stop in seconds, such as 200,300 or 50,80; 200,300")
-    return tuple((pair[0], pair[1]) for pair in pairs)

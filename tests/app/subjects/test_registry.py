@@ -36,7 +36,9 @@ def test_every_room_is_registered_and_no_other() -> None:
 
 def test_addresses_of_the_pages_stay() -> None:
     addresses = [subject.title.lower() for subject in SUBJECTS]
-    assert addresses == ["budget", "simulate", "sar", "suborbital", "explore", "sensors", "review", "theory"]
+    assert addresses == (
+        ["budget", "simulate", "trajectory", "sar", "suborbital", "explore", "sensors", "review", "theory"]
+    )
 
 
 def test_reading_the_registry_loads_no_subject() -> None:

@@ -28,9 +28,10 @@ from app.subjects.simulation import charts
 from app.subjects.simulation import run as simulation_run
 from app.subjects.simulation.charts import CHARTS
 from app.subjects.simulation.files import as_csv, as_json, as_npz
-from app.subjects.simulation.page import SimulatePage, outages_of
+from app.subjects.simulation.page import SimulatePage
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import findings, verdict
+from app.ui.fields import outages_of
 from app.work import kept, simulator
 from app.work.run import Run
 from nav_model.base.errors import InputError

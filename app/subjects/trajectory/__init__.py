@@ -1,0 +1,1 @@
+"""Trajectory: the covariance along a flight, real time and post-processed, with the image figures of its lines."""

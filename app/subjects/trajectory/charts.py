@@ -1,0 +1,133 @@
+"""The charts of a flight, as plain data. Each takes what was `Followed` and draws what is in it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, Span
+from app.subjects.trajectory.figures import FIGURES, limit_of
+from app.subjects.trajectory.run import Followed
+
+_DEG = 180 / math.pi
+_TIME = "time [s]"
+_NO_TIME, _NOTHING = np.array([0.0, 300.0]), np.full(2, np.nan)
+_MOST_OUTAGES = 4
+_MOST_SOURCES = 6
+_SHARE_STYLES = ("horizontal", "vertical", "yaw", "tilt", "simulated, yaw", "refined", "reference")
+_HOW = "Covariance along the flight: no runs, no closed form; 1σ just after a fix."
+_USUAL = (("horizontal", "horizontal refined"), ("vertical", "vertical refined"))
+
+
+def timelines(followed: Followed | None, name: str) -> tuple[Chart, ...]:
+    """The figure `name`, position, velocity and attitude; None: the frames alone. All on one time array."""
+    figure = FIGURES[name]
+    time = _NO_TIME if followed is None else followed.result.time_s
+    spans = _outages(followed)
+
+    def pair(key: str, label: str, of: str, scale: float, styles: tuple[str, str]) -> list[Line]:
+        """One figure in real time and post-processed."""
+        values = [_NOTHING, _NOTHING]
+        if followed is not None:
+            both = followed.result.real_time, followed.result.post_processed
+            values = [scale * (one.attitude[:, 2] if of == "yaw" else one.figure(of)) for one in both]
+        ends = (label, "")
+        processed = ("real time", "post-processed")
+        return [
+            Line(f"{key} {when}", f"{label}, {when}", time, y, style, "covariance", end)
+            for when, y, style, end in zip(processed, values, styles, ends, strict=True)
+        ]
+
+    def chart(key: str, title: str, y_label: str, lines: list[Line], limits: tuple[Limit, ...] = ()) -> Chart:
+        return Chart(f"trajectory-{key}", title, _TIME, y_label, tuple(lines), limits=limits, spans=spans,
+                     y_log=True, knowledge=_HOW)  # fmt: skip
+
+    def level_and_up(kind: str) -> list[Line]:
+        names = zip(("horizontal", "vertical"), _USUAL, strict=True)
+        return [line for which, styles in names for line in pair(which, which, f"{which}_{kind}", 1.0, styles)]
+
+    limit = math.nan if followed is None else limit_of(followed.result, name)
+    drawn = () if math.isnan(limit) else (Limit("limit", "limit", time[0], time[-1], figure.scale * limit),)
+    attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
+    chosen = pair("figure", figure.said, name, figure.scale, ("exact", "asymptote"))
+    attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
+    return (
+        chart("figure", figure.label, figure.axis, chosen, drawn),
+        chart("position", "Position", "position, 1σ [m]", level_and_up("position")),
+        chart("velocity", "Velocity", "velocity, 1σ [m/s]", level_and_up("velocity")),
+        chart("attitude", "Attitude", "attitude, 1σ [°]", attitude),
+    )
+
+
+def map_chart(followed: Followed, name: str) -> Chart:
+    """The flight seen from above, in three colours by the figure `name`."""
+    result, figure = followed.result, FIGURES[name]
+    values, limit = result.chosen.figure(name), limit_of(result, name)
+    known = values[np.isfinite(values)]
+    level = float(np.median(known)) if math.isnan(limit) and known.size else limit
+    what = "its limit" if not math.isnan(limit) else "its median over the flight, as no requirement limits it"
+    east, north = followed.east / 1000, followed.north / 1000
+
+    def part(there: NDArray[np.bool_]) -> Array:
+        """The stretches where that holds, each up to the next one."""
+        shown = there.copy()
+        shown[1:] |= there[:-1]
+        return np.where(shown, north, np.nan)
+
+    with np.errstate(invalid="ignore"):
+        low, beyond = values <= 0.5 * level, values > level
+        middle = (values <= level) & ~low
+    source = f"{figure.said}, {result.spec.limits.processing}"
+    named = [(line.name, int(np.searchsorted(result.time_s, line.start_s))) for line in result.lines]
+    starts = np.array([min(at, len(east) - 1) for _, at in named])
+    return Chart(
+        key="trajectory-map",
+        title="Map",
+        x_label="east of the start [km]",
+        y_label="north of the start [km]",
+        lines=(
+            Line("path", "no aperture here", east, part(~np.isfinite(values)), "reference", source),
+            Line("low", "up to half the level", east, part(low), "closes", source),
+            Line("middle", "up to the level", east, part(middle), "vertical", source),
+            Line("high", "above", east, part(beyond), "does not close", source),
+        ),
+        points=(Points("starts", "a line begins", east[starts], north[starts], tuple(n for n, _ in named), "mark",
+                       source="begins"),),
+        square=True,
+        aside=f"{figure.label}: level {figure.told(level, given=True)}" if known.size else "",
+        knowledge=f"The level is {what}. {result.spec.limits.processing.capitalize()}.",
+    )  # fmt: skip
+
+
+def shares_chart(followed: Followed, name: str) -> Chart:
+    """Shares of the figure's variance by source, stacked; the smaller sources together."""
+    result, figure = followed.result, FIGURES[name]
+    rows = result.chosen.shares[figure.shares]
+    known = rows[:, np.isfinite(rows).all(axis=0)]
+    order = np.argsort(-known.mean(axis=1)) if known.size else np.arange(len(rows))
+    parts = [(result.sources[i], rows[i]) for i in order[:_MOST_SOURCES]]
+    if len(order) > _MOST_SOURCES:
+        parts.append(("all others", rows[order[_MOST_SOURCES:]].sum(axis=0)))
+    tops = np.cumsum([100 * row for _, row in parts], axis=0)
+    lows = np.vstack([np.zeros(len(result.time_s)), tops[:-1]])
+    return Chart(
+        key="trajectory-shares",
+        title=f"Shares of {figure.said}",
+        x_label=_TIME,
+        y_label="share [%]",
+        lines=(),
+        bands=tuple(
+            Band(label, label, result.time_s, low, top, style, result.spec.limits.processing)
+            for (label, _), low, top, style in zip(parts, lows, tops, _SHARE_STYLES, strict=False)
+        ),
+        y_range=(0.0, 100.0),
+        knowledge=f"{_HOW} {result.spec.limits.processing.capitalize()}; the shares add up to one at every time.",
+    )
+
+
+def _outages(followed: Followed | None) -> tuple[Span, ...]:
+    given = [] if followed is None else [*followed.result.spec.study.outages][:_MOST_OUTAGES]
+    parked = [(math.nan, math.nan)] * (_MOST_OUTAGES - len(given))
+    return tuple(Span(f"outage {i}", "no fixes", start, stop) for i, (start, stop) in enumerate(given + parked))

@@ -1,0 +1,98 @@
+"""The covariance along a flight as blocks: the verdict, and a table by line."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from app.document.blocks import Answer, Cell, Column, Table
+from app.document.numbers import NONE, number, percent
+from app.subjects.trajectory.figures import FIGURES, cause_at, limit_of
+from app.subjects.trajectory.run import Followed
+
+if TYPE_CHECKING:
+    from nav_model.trajectory.result import LineResult, TrajectoryResult
+
+_MOST_TOLD = 2
+
+
+def verdict(followed: Followed, name: str) -> Answer:
+    """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
+    result = followed.result
+    heading, processing = result.heading.text, result.spec.limits.processing
+    if not result.spec.limits.most:
+        figure, values = FIGURES[name], result.chosen.figure(name)
+        values = values[np.isfinite(values)]
+        told = f"{figure.label} is at most {figure.told(values.max())}, {processing}." if values.size else ""
+        none = "No requirement of the design limits a figure of the flight."
+        return Answer("No limit", "open", (told, none, heading))
+    failing = [line for line in result.lines if line.failing]
+    lines = len(result.lines)
+    if result.spec.lines:
+        word = f"{lines - len(failing)} of {lines} line{'' if lines == 1 else 's'} within the limits"
+    else:
+        word = f"{percent(min(result.lines[0].within.values()))} of the flight within the limits"
+    told = "; ".join(_failure(result, line) for line in failing[:_MOST_TOLD])
+    more = f"; {len(failing) - _MOST_TOLD} more fail" if len(failing) > _MOST_TOLD else ""
+    sentences = (f"{told[0].upper()}{told[1:]}{more}.",) if told else ()
+    return Answer(
+        f"{'✗' if failing else '✓'} {word}",
+        "bad" if failing else "good",
+        (*sentences, f"{processing.capitalize()}.", heading),
+    )
+
+
+def _failure(result: TrajectoryResult, line: LineResult) -> str:
+    """Where a line fails first, in which figure, and from what: "line 3 fails 12 s after its start: ..."."""
+    from nav_model.trajectory.lines import along
+
+    name = min(line.failing, key=lambda failing: line.within[failing])
+    figure, values, limit = FIGURES[name], result.chosen.figure(name), limit_of(result, name)
+    on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name in result.chosen.image)
+    beyond = np.flatnonzero(on & (values > limit))
+    if not beyond.size:
+        return f"{line.name} has no room for an aperture"
+    after = number(float(result.time_s[beyond[0]] - line.start_s), given=True)
+    worst = int(beyond[np.argmax(values[beyond])])
+    return (
+        f"{line.name} fails {after} s after its start: {figure.said} {figure.told(values[worst])}, limit "
+        f"{figure.told(limit, given=True)} ({figure.spread}), most of it from {cause_at(result, name, worst)}"
+    )
+
+
+def line_table(followed: Followed, name: str) -> Table:
+    """Each line: the figure `name` and those with a limit, their rms, worst and share of the line within it."""
+    result = followed.result
+    shown = [FIGURES[key] for key in dict.fromkeys([*(key for key, _ in result.spec.limits.most), name])]
+    rows: list[tuple[Cell, ...]] = []
+    for line in result.lines:
+        rows.append((Cell(f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"),))
+        for figure in shown:
+            limit, within = limit_of(result, figure.name), line.within.get(figure.name)
+            failing = figure.name in line.failing
+            mean, worst = (part.get(figure.name) for part in (line.mean, line.worst))
+            rows.append(
+                (
+                    Cell(figure.label),
+                    Cell(NONE if mean is None else figure.told(mean)),
+                    Cell(NONE if worst is None else figure.told(worst)),
+                    Cell(NONE if within is None else figure.told(limit, given=True)),
+                    Cell(NONE)
+                    if within is None
+                    else Cell(percent(within), "✗" if failing else "✓", "bad" if failing else "good"),
+                )
+            )
+    return Table(
+        "trajectory-lines",
+        f"Figures by line, {result.spec.limits.processing}",
+        (
+            Column("Figure"),
+            Column("Rms", numeric=True),
+            Column("Worst", numeric=True),
+            Column("Limit (scaled to 1σ)", numeric=True),
+            Column("Within", numeric=True),
+        ),
+        tuple(rows),
+        "An image's aperture lies within its line.",
+    )

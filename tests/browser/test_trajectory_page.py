@@ -1,0 +1,43 @@
+"""The Trajectory page as a person uses it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+Visit = Callable[..., Page]
+Check = Callable[..., None]
+_PLAN = """<gpx><rte><rtept lat="47" lon="8"><ele>3000</ele><name>first</name></rtept>
+<rtept lat="47.08" lon="8"><ele>3000</ele></rtept><rtept lat="47.08" lon="8.1"><ele>3000</ele></rtept></rte></gpx>"""
+
+
+def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
+    visit: Visit, page: Page, tmp_path: Path, accessible: Check, fits: Check
+) -> None:
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text) if message.type in {"warning", "error"} else None)
+    visit("/#trajectory", width=1280, height=720)
+    page.keyboard.press("Escape")
+    answer = page.get_by_role("status").first
+    expect(answer).to_contain_text(re.compile(r"\d of 4 lines within the limits"))
+    expect(answer).to_contain_text("Heading is observed")
+    theory, undo = page.get_by_role("tab", name="Theory"), page.get_by_role("button", name="Undo").first
+    tab, tool = theory.bounding_box(), undo.bounding_box()
+    assert tab is not None
+    assert tool is not None
+    assert tab["x"] + tab["width"] <= tool["x"]  # nine tabs have room beside the tools
+    expect(page.locator(".bk-Figure:visible")).to_have_count(6)
+    page.get_by_role("button", name="Table by line", exact=True).click()
+    expect(page.get_by_text("line 4: ")).to_be_visible()
+    accessible(page)
+    plan = tmp_path / "plan.gpx"
+    plan.write_text(_PLAN, encoding="utf-8")
+    page.get_by_role("combobox", name="Flight").click()
+    page.get_by_role("menuitem", name="From a file").click()
+    page.locator('input[type="file"][accept*=".gpx"]').set_input_files(plan)
+    expect(answer).to_contain_text("of 1 line within the limits")
+    assert said == []
+    fits(page, 390)
