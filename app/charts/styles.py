@@ -45,7 +45,7 @@ STYLES: dict[str, Style] = {
     "initial tilt": Style(PURPLE, "dotdash", 1.6),
     "tilt": Style(PURPLE, "solid", 2.5),
     "tilt, real time": Style(PURPLE, "dotdash", 2.0),
-    "tilt refined": Style(PURPLE, "dashed", 2.0),
+    "tilt refined": Style(PURPLE, "dashed", 3.0),
     "yaw": Style(GREEN, "dashed", 2.0),
     "limit": Style(RED, "dashdot", 1.8),
     "closes": Style(GREEN, "solid", 2.0),

@@ -90,7 +90,7 @@ def map_chart(followed: Followed, name: str) -> Chart:
         lines=(
             Line("path", "no aperture here", east, part(~np.isfinite(values)), "reference", source),
             Line("low", "up to half the level", east, part(low), "closes", source),
-            Line("middle", "up to the level", east, part(middle), "vertical", source),
+            Line("middle", "up to the level", east, part(middle), "this design", source),
             Line("high", "above", east, part(beyond), "does not close", source),
         ),
         points=(Points("starts", "a line begins", east[starts], north[starts], tuple(n for n, _ in named), "mark",

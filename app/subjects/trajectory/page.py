@@ -79,7 +79,7 @@ class TrajectoryPage(View):
     )
     figure: str = declared(
         param.Selector(
-            default="detrended_phase", objects={one.label: name for name, one in FIGURES.items()}, label="Figure"
+            default="detrended_phase", objects={one.label: name for name, one in FIGURES.items()}, label="Quantity"
         )
     )
 

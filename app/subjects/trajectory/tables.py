@@ -87,7 +87,7 @@ def line_table(followed: Followed, name: str) -> Table:
         "trajectory-lines",
         f"Figures by line, {result.spec.limits.processing}",
         (
-            Column("Figure"),
+            Column("Quantity"),
             Column("Rms", numeric=True),
             Column("Worst", numeric=True),
             Column("Limit (scaled to 1σ)", numeric=True),
