@@ -24,6 +24,7 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     answer = page.get_by_role("status").first
     expect(answer).to_contain_text(re.compile(r"\d of 4 lines within the limits"))
     expect(answer).to_contain_text("Heading is observed")
+    expect(page.get_by_role("button", name="Cancel", exact=True)).to_be_disabled()
     theory, undo = page.get_by_role("tab", name="Theory"), page.get_by_role("button", name="Undo").first
     tab, tool = theory.bounding_box(), undo.bounding_box()
     assert tab is not None

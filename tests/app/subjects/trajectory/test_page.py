@@ -75,6 +75,7 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
     values, time = followed.result.real_time.image["detrended_phase"], followed.result.time_s
     good = 0
     for line in followed.result.spec.lines:
+        assert followed.result.spec.aperture is not None
         half = followed.result.spec.aperture.duration / 2
         good += bool((values[(time >= line.start + half) & (time <= line.stop - half)] <= limit).all())
     assert good == 0
