@@ -253,7 +253,7 @@ class StaticResult(View):
         self.axis.param.watch(lambda event: parts.follow() if event.new else None, "value")
         charts = parts.later(self._charts)
         accepted = _paper(self.accepted)
-        self._view = pn.Column(_paper(self.head, self.use), accepted, charts, _paper(self.tables), visible=False)
+        self._view = pn.Column(_paper(self.head, self.use), charts, accepted, _paper(self.tables), visible=False)
 
     def show(self, analysis: LogAnalysis) -> None:
         """Show another log's analysis."""
