@@ -195,9 +195,8 @@ def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_
         expect(page.get_by_text("Compared with: Angle random walk 0.15")).to_be_visible()
         page.keyboard.press("ArrowLeft")
         expect(box).to_have_value("0.57 °/√h")
-        until(
-            lambda: len([frame for frame in told if '"place"' in frame]) >= 3, "the first place, the newest, one back"
-        )
+        # The newest place may be that of the step back: the browser tells the next one when the last is answered.
+        until(lambda: len([frame for frame in told if '"place"' in frame]) >= 2, "a first place and the newest")
         assert len([frame for frame in told if '"place"' in frame]) < 15, "places between are not told one by one"
         expect(box).to_have_value("0.57 °/√h")
 
