@@ -58,11 +58,11 @@ class SheetInput(ABC):
 
     def slide(self, place: float) -> InputError | None:
         """Put the value at a place of the slider in force, or say why not."""
-        raise NotImplementedError
+        return InputError(self.key, "has no slider", place)
 
     def turn_to(self, unit: str) -> InputError | None:
-        """Show the value in another of its units."""
-        raise NotImplementedError
+        """Show the value in another of its units, or say why not."""
+        return InputError(self.key, "has no unit to choose", unit)
 
     def now(self) -> Row:
         """What the row shows now; a refusal stays until there is another value."""

@@ -41,7 +41,7 @@ def _logged(function: Callable[[], object], begin: Callable[[], None] | None) ->
         begin()
     try:
         function()
-    except Exception:
+    except Exception:  # told in full where the server logs: this process has nobody else to tell
         logging.getLogger("navbudget").exception("fault in a worker")
 
 

@@ -84,7 +84,7 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
     if not _closes(design, now, math.exp(low)):
         raise InputError(unit, "no noise is low enough: other inputs alone exceed a limit")
     if _closes(design, now, math.exp(high)):
-        raise InputError(unit, "no limit depends on its noise, so that any unit would do")
+        raise InputError(unit, "no limit depends on its noise: every unit meets the limits or none does")
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if _closes(design, now, math.exp(middle)) else (low, middle)

@@ -67,7 +67,7 @@ class Contributors(View):
 
 def contributors_html(budget: Budget) -> str:
     """The design's contributors, and the allocation of its tightest requirement."""
-    none = Text("The design has no contributors of its own. Enter them below, or in its file.")
+    none = Text("The design has no contributors. Enter them below, or in its file.")
     own = contributor_table(budget, "d") if budget.design.contributors else none
     return html_of(own, allocation_table(budget))
 

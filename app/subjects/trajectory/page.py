@@ -54,7 +54,7 @@ _FLIGHTS = {
 _KINDS = (".gpx", ".kml", ".csv", ".out")
 _UPLOAD = 20_000_000  # bytes
 _SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
-_LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
+_LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
 _KEY = '<span class="quiet fine">solid: real time · dashed: post-processed · grey: no fixes</span>'
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 _WAITING = Answer("Working", "open", ("The covariance along the flight follows.",))
