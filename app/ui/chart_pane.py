@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from html import escape
 from typing import Generic, TypeVar
@@ -97,16 +96,12 @@ class ChartPane(Generic[_T]):
 def takes(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list[pmui.FileDownload]:
     """Buttons that take a chart's data away (CSV), or the chart as it prints (SVG)."""
     chart = describe(current())
-
-    def csv() -> io.BytesIO:
-        return io.BytesIO(to_csv(describe(current())).encode("utf-8"))
-
-    async def svg() -> io.BytesIO:
-        """Drawn in a worker: the plotting library would hold up every slider."""
-        return io.BytesIO((await elsewhere(to_svg, describe(current()))).encode("utf-8"))
-
     csv_label, svg_label = _labels(chart)
-    return [download(csv_label, f"{chart.key}.csv", csv), download(svg_label, f"{chart.key}.svg", svg)]
+    return [
+        download(csv_label, f"{chart.key}.csv", lambda: to_csv(describe(current()))),
+        # Drawn in a worker: the plotting library would hold up every slider.
+        download(svg_label, f"{chart.key}.svg", lambda: elsewhere(to_svg, describe(current()))),
+    ]
 
 
 def head_html(title: str, knowledge: str, *more: str) -> str:

@@ -4,23 +4,34 @@ from __future__ import annotations
 
 import io
 from collections.abc import Awaitable, Callable
+from typing import Any
 
 import panel_material_ui as pmui
 
 from app.work.run import Run
 
+Content = str | bytes
+_LOOK: dict[str, Any] = {"variant": "text", "margin": (0, 8)}
+
 
 def download(
-    label: str, filename: str, make: Callable[[], io.BytesIO] | Callable[[], Awaitable[io.BytesIO]]
+    label: str, filename: str, make: Callable[[], Content | Awaitable[Content]], **look: Any
 ) -> pmui.FileDownload:
-    """A link-like button; `make` is called when it is pressed."""
-    return pmui.FileDownload(callback=make, filename=filename, label=label, variant="text", margin=(0, 8))
+    """A link-like button; `make` gives the content of the file when it is pressed. ``look``: as the button has it."""
+
+    async def made() -> io.BytesIO:
+        content = make()
+        if isinstance(content, Awaitable):
+            content = await content
+        return io.BytesIO(content.encode("utf-8") if isinstance(content, str) else content)
+
+    return pmui.FileDownload(callback=made, filename=filename, label=label, **_LOOK | look)
 
 
 def run_download(
     run: Run, write: Callable[[], Awaitable[bytes]], failed: Callable[[str], None]
-) -> Callable[[], Awaitable[io.BytesIO]]:
-    """The callback of a `FileDownload` whose file is the result of a run.
+) -> Callable[[], Awaitable[bytes]]:
+    """What `download` takes for a file that is the result of a run.
 
     Parameters
     ----------
@@ -32,10 +43,10 @@ def run_download(
         Told why there is no file.
     """
 
-    async def made() -> io.BytesIO:
+    async def made() -> bytes:
         await run.start(lambda _: write())
         if run.message:
             failed(run.message)
-        return io.BytesIO(run.result or b"")
+        return run.result or b""
 
     return made

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from html import escape
 from typing import Any
 
@@ -262,12 +261,14 @@ class BudgetPage(View):
         return part
 
     def _exports(self) -> Any:
-        found = [take for describe in charts.BUDGET_CHARTS for take in takes(describe, lambda: self.session.budget)]
-        found.append(download("Image location errors: SICD XML", "error-statistics.xml", self._sicd))
-        return pn.FlexBox(*found, stylesheets=[PRINT_NOTHING])
+        now = self._details.known
 
-    def _sicd(self) -> io.BytesIO:
-        return io.BytesIO(sicd_xml(error_statistics(self.session.budget.design)))
+        def sicd() -> bytes:
+            return sicd_xml(error_statistics(now().design))
+
+        found = [take for describe in charts.BUDGET_CHARTS for take in takes(describe, now)]
+        found.append(download("Image location errors: SICD XML", "error-statistics.xml", sicd))
+        return pn.FlexBox(*found, stylesheets=[PRINT_NOTHING])
 
 
 def _ask(budget: Budget) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from html import escape
 from typing import Any
 
@@ -60,7 +59,8 @@ class MapPanel(Question):
             pmui.Select.from_param(parameter, width=270, margin=(10, 8, 0, 8))
             for parameter in (self.param.x, self.param.y, self.param.result)
         )
-        tools = pn.FlexBox(*choosers, download("Map: CSV", "map.csv", self._csv), align_items="center")
+        csv = download("Map: CSV", "map.csv", lambda: to_csv(self._now()))
+        tools = pn.FlexBox(*choosers, csv, align_items="center")
         return first_screen(
             tools, left=[pn.Column(self._head, self._place, sizing_mode="stretch_both")], height="100%"
         )
@@ -80,7 +80,7 @@ class MapPanel(Question):
                 NO_LIMIT.word, "open", ("Choose a single result, or give a limit under Requirements.",)
             )
             return
-        chart = map_chart(budget.design, self.x, self.y, self.result)
+        chart = self._now()
         self.answer = map_answer(chart, self._value(budget, chart))
         if self._drawn is None or self._chart is None or self._chart.structure != chart.structure:
             self._drawn = MapFigure(chart, narrow=self.session.narrow)
@@ -94,6 +94,9 @@ class MapPanel(Question):
             "dashed: twice. Lighter is better. ● passes, ✕ fails.</span>"
         )
         self._head.object = head_html(chart.title, chart.knowledge, described(chart), key)
+
+    def _now(self) -> TradeMapChart:
+        return map_chart(self.session.design, self.x, self.y, self.result)
 
     def _value(self, budget: Budget, chart: TradeMapChart) -> float:
         """The result of the design itself, over the map's reference."""
@@ -115,6 +118,3 @@ class MapPanel(Question):
         problem = self.session.change(changes, units)
         if problem:
             self.answer = Answer("Not taken", "warn", (str(problem),))
-
-    def _csv(self) -> io.BytesIO:
-        return io.BytesIO(to_csv(map_chart(self.session.design, self.x, self.y, self.result)).encode())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import io
 from collections.abc import Mapping
 from html import escape
 from typing import Any
@@ -101,7 +100,7 @@ class SearchPanel(Question):
             self._file,
             self._keep,
             pmui.Button(label="Offers of the library", variant="text", on_click=self._load),
-            download("Example file", "sensors.toml", lambda: io.BytesIO(EXAMPLE.encode())),
+            download("Example file", "sensors.toml", lambda: EXAMPLE),
             download("Table: CSV", "search.csv", self._csv),
             align_items="center",
         )
@@ -197,7 +196,7 @@ class SearchPanel(Question):
     def _say(self, text: str) -> None:
         self._said.object = f'<p role="status">{escape(text)}</p>'
 
-    def _csv(self) -> io.BytesIO:
+    def _csv(self) -> str:
         margins = self._found[0].margins if self._found else ()
         head = ("IMU", "Receiver", "Closes", "Margin", "Tightest", "Main error source", "Its share",
                 *(f"Margin of {name}" for name in margins), "Unverified",
@@ -205,4 +204,4 @@ class SearchPanel(Question):
         rows = ((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
                  *row.margins.values(), "; ".join(row.doubts), row.price, row.currency, row.mass, row.power)
                 for row in self._found)  # fmt: skip
-        return io.BytesIO(csv_text((head, *rows)).encode())
+        return csv_text((head, *rows))

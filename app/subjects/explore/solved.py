@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import panel as pn
@@ -52,11 +51,12 @@ class SolvedPanel(Question):
     def __panel__(self) -> pn.Column:
         folded = Folded([("Each requirement alone", lambda: self._each)])
         chooser = pmui.Select.from_param(self.param.figure, sizing_mode="stretch_width", margin=(8, 12, 0, 12))
+        csv = download("Ranking: CSV", "ranking.csv", lambda: to_csv(rank_chart(self.session.design, self.figure)))
         return first_screen(
             left=[pn.Column(self._table, folded, sizing_mode="stretch_both", styles={"overflow": "auto"})],
             right=[
                 pn.Column(
-                    self._head, chooser, self._ranking, download("Ranking: CSV", "ranking.csv", self._csv),
+                    self._head, chooser, self._ranking, csv,
                     sizing_mode="stretch_both", stylesheets=[NARROW],
                 )
             ],
@@ -93,6 +93,3 @@ class SolvedPanel(Question):
         lead = f'<p class="quiet fine">{chart.bars[0].sentence}</p>' if chart.bars else ""
         head = head_html(chart.title, chart.knowledge) + lead
         self._head.say(head)
-
-    def _csv(self) -> io.BytesIO:
-        return io.BytesIO(to_csv(rank_chart(self.session.design, self.figure)).encode())

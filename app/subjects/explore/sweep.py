@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -95,7 +94,7 @@ class SweepPanel(Question):
             pn.FlexBox(
                 taken("Table: CSV", "sweep.csv", to_csv),
                 taken("Table: Parquet", "sweep.parquet", to_parquet),
-                download("Sweep file (TOML)", "sweep.toml", self._file),
+                download("Sweep file (TOML)", "sweep.toml", lambda: sweep_file(self.session.design, self.rows)),
             ),
             **scrolls,
         )
@@ -113,9 +112,6 @@ class SweepPanel(Question):
     def show(self, budget: Budget) -> None:
         """Follow the design: the sweep is of the current design."""
         self._read()
-
-    def _file(self) -> io.BytesIO:
-        return io.BytesIO(sweep_file(self.session.design, self.rows).encode())
 
     def _read(self) -> None:
         """Work out what the rows ask for, and how long that takes."""

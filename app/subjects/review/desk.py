@@ -20,7 +20,7 @@ from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.library.texts import LIMITS
 from app.session import Session
-from app.ui.downloads import run_download
+from app.ui.downloads import download, run_download
 from app.ui.html_pane import html_pane
 from app.ui.remembered import Remembered, recalled
 from nav_model.base.errors import InputError
@@ -123,12 +123,11 @@ class Desk(param.Parameterized):
     ) -> tuple[pmui.FileDownload, ...]:
         """Buttons for a report in either kind of file; `write` makes its bytes for a suffix such as ``.pdf``."""
         return tuple(
-            pmui.FileDownload(
-                callback=run_download(self.session.new_run(), partial(write, suffix), partial(self.say, wrong=True)),
-                filename=f"{stem}{suffix}",
-                label=f"{label} ({suffix[1:].upper()})",
-                **BUTTON,
-                **params,
+            download(
+                f"{label} ({suffix[1:].upper()})",
+                f"{stem}{suffix}",
+                run_download(self.session.new_run(), partial(write, suffix), partial(self.say, wrong=True)),
+                **BUTTON | params,
             )
             for suffix in (".html", ".pdf")
         )

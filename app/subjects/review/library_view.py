@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import io
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -22,6 +21,7 @@ from app.library.place import library
 from app.library.store import Library, Revision, Saved
 from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
+from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.view import View
 from app.upstream.file_input import LimitedFileInput
@@ -74,10 +74,7 @@ class LibraryView(View):
             button("Clear", self._clear),
             button("Set tags", self._retag),
         ]
-        self._export = pmui.FileDownload(
-            callback=self._zip, filename="navbudget-library.zip", label="Export (zip)",
-            **{**BUTTON, "variant": "text"},
-        )  # fmt: skip
+        self._export = download("Export (zip)", "navbudget-library.zip", self._zip, margin=BUTTON["margin"])
         self._chosen = html_pane("", margin=(4, 10))
         self._view = pn.Column(
             pn.FlexBox(self._note, self._new, self._next, align_items="center", margin=(6, 4)),
@@ -287,14 +284,14 @@ class LibraryView(View):
             self.desk.base = history[0]
             await self.refresh()
 
-    async def _zip(self) -> io.BytesIO:
+    async def _zip(self) -> bytes:
         picked = [revision.design for revision in self.desk.picked]
 
         def work(place: Library) -> bytes:
             everything = (*place.designs(), *place.designs(archived=True))
             return export_archive(place, picked or [saved.design for saved in everything])
 
-        return io.BytesIO(await self.desk.ask(work) or b"")
+        return await self.desk.ask(work) or b""
 
     async def _brought(self, event: Any) -> None:
         if not event.new:

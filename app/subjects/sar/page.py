@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import io
 import json
 from collections.abc import Callable
 from html import escape
@@ -281,11 +280,11 @@ class SarPage(View):
         if self._upload.file is not None:
             self._upload.form()
 
-    async def _json(self) -> io.BytesIO:
+    async def _json(self) -> str:
         """The study as `navbudget sar` writes it, maps and all: made in a thread, so that sliders move on."""
         result: SarResult = self.run.result
         document = await asyncio.to_thread(to_json, result.study, result.beside)
-        return io.BytesIO(json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
+        return json.dumps(document, ensure_ascii=False, allow_nan=False, indent=1)
 
 
 def _of_study(draw: Callable[[SarStudy], Chart]) -> Callable[[SarResult], Chart]:

@@ -31,10 +31,11 @@ class PicturePanel(View):
         self._pair = pair
         # Heading and pictures apart: the mark of a stale study must not send the pictures again.
         self._heading, self._pictures = html_pane("", margin=(8, 10, 0, 10)), html_pane("")
-        self.links = pn.FlexBox(*(
-            download(f"{title}: {kind}", f"{key}.{kind.lower()}", make)
-            for make, kind in ((self._npz, "NPZ"), (self._csv, "CSV"), (self._svg, "SVG"))
-        ))  # fmt: skip
+        self.links = pn.FlexBox(
+            download(f"{title}: NPZ", f"{key}.npz", self._npz),
+            download(f"{title}: CSV", f"{key}.csv", lambda: elsewhere(pictures_csv, self._shown())),
+            download(f"{title}: SVG", f"{key}.svg", lambda: elsewhere(to_svg, self._shown())),
+        )
         self._view = pn.Column(self._heading, self._pictures, self.links, visible=self.param.chart.rx.is_not(None))
 
     @param.depends("chart", "stale", watch=True)
@@ -52,17 +53,10 @@ class PicturePanel(View):
         assert self.chart is not None  # the links are hidden without one
         return self.chart
 
-    def _npz(self) -> io.BytesIO:
+    def _npz(self) -> bytes:
         chart, packed = self._shown(), io.BytesIO()
         np.savez_compressed(packed, names=np.array(chart.names), x_m=chart.x, y_m=chart.y, power_db=chart.power_db)
-        packed.seek(0)
-        return packed
-
-    async def _csv(self) -> io.BytesIO:
-        return io.BytesIO((await elsewhere(pictures_csv, self._shown())).encode("utf-8"))
-
-    async def _svg(self) -> io.BytesIO:
-        return io.BytesIO((await elsewhere(to_svg, self._shown())).encode("utf-8"))
+        return packed.getvalue()
 
 
 def pictures_csv(chart: PictureChart) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from functools import partial
 from html import escape
 from typing import Any
@@ -68,13 +67,13 @@ class SensorsPage(View):
         """The sheets for suppliers, to be saved."""
         said = html_pane("", margin=(0, 14))
 
-        def made(unit: Unit) -> io.BytesIO:
+        def made(unit: Unit) -> str | bytes:
             said.object = ""
             try:
-                return io.BytesIO(document_bytes(supplier_report(self.session.design, unit), ".html"))
+                return document_bytes(supplier_report(self.session.design, unit), ".html")
             except InputError as error:
                 said.object = f'<p role="status">There is no sheet. {escape(str(error))}</p>'
-                return io.BytesIO(str(error).encode())
+                return str(error)
 
         buttons = (
             download(f"Sheet for the supplier: {name}", f"{unit}-required.html", partial(made, unit))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import importlib
-import io
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -242,9 +241,9 @@ class SimulatePage(View):
     def _exports(self) -> pn.FlexBox:
         study = self._details.known
         return pn.FlexBox(
-            download("Everything (JSON)", "simulation.json", lambda: io.BytesIO(as_json(study()).encode())),
-            download("Statistics (NPZ)", "simulation.npz", lambda: io.BytesIO(as_npz(study()))),
-            download("Sigmas (CSV)", "simulation.csv", lambda: io.BytesIO(as_csv(study()).encode())),
+            download("Everything (JSON)", "simulation.json", lambda: as_json(study())),
+            download("Statistics (NPZ)", "simulation.npz", lambda: as_npz(study())),
+            download("Sigmas (CSV)", "simulation.csv", lambda: as_csv(study())),
             *(take for draw in CHARTS for take in takes(draw, study)),
             stylesheets=[PRINT_NOTHING],
         )

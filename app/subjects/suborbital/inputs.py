@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from html import escape
 from typing import Any
@@ -16,6 +15,7 @@ from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.suborbital.controls import StudyInput
+from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.input_sheet import Group, InputSheet
 from app.upstream.file_input import LimitedFileInput
@@ -109,10 +109,8 @@ class InputPanel(pn.viewable.Viewer):
             icon="folder_open", max_file_size=MAX_STUDY, **_LOOK,
         )  # fmt: skip
         self.file.param.watch(self._opened, "value")
-        save = pmui.FileDownload(
-            callback=lambda: io.BytesIO(format_study(self.settings, self.trajectory).encode("utf-8")),
-            filename="suborbital-study.toml", label="Save study", icon="save", **_LOOK,
-        )  # fmt: skip
+        name, now = "suborbital-study.toml", lambda: format_study(self.settings, self.trajectory)
+        save = download("Save study", name, now, icon="save", **_LOOK)
 
         def button(label: str, icon: str, pressed: Callable[[], object]) -> pmui.Button:
             return pmui.Button(label=label, icon=icon, on_click=lambda _: pressed(), **_LOOK)

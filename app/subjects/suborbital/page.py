@@ -6,7 +6,6 @@ The inertial unit is the design's; the page adds flight, tracker, camera and ini
 from __future__ import annotations
 
 import asyncio
-import io
 import json
 
 import panel as pn
@@ -187,13 +186,13 @@ class SuborbitalPage(pn.viewable.Viewer):
         if shown is not None and self.study.views.chosen == CAMERA_NOISE:
             self.camera.show(shown, self.inputs.settings)
 
-    def _json(self) -> io.BytesIO:
+    def _json(self) -> str:
         shown = self.study.shown
         if shown is None:
-            return io.BytesIO(b"{}")
+            return "{}"
         content = survey_json(shown.survey, shown.study, self.inputs.settings)
         if shown.gap is not None:
             content["linear_gap"] = gap_json(shown.gap)
         if shown.ensemble is not None:
             content["white_noise_monte_carlo"] = noise_json(shown.ensemble)
-        return io.BytesIO(json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1).encode("utf-8"))
+        return json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -214,5 +213,5 @@ def _takes(view: View, current: Callable[[], Shown]) -> Iterator[pn.viewable.Vie
         yield download(name, f"{now.key}.csv", partial(_csv, build, current))
 
 
-def _csv(build: Callable[[Shown], NumberTable], current: Callable[[], Shown]) -> io.BytesIO:
-    return io.BytesIO(build(current()).csv().encode("utf-8"))
+def _csv(build: Callable[[Shown], NumberTable], current: Callable[[], Shown]) -> str:
+    return build(current()).csv()

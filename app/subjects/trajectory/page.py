@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import importlib
-import io
 import json
 import math
 from typing import Any
@@ -214,8 +213,8 @@ class TrajectoryPage(View):
     def _exports(self) -> pn.FlexBox:
         known = self._details.known
         return pn.FlexBox(
-            download("Everything (JSON)", "trajectory.json", lambda: io.BytesIO(as_json(known()).encode())),
-            download("Figures (CSV)", "trajectory.csv", lambda: io.BytesIO(as_csv(known()).encode())),
+            download("Everything (JSON)", "trajectory.json", lambda: as_json(known())),
+            download("Figures (CSV)", "trajectory.csv", lambda: as_csv(known())),
             *takes(lambda found: map_chart(found, self.figure), known),
             *takes(self._drawn_shares, known),
             stylesheets=[PRINT_NOTHING],

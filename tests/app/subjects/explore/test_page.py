@@ -170,7 +170,7 @@ def test_files_that_hold_no_sensors_are_refused_and_change_nothing(
 
 def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
     search = _search(explore)
-    rows = list(csv.DictReader(io.StringIO(search._csv().read().decode())))
+    rows = list(csv.DictReader(io.StringIO(search._csv())))
     shown = re.findall(r'<button type="button" value="(.*?)"', search._table.html)
     assert [f"{row['IMU']} with {row['Receiver']}" for row in rows] == shown
     assert search._table.html.count("✓ closes") == sum(row["Closes"] == "True" for row in rows) > 0

@@ -315,6 +315,11 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
     assert "stale" in tables.object
 
 
+def content(link: Any) -> io.BytesIO:
+    """What a person gets who presses the link."""
+    return asyncio.run(link.callback())
+
+
 def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.MonkeyPatch) -> None:
     import app.subjects.sar.picture_panel as panels
 
@@ -324,20 +329,21 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
     point, scene = PicturePanel("p", "p"), PicturePanel("s", "s")
     point.chart = sar._points
     scene.chart = scene_picture(asyncio.run(scene_of(sar._result.study)))
-    with np.load(point._npz()) as packed:
+    npz, csv, _ = (content(link) for link in point.links)
+    with np.load(npz) as packed:
         assert packed["power_db"].shape == (10, 61, 121)
         np.testing.assert_array_equal(packed["power_db"], shown.power_db)
         assert packed["names"][0] == "Ideal"
-    table = np.loadtxt(asyncio.run(point._csv()), delimiter=",", skiprows=1)
+    table = np.loadtxt(csv, delimiter=",", skiprows=1)
     assert table.shape == (61 * 121, 2 + 10)
     row = 17 * 121 + 40
     assert table[row, :2] == pytest.approx([shown.x[40], shown.y[17]], rel=1e-4)
     assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
-    drawn = asyncio.run(scene._svg()).getvalue().decode("utf-8")
+    drawn = content(scene.links[-1]).getvalue().decode("utf-8")
     assert drawn.count("<image") >= 10
     assert "RTS smoother of the aperture" in drawn
     assert "azimuth [m]" in drawn
-    document = json.load(asyncio.run(sar._json()))
+    document = json.loads(asyncio.run(sar._json()))
     assert document["engine"] == "fast"
     assert document["strategies"][1]["residual_rms_over_runs_m"] == sar._result.study.rms[1]
 

@@ -301,7 +301,7 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
     flown = sensors.noise_chart(shown, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
     assert "50 runs, seed 1" in noise_table(shown).note
-    told = json.loads(here._json().getvalue())
+    told = json.loads(here._json())
     assert (told["white_noise_monte_carlo"]["runs"], told["exact"]) == (50, True)
     assert told["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)  # as the command has it
     here.inputs.put("gyros.white_noise", 1e-5)
