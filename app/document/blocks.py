@@ -6,6 +6,7 @@ that mark. A `Cell`'s mark is a word set off from its text; it is always printed
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from app.charts.kinds import Drawing
@@ -55,6 +56,46 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
     choose: str = ""
+
+
+Told = Cell | str
+"""A cell as it is told: often a text without more."""
+
+Row = tuple[Told, ...]
+
+
+def table(
+    key: str,
+    caption: str,
+    columns: Iterable[Column | str | tuple[str, float]],
+    rows: Iterable[Row],
+    note: str = "",
+    choose: str = "",
+) -> Table:
+    """A table, told by texts where a text says all.
+
+    Examples
+    --------
+    >>> heads = (("Quantity", 1.5), *numbers("Value", "Limit"), "Verdict")  # 1.5: its width
+    >>> tilt = table("limits", "Limits", heads, [("Tilt", "2.1°", "3°", Cell("✓ met", tone="good"))])
+    """
+    return Table(
+        key,
+        caption,
+        tuple(column if isinstance(column, Column) else _column(column) for column in columns),
+        tuple(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in row) for row in rows),
+        note,
+        choose,
+    )
+
+
+def numbers(*titles: str, width: float = 0, group: str = "", sortable: bool = False) -> tuple[Column, ...]:
+    """Heads of columns of numbers."""
+    return tuple(Column(title, True, width, group, sortable) for title in titles)
+
+
+def _column(told: str | tuple[str, float]) -> Column:
+    return Column(told) if isinstance(told, str) else Column(told[0], width=told[1])
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from app.document.blocks import Cell, Column, Table
+from app.document.blocks import Cell, Table, table
 from app.document.wording import input_in_words
 from nav_model.design import Design, Value
 from nav_model.design.parts import declaration_of
@@ -51,11 +51,11 @@ def ways_table(found: Sequence[Way], *, closes: bool) -> Table:
     what = (
         "The design closes, and would with each of these alone" if closes else "Each of these alone closes the design"
     )
-    return Table(
+    return table(
         "ways",
         f"{what}. Click one to apply it; you can undo.",
-        (Column("Change"), Column("From"), Column("Why")),
-        tuple((Cell(way.text, value=way.text), Cell(way.now), Cell(way.why)) for way in found),
+        ("Change", "From", "Why"),
+        ((Cell(way.text, value=way.text), way.now, way.why) for way in found),
         "Values are solved with the other inputs fixed, rounded down to three digits, and checked by running the "
         "budget again.",
         choose="button",

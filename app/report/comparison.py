@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from app.charts.words import in_words
-from app.document.blocks import Cell, Chapter, ChartBlock, Column, Section, Table
+from app.document.blocks import Cell, Chapter, ChartBlock, Column, Row, Section, Table, Told, numbers, table
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, percent, show_in
 from app.document.verdict import check_words, verdict_of
@@ -66,33 +66,29 @@ def difference_tables(
 
 
 def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
-    def row(budget: Budget, label: str) -> tuple[Cell, ...]:
+    def row(budget: Budget, label: str) -> Row:
         answer = verdict_of(budget)
         said = (NONE, NONE, NONE)
         if tightest := budget.verdict.tightest:
             words = check_words(budget.design, tightest)
             said = (tightest.label, words.margin, f"{tightest.sensor}, {words.share}")
-        return (
-            Cell(labelled(label, title_of(budget.design))),
-            Cell(budget.design.content_hash[:12]),
-            Cell(answer.word, tone=answer.tone),
-            Cell(budget.verdict.processing),
-            *map(Cell, said),
-        )
+        design, word = budget.design, Cell(answer.word, tone=answer.tone)
+        name = labelled(label, title_of(design))
+        return name, design.content_hash[:12], word, budget.verdict.processing, *said
 
-    return Table(
+    return table(
         "c-verdicts-table",
         "The designs and whether they close",
         (
-            Column("Design", width=1.6),
-            Column("Hash", width=1.1),
-            Column("Verdict", width=1.1),
-            Column("Processing", width=1.1),
-            Column("Tightest requirement", width=1.2),
-            Column("Margin", numeric=True, width=0.9),
-            Column("Main error source", width=1.2),
+            ("Design", 1.6),
+            ("Hash", 1.1),
+            ("Verdict", 1.1),
+            ("Processing", 1.1),
+            ("Tightest requirement", 1.2),
+            *numbers("Margin", width=0.9),
+            ("Main error source", 1.2),
         ),
-        tuple(row(budget, label) for budget, label in zip(budgets, labels, strict=True)),
+        (row(budget, label) for budget, label in zip(budgets, labels, strict=True)),
     )
 
 
@@ -121,7 +117,7 @@ def _figures(
 ) -> tuple[Table, ...]:
     sigmas = {name: [value(budget) for budget in budgets] for name, value in _FIGURES.items()}
 
-    def cell(name: str, design: int) -> Cell:
+    def cell(name: str, design: int) -> Told:
         limit, pair, sigma = limit_on(name), "horizontal" in name, sigmas[name][design]
         text = (
             show_in(sigma, limit.unit, limit.dimension)
@@ -129,23 +125,23 @@ def _figures(
             else display.show(sigma, limit.dimension, pair=pair)
         )
         best = min(sigmas[name]) < max(sigmas[name]) and sigma == min(sigmas[name])
-        return Cell(text, "best", "good") if best else Cell(text)
+        return Cell(text, "best", "good") if best else text
 
-    def told(name: str) -> Cell:
+    def told(name: str) -> str:
         label = label_of(name)
-        return Cell(label if display == ONE_SIGMA else f"{label}, {display.named(pair='horizontal' in name)}")
+        return label if display == ONE_SIGMA else f"{label}, {display.named(pair='horizontal' in name)}"
 
-    def table(columns: range, part: str) -> Table:
-        return Table(
+    def figures(columns: range, part: str) -> Table:
+        return table(
             f"c-figures-{columns.start}",
             f"Errors, {display.spread}{part}; the smallest of all designs is marked best",
             _head("Quantity", columns, labels, numeric=True),
-            tuple((told(name), *(cell(name, design) for design in columns)) for name in _FIGURES),
+            ((told(name), *(cell(name, design) for design in columns)) for name in _FIGURES),
             "Each design has its own outage, radar, aperture and processing. In real time: before a fix [T-8], "
             "phases [S-5], [S-2], [T-15], [S-6]. Post-processed: smoothed [P-3], [P-5]. Outage: in real time [T-17].",
         )
 
-    return _in_parts(len(budgets), labels, table, wide)
+    return _in_parts(len(budgets), labels, figures, wide)
 
 
 def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:
@@ -161,28 +157,30 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
     held = {name: [_contributor(design, name) for design in designs] for name in own}
     differing = {name: texts for name, texts in held.items() if len(set(texts)) > 1}
 
-    def cell(design: int, section: str, name: str) -> Cell:
+    def cell(design: int, section: str, name: str) -> Told:
         text = shown_value(designs[design], section, name) or "not given"
         sourced = sourced_value(designs[design], section, name)
-        return Cell(text) if sourced is None or sourced.confirmed else Cell(text, sourced.status, "warn")
+        return text if sourced is None or sourced.confirmed else Cell(text, sourced.status, "warn")
 
-    def table(columns: range, part: str) -> Table:
-        return Table(
+    def inputs(columns: range, part: str) -> Table:
+        return table(
             f"c-inputs-{columns.start}",
             f"Inputs that are not the same in every design{part}",
             _head("Input", columns, labels),
-            tuple(
-                (Cell(str(INPUTS[section][name].label)), *(cell(design, section, name) for design in columns))
-                for section, name in keys
-            )
-            + tuple(
-                (Cell(f"Contributor {printable(name)}"), *(Cell(texts[design]) for design in columns))
-                for name, texts in differing.items()
+            (
+                *(
+                    (str(INPUTS[section][name].label), *(cell(design, section, name) for design in columns))
+                    for section, name in keys
+                ),
+                *(
+                    (f"Contributor {printable(name)}", *(texts[design] for design in columns))
+                    for name, texts in differing.items()
+                ),
             ),
             "" if keys or differing else "The designs have the same inputs.",
         )
 
-    return _in_parts(len(budgets), labels, table, wide)
+    return _in_parts(len(budgets), labels, inputs, wide)
 
 
 def _contributor(design: Design, name: str) -> str:

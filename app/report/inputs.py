@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.document.blocks import Cell, Column, Table
+from app.document.blocks import Cell, Row, Table, table
 from app.document.numbers import number
 from app.document.wording import preset_name, printable
 from nav_model.design import Design
@@ -28,23 +28,23 @@ _EXTRA_LABELS = {
 
 def input_table(design: Design, aperture_time: float, key: str) -> Table:
     """Name, value and origin of every input, headed by section; aperture_time [s] is the one in force."""
-    rows: list[tuple[Cell, ...]] = []
+    rows: list[Row] = []
     for part in PARTS:
         entry = entry_of(design, part.section)
-        rows.append((Cell(part.title if entry is None else f"{part.title}: {_preset(design, part.section, entry)}"),))
+        rows.append((part.title if entry is None else f"{part.title}: {_preset(design, part.section, entry)}",))
         rows += (_row(design, part.section, name, entry, aperture_time) for name in INPUTS[part.section])
         if entry is not None:
             rows += (
-                (Cell(_EXTRA_LABELS[name]), _valued(value.text, value), Cell(_sheet(value)))
+                (_EXTRA_LABELS[name], _valued(value.text, value), _sheet(value))
                 for name, value in entry.extra.items()
             )
             if entry.note:
-                rows.append((Cell("Note"), Cell(""), Cell(entry.note)))
-    return Table(
+                rows.append(("Note", "", entry.note))
+    return table(
         f"{key}-inputs-table",
         "Every input, with its origin",
-        (Column("Input", width=1.25), Column("Value", width=1), Column("Origin", width=1.9)),
-        tuple(rows),
+        (("Input", 1.25), ("Value", 1), ("Origin", 1.9)),
+        rows,
         _MARKS_EXPLAINED,
     )
 
@@ -106,25 +106,25 @@ def _sheet(sourced: SourcedValue) -> str:
     return f"{sourced.source} (for information)"
 
 
-def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_time: float) -> tuple[Cell, ...]:
+def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_time: float) -> Row:
     declaration = INPUTS[section][name]
     key = f"{section}.{name}"
-    label = Cell(str(declaration.label))
+    label = str(declaration.label)
     text = shown_value(design, section, name)
     if not text:
         return label, Cell("not given", tone="quiet"), Cell(_absent(key, aperture_time), tone="quiet")
     if key in design.origins:
-        return label, Cell(text, "noted", "good"), Cell(printable(design.origins[key]))
+        return label, Cell(text, "noted", "good"), printable(design.origins[key])
     sourced = sourced_value(design, section, name)
     if sourced is not None:
-        return label, _valued(text, sourced), Cell(sourced.source)
+        return label, _valued(text, sourced), sourced.source
     if entry is not None and name in entry.values:
         sheet = entry.values[name]
-        return label, Cell(text, "changed", "warn"), Cell(f"stated; the preset has {sheet.text} ({sheet.status})")
+        return label, Cell(text, "changed", "warn"), f"stated; the preset has {sheet.text} ({sheet.status})"
     idle = isinstance(declaration, BaseQuantity) and not design.uses(key)
     is_default = key not in design.written and design[key] == declaration.default
     origin = "default" if is_default else "stated in the design"
-    return label, Cell(text), Cell(f"{origin}; not in use" if idle else origin, tone="quiet" if is_default else "")
+    return label, text, Cell(f"{origin}; not in use" if idle else origin, tone="quiet" if is_default else "")
 
 
 def _absent(key: str, aperture_time: float) -> str:

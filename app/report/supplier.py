@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
-from app.document.blocks import Answer, Bullets, Cell, Chapter, Column, Report, Section, Table, Text
+from app.document.blocks import Answer, Bullets, Cell, Chapter, Report, Row, Section, Table, Text, numbers, table
 from app.document.numbers import show_in
 from app.document.wording import printable, title_of
 from nav_model.design import Design
@@ -78,23 +78,16 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required]) -> Table:
     share = accepted_share(_degrees(design, unit))
     rows = (
         (
-            Cell(str(declaration_of(line.key).label)),
-            Cell(_said(design, line.key, line.value)),
-            Cell(_said(design, line.key, share * line.value)),
-            Cell(_said(design, line.key, line.current)),
+            str(declaration_of(line.key).label),
+            *(_said(design, line.key, value) for value in (line.value, share * line.value, line.current)),
         )
         for line in lines
     )
-    return Table(
+    return table(
         f"{unit}-required",
         "Largest values with which every limit of the design is met, all at once",
-        (
-            Column("Quantity", width=1.4),
-            Column("At most", numeric=True, width=1),
-            Column("Accepted reading", numeric=True, width=1),
-            Column("Assumed so far", numeric=True, width=1),
-        ),
-        tuple(rows),
+        (("Quantity", 1.4), *numbers("At most", "Accepted reading", "Assumed so far", width=1)),
+        rows,
         f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ.",
     )
 
@@ -141,21 +134,24 @@ def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answe
     failed = [row.axis for row in rows if not row.passes]
     said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"{len(rows)} axes are."
     answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {said}",))
-    titles = ("Axis", "Quantity", "Reading", "Accepted reading", "Required", "Degrees of freedom", "Result")
-    body = (
+    body: Iterable[Row] = (
         (
-            Cell(printable(row.axis)),
-            Cell(str(declaration_of(row.key).label)),
-            *(Cell(_said(design, row.key, value)) for value in (row.reading, row.accepted, row.required)),
-            Cell(f"{row.degrees:.0f}"),
+            printable(row.axis),
+            str(declaration_of(row.key).label),
+            *(_said(design, row.key, value) for value in (row.reading, row.accepted, row.required)),
+            f"{row.degrees:.0f}",
             Cell("✓ pass", tone="good") if row.passes else Cell("✗ fail", tone="bad"),
         )
         for row in rows
     )
-    numeric = {"Reading", "Accepted reading", "Required", "Degrees of freedom"}
     note = f"A reading is accepted if it proves the required value with {100 * CONFIDENCE:.0f} % confidence."
-    columns = tuple(Column(title, numeric=title in numeric) for title in titles)
-    return answer, Table("acceptance", "This log against the supplier's sheet", columns, tuple(body), note)
+    return answer, table(
+        "acceptance",
+        "This log against the supplier's sheet",
+        ("Axis", "Quantity", *numbers("Reading", "Accepted reading", "Required", "Degrees of freedom"), "Result"),
+        body,
+        note,
+    )
 
 
 def acceptance_json(design: Design, rows: Sequence[Acceptance]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.document.blocks import Cell, Column, Table, Text
+from app.document.blocks import Cell, Row, Table, Text, numbers, table
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
 from app.document.verdict import SAID, check_words, met_cell, requirement_quantity
@@ -31,29 +31,22 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
     if not verdict.checks:
         return Text("The design has no requirement; nothing was checked.")
 
-    def row(check: Check) -> tuple[Cell, ...]:
+    def row(check: Check) -> Row:
         words = check_words(budget.design, check)
-        texts = (check.label, words.value, words.limit, words.margin)
-        return (
-            *map(Cell, texts),
-            met_cell(check),
-            Cell(words.figure),
-            Cell(f"{check.sensor}, {words.share}"),
-        )
+        main = f"{check.sensor}, {words.share}"
+        return check.label, words.value, words.limit, words.margin, met_cell(check), words.figure, main
 
-    return Table(
+    return table(
         f"{key}-verdict",
         f"Requirements at {verdict.confidence:g}σ",
         (
-            Column("Requirement", width=1.5),
-            Column(f"{verdict.confidence:g}σ value", numeric=True),
-            Column("Limit", numeric=True),
-            Column("Margin", numeric=True),
-            Column("Verdict"),
-            Column("Checked", width=1.25),
-            Column("Main error source", width=1.25),
+            ("Requirement", 1.5),
+            *numbers(f"{verdict.confidence:g}σ value", "Limit", "Margin"),
+            "Verdict",
+            ("Checked", 1.25),
+            ("Main error source", 1.25),
         ),
-        tuple(map(row, verdict.checks)),
+        map(row, verdict.checks),
         "Margin = (limit − value) / limit. Shares are of the variance; the initial tilt is attributed to the "
         "sensors that cause it [T-18].",
     )
@@ -79,15 +72,15 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
         for verdict in (budget.verdict, budget.other_verdict)
         if verdict.checks
     }
-    answers = ((Cell("Verdict"), closes[REAL_TIME], closes[POST_PROCESSED]),) if closes else ()
-    return Table(
+    answers = (("Verdict", closes[REAL_TIME], closes[POST_PROCESSED]),) if closes else ()
+    return table(
         f"{key}-both-processings",
         "Real time and post-processed, 1σ",
-        (Column("Quantity", width=1.5), Column("Real time", numeric=True), Column("Post-processed", numeric=True)),
+        (("Quantity", 1.5), *numbers("Real time", "Post-processed")),
         (
             *answers,
             *(
-                (Cell(label), Cell(f"{show(now, kind)} {mark}"), Cell(f"{show(later, kind)} {other}"))
+                (label, f"{show(now, kind)} {mark}", f"{show(later, kind)} {other}")
                 for label, kind, now, later, mark, other in rows
             ),
         ),
@@ -111,7 +104,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
     steady, sources = budget.steady_state, provenance(budget)
     moments = (steady.closed, steady.prior, steady.posterior)
 
-    def row(field: str, requirement: str, label: str) -> tuple[Cell, ...]:
+    def row(field: str, requirement: str, label: str) -> Row:
         source, share = best_of(steady.shares[requirement])
         pair, dimension = "horizontal" in requirement, declaration_of(f"requirements.{requirement}").dimension
         sigmas = (getattr(moment, field) for moment in moments)
@@ -125,22 +118,17 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         if display.factor(pair=pair) != display.factor():
             label = label.replace("per axis", "radius")
         name = label if display == ONE_SIGMA else f"{label}, {told}"
-        return Cell(name), *map(Cell, shown), Cell(f"{source}, {percent(share)}")
+        return name, *shown, f"{source}, {percent(share)}"
 
     cycle = ", ".join(dict.fromkeys(steady_marks(budget.design)))
+    moments_said = f"Cycle rms {cycle}", "Before a fix [T-8]", "After a fix [T-8]"
     closed = sources["steady_state.position_sigma_m.horizontal"]
     prior = sources["steady_state.discrete.prior"]
-    return Table(
+    return table(
         f"{key}-steady-table",
         f"Errors in real time while fixes come in, {display.spread}",
-        (
-            Column("Error", width=1.5),
-            Column(f"Cycle rms {cycle}", numeric=True),
-            Column("Before a fix [T-8]", numeric=True),
-            Column("After a fix [T-8]", numeric=True),
-            Column("Largest share [T-18]", width=1.2),
-        ),
-        tuple(row(*names) for names in _STEADY),
+        (("Error", 1.5), *numbers(*moments_said), ("Largest share [T-18]", 1.2)),
+        (row(*names) for names in _STEADY),
         f"Cycle rms: {closed.method}, {closed.note}. Before and after a fix: {prior.method}. "
         f"Gyro dominance κ = {number(steady.gyro_dominance)} [T-6]; λ Δt = {number(steady.lambda_dt)} [T-8].",
     )
@@ -159,12 +147,12 @@ def outage_table(budget: Budget, key: str) -> Table:
         ("Tilt [°] [T-9]", np.degrees(coast.tilt)),
         ("Yaw growth [°] [T-5]", np.degrees(coast.yaw_growth)),
     )
-    return Table(
+    return table(
         f"{key}-coast",
         "Standard deviations after the last fix, 1σ",
-        (Column("Time [s]", numeric=True), *(Column(title, numeric=True, width=1) for title, _ in columns)),
-        tuple(
-            (Cell(number(time, given=True)), *(Cell(number(curve[i])) for _, curve in columns))
+        (*numbers("Time [s]"), *numbers(*(title for title, _ in columns), width=1)),
+        (
+            (number(time, given=True), *(number(curve[i]) for _, curve in columns))
             for i, time in enumerate(coast.time)
         ),
         "Residual biases in quadrature. "
@@ -187,9 +175,9 @@ def phase_table(budget: Budget, key: str) -> Table:
             for x in dict.fromkeys((*one[0], *other[0]))
         ]
 
-    def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> tuple[Cell, ...]:
+    def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> Row:
         given = not math.isnan(detrended)
-        texts = (
+        return (
             label,
             degrees(quadratic),
             millimetres(quadratic, sar.wavelength),
@@ -198,21 +186,18 @@ def phase_table(budget: Budget, key: str) -> Table:
             millimetres(detrended, sar.wavelength) if given else NONE,
             left_share,
         )
-        return tuple(map(Cell, texts))
 
     makers = ", ".join(f"{source} {percent(share)}" for source, share in sar.tilt_shares.items())
-    return Table(
+    return table(
         f"{key}-phase-table",
         f"Phase budget of the aperture by source, {SAID[budget.verdict.processing]}, 1σ, in phase and in "
         "line-of-sight millimetres",
         (
-            Column("Source", width=1.7),
-            Column("Quadratic phase [°]", numeric=True, width=1.15),
-            Column("[mm]", numeric=True, width=0.8),
-            Column("Share", numeric=True, width=0.8),
-            Column("Detrended phase [°]", numeric=True, width=1.15),
-            Column("[mm]", numeric=True, width=0.8),
-            Column("Share", numeric=True, width=0.8),
+            ("Source", 1.7),
+            *numbers("Quadratic phase [°]", width=1.15),
+            *numbers("[mm]", "Share", width=0.8),
+            *numbers("Detrended phase [°]", width=1.15),
+            *numbers("[mm]", "Share", width=0.8),
         ),
         (
             *(
@@ -232,22 +217,14 @@ def phase_table(budget: Budget, key: str) -> Table:
 
 def contributor_table(budget: Budget, key: str) -> Table:
     """The contributors that the design gives itself: what each is and what it enters."""
-    return Table(
+    return table(
         f"{key}-contributors",
         "Contributors given in the design",
+        (("Contributor", 1.3), ("Enters", 1.3), *numbers("Value, 1σ"), *numbers("Allowance", width=0.9),
+         "Kind", "Processing", "Owner", ("Source", 1.3)),
         (
-            Column("Contributor", width=1.3),
-            Column("Enters", width=1.3),
-            Column("Value, 1σ", numeric=True),
-            Column("Allowance", numeric=True, width=0.9),
-            Column("Kind"),
-            Column("Processing"),
-            Column("Owner"),
-            Column("Source", width=1.3),
-        ),
-        tuple(
             tuple(
-                Cell(printable(text))
+                printable(text)
                 for text in (
                     one.name, label_of(one.enters), one.show(6), percent(one.allowance), one.kind, one.processing,
                     one.owner or NONE, one.source or NONE,
@@ -271,29 +248,22 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 
     shares = ", ".join(f"{source} {percent(share)}" for source, share in spectral.shares["islr"].items() if share)
     scattered = f"{level(spectral.levels['islr'])} ({shares})" if shares else "none"
-    return Table(
+    return table(
         f"{key}-echoes",
         "Paired echoes of vibration, beside a target",
-        (
-            Column("Source", width=1.3),
-            Column("Line [Hz]", numeric=True),
-            Column("Phase, peak [°]", numeric=True),
-            Column("[mm]", numeric=True),
-            Column("Level [P-9]", numeric=True),
-            Column("Distance [P-9]", numeric=True),
-        ),
+        (("Source", 1.3), *numbers("Line [Hz]", "Phase, peak [°]", "[mm]", "Level [P-9]", "Distance [P-9]")),
         tuple(
             (
-                Cell(echo.source),
-                Cell(number(echo.frequency, given=True)),
-                Cell(degrees(echo.phase)),
-                Cell(millimetres(echo.phase, wavelength)),
-                Cell(level(echo.level)),
-                Cell(show(echo.offset, "length")),
+                echo.source,
+                number(echo.frequency, given=True),
+                degrees(echo.phase),
+                millimetres(echo.phase, wavelength),
+                level(echo.level),
+                show(echo.offset, "length"),
             )
             for echo in spectral.echoes
         )
-        or ((Cell("no line beyond the main lobe"), *(Cell(NONE),) * 5),),
+        or (("no line beyond the main lobe", *(NONE,) * 5),),
         f"After the IMU's compensation [P-8]. Energy scattered out of the main lobe, over the target's: {scattered} "
         f"[P-11]; peak loss {decibels(-10 * math.log10(spectral.stays))} [P-11]. The same in real time and "
         "post-processed.",
@@ -339,15 +309,10 @@ def image_table(budget: Budget, key: str) -> Table:
         stated = name == "sar.aperture_time_s" and budget.design.radar.aperture_time is not None
         return "stated in the design" if stated else ", ".join(filter(None, (source.method, source.note)))
 
-    return Table(
+    return table(
         f"{key}-image",
         f"Aperture and azimuth impulse response, {SAID[budget.verdict.processing]}",
-        (
-            Column("Quantity", width=1.3),
-            Column("Value", numeric=True, width=1),
-            Column("Equation", width=0.8),
-            Column("Method", width=1.7),
-        ),
-        tuple((Cell(label), Cell(value), Cell(equation(name)), Cell(origin(name))) for label, value, name in rows),
+        (("Quantity", 1.3), *numbers("Value", width=1), ("Equation", 0.8), ("Method", 1.7)),
+        ((label, value, equation(name), origin(name)) for label, value, name in rows),
         "Width between the outermost half-power points; side lobes outside the error-free main lobe, whole line.",
     )

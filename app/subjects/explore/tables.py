@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.charts.kinds import TradeMapChart
-from app.document.blocks import Answer, Block, Cell, Column, Table, Text
+from app.document.blocks import Answer, Block, Cell, Column, Row, Table, Text, numbers, table
 from app.document.closing import Way, ways_table
 from app.document.numbers import number, percent, signed_percent
 from app.document.wording import input_in_words
@@ -91,15 +91,12 @@ def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], found: Sequen
 
 def each_table(design: Design, solutions: tuple[Solution, ...]) -> Table:
     """Every input solved for each requirement alone."""
-    return Table(
+    return table(
         "solved-each",
         "Largest allowed value for each requirement alone",
-        (Column("Input"), *(Column(label_of(found.requirement), numeric=True) for found in solutions[0].each)),
-        tuple(
-            (
-                Cell(str(declaration_of(solution.key).label)),
-                *(Cell(_value(design, found)) for found in solution.each),
-            )
+        ("Input", *numbers(*(label_of(found.requirement) for found in solutions[0].each))),
+        (
+            (str(declaration_of(solution.key).label), *(_value(design, found) for found in solution.each))
             for solution in solutions
         ),
         _EACH,
@@ -164,11 +161,11 @@ def search_table(rows: Sequence[Candidate], own: bool) -> Table:
     )
     what = "IMUs with your receiver" if own else "Pairs of IMU and receiver"
     first = "cheapest that passes" if offers else "widest margin"
-    return Table(
+    return table(
         "search",
         f"{what}, {first} first. Click one to apply it to the design.",
         tuple(Column(title, numeric=title in ("Margin", *_OFFERED), sortable=True) for title in titles),
-        tuple(_candidate(row, own, offers) for row in rows),
+        (_candidate(row, own, offers) for row in rows),
         choose="button",
     )
 
@@ -180,8 +177,8 @@ def _price(row: Candidate) -> str:
     return f"{number(row.price or 0.0, 4, given=True)} {row.currency}"
 
 
-def _candidate(row: Candidate, own: bool, offers: bool) -> tuple[Cell, ...]:
-    receiver = () if own else (Cell(row.gnss),)
+def _candidate(row: Candidate, own: bool, offers: bool) -> Row:
+    receiver = () if own else (row.gnss,)
     said = (_price(row), f"{number(row.mass or 0.0, 3)} kg", f"{number(row.power or 0.0, 3)} W")
     values = (row.price, row.mass, row.power)
     offered = [
@@ -193,10 +190,10 @@ def _candidate(row: Candidate, own: bool, offers: bool) -> tuple[Cell, ...]:
         *receiver,
         Cell("✓ closes", tone="good") if row.closes else Cell("✗ does not close", tone="bad"),
         Cell(signed_percent(row.margin), sort=row.margin),
-        Cell(label_of(row.tightest)),
-        Cell(f"{row.dominant} {percent(row.share)}"),
+        label_of(row.tightest),
+        f"{row.dominant} {percent(row.share)}",
         *(offered if offers else ()),
-        Cell(", ".join(row.doubts)),
+        ", ".join(row.doubts),
     )
 
 
@@ -210,14 +207,11 @@ def uncertain_answer(found: UncertainVerdict) -> Answer:
 
 def uncertain_table(found: UncertainVerdict) -> Table:
     """What each requirement adds to the probability."""
-    return Table(
+    return table(
         "uncertain",
         "Requirements under these ranges",
-        (Column("Requirement"), Column("Met with", numeric=True), Column("Is the tightest in", numeric=True)),
-        tuple(
-            (Cell(label_of(name)), Cell(_probability(p)), Cell(percent(found.limiting[name])))
-            for name, p in found.each.items()
-        ),
+        ("Requirement", *numbers("Met with", "Is the tightest in")),
+        ((label_of(name), _probability(p), percent(found.limiting[name])) for name, p in found.each.items()),
     )
 
 
@@ -260,15 +254,15 @@ def sweep_table(plan: Plan, columns: Mapping[str, Swept]) -> Table:
     shown = f"{len(rows)} rows of {plan.rows:,}" if len(rows) < plan.rows else f"{plan.rows:,} designs"
     order = ", those that pass with the least margin first" if judged else ""
     ratios = sweep_ratios(columns) if judged else np.full(plan.rows, np.nan)
-    return Table(
+    return table(
         "sweep",
         f"{shown}{order}. Click one to apply it to the design.",
         (
             Column("Design", sortable=True),
-            *(Column(_swept_name(axis.key), numeric=True, sortable=True) for axis in plan.axes),
+            *numbers(*(_swept_name(axis.key) for axis in plan.axes), sortable=True),
             *((Column("Margin", numeric=True, sortable=True),) if judged else ()),
         ),
-        tuple(
+        (
             (
                 Cell(f"{row + 1}", sort=int(row), value=str(row)),
                 *(Cell(text, sort=sort) for text, sort in _swept_cells(plan, int(row))),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.document.blocks import Answer, Cell, Column, Table
+from app.document.blocks import Answer, Cell, Column, Row, Table, table
 from app.library.reviews import Review
 from app.library.texts import counted, moment
 
@@ -15,7 +15,7 @@ _COUNTS = _HEADS[2:6]
 def overview(reviews: Sequence[Review]) -> Table:
     """All reviews, to sort and to open one from: the value of a row is the review's id."""
     columns = tuple(Column(head, numeric=head in _COUNTS, sortable=True) for head in _HEADS)
-    return Table("reviews", "All reviews", columns, tuple(map(_row, reviews)), choose="button")
+    return table("reviews", "All reviews", columns, map(_row, reviews), choose="button")
 
 
 def state_of(review: Review) -> Answer:
@@ -45,12 +45,12 @@ def last_change(review: Review) -> tuple[str, str]:
     return max(happened)
 
 
-def _row(review: Review) -> tuple[Cell, ...]:
+def _row(review: Review) -> Row:
     counts = (len(review.items), len(review.open_points()), len(review.rejected()), len(review.comments))
     moments = ((review.opened, review.author), last_change(review))
     return (
         Cell(review.title, value=review.id),
-        Cell(state_of(review).sentences[0]),
-        *(Cell(str(count)) for count in counts),
+        state_of(review).sentences[0],
+        *(str(count) for count in counts),
         *(Cell(f"{moment(when)}\n{who}", sort=when) for when, who in moments),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.metadata import version
 
-from app.document.blocks import Answer, Block, Cell, Chapter, Column, Section, Table, Text
+from app.document.blocks import Answer, Block, Cell, Chapter, Row, Section, Table, Text, Told, numbers, table
 from app.document.numbers import NONE
 from app.document.verdict import check_words, met_cell
 from app.document.wording import printable, shortened
@@ -76,21 +76,18 @@ def conditions(review: Review) -> Block:
     standing = [own for point in review.rejected() if (own := review.standing(*point))]
     rows = tuple(
         (
-            Cell(f"D{own.place}: {subject_label(own.requirement)}"),
-            Cell(own.figure or NONE),
+            f"D{own.place}: {subject_label(own.requirement)}",
+            own.figure or NONE,
             decided_word(own, met=review.met(own.place, own.requirement)),
-            Cell(own.reason),
-            Cell(f"{own.author}, {moment(own.decided)}"),
+            own.reason,
+            f"{own.author}, {moment(own.decided)}",
         )
         for own in (*review.waivers(), *standing)
     )
     if not rows:
         return Text("None: every requirement decided so far is met and accepted.")
-    columns = (
-        Column("Requirement", width=1.2), Column("Value", width=1.2), Column("Decision"),
-        Column("Reason", width=1.6), Column("By", width=1.2),
-    )  # fmt: skip
-    return Table("review-conditions", "Waivers and rejections", columns, rows)
+    columns = (("Requirement", 1.2), ("Value", 1.2), "Decision", ("Reason", 1.6), ("By", 1.2))
+    return table("review-conditions", "Waivers and rejections", columns, rows)
 
 
 _PROMISE = (
@@ -103,65 +100,57 @@ def audit_table(review: Review) -> Table:
     """What was frozen, by whom, with which program, and whether it is signed and intact."""
     signed = f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"
     intact = Cell("holds", tone="good") if review.intact else Cell(f"BROKEN: {review.doubt}", tone="bad")
-    rows = [
-        (Cell("Review"), Cell(review.id)),
-        (Cell("Opened"), Cell(f"{review.author}, {moment(review.opened)}")),
-        (Cell("Program"), _program(review.product)),
-        (Cell("Signed off"), Cell(signed)),
-        (Cell("Seal (SHA-256)"), Cell(review.seal or "none before the signature")),
-        (Cell("Signature (Ed25519)"), Cell(review.signature or "none")),
-        (Cell("Integrity"), intact),
-        (Cell("What the signature promises"), Cell(_PROMISE)),
+    rows: list[Row] = [
+        ("Review", review.id),
+        ("Opened", f"{review.author}, {moment(review.opened)}"),
+        ("Program", _program(review.product)),
+        ("Signed off", signed),
+        ("Seal (SHA-256)", review.seal or "none before the signature"),
+        ("Signature (Ed25519)", review.signature or "none"),
+        ("Integrity", intact),
+        ("What the signature promises", _PROMISE),
     ]
     for item, revision in zip(review.items, review.revisions, strict=True):
         origin = ", imported" if revision.origin else ""
-        rows.append((Cell(f"D{item.place}: {revision.name}, revision {revision.number}"), Cell(item.content_hash)))
-        rows.append((Cell("saved"), Cell(f"{revision.author}, {moment(revision.saved)}{origin}")))
+        rows.append((f"D{item.place}: {revision.name}, revision {revision.number}", item.content_hash))
+        rows.append(("saved", f"{revision.author}, {moment(revision.saved)}{origin}"))
         if revision.note:
-            rows.append((Cell("note"), Cell(revision.note)))
-    return Table("audit-table", "Audit", (Column("Subject", width=1), Column("Record", width=2)), tuple(rows))
+            rows.append(("note", revision.note))
+    return table("audit-table", "Audit", (("Subject", 1), ("Record", 2)), rows)
 
 
-def _program(frozen: str) -> Cell:
+def _program(frozen: str) -> Told:
     """With which version the review was opened; figures are always computed by the version that shows them."""
     here = version("navbudget")
     if frozen == here:
-        return Cell(f"NavBudget {frozen}")
+        return f"NavBudget {frozen}"
     said = f"NavBudget {frozen}; values here are computed by {here}, values in decisions are as they were"
     return Cell(said, tone="warn")
 
 
 def status_table(review: Review) -> Table:
     """Every requirement of every design with the decision in force."""
-    rows: list[tuple[Cell, ...]] = []
+    rows: list[Row] = []
     for item, revision in zip(review.items, review.revisions, strict=True):
         budget = revision.budget()
-        rows.append((Cell(f"D{item.place}: {revision.name}, revision {revision.number}"),))
+        rows.append((f"D{item.place}: {revision.name}, revision {revision.number}",))
         rows += [_status(budget, check, review.standing(item.place, check.name)) for check in budget.verdict.checks]
-    return Table(
+    return table(
         "audit-status",
         "Requirements and decisions",
-        (
-            Column("Requirement", width=1.4),
-            Column("Value", numeric=True),
-            Column("Limit", numeric=True),
-            Column("Verdict"),
-            Column("Decision"),
-            Column("By", width=1.2),
-            Column("Reason", width=1.4),
-        ),
-        tuple(rows),
+        (("Requirement", 1.4), *numbers("Value", "Limit"), "Verdict", "Decision", ("By", 1.2), ("Reason", 1.4)),
+        rows,
         f"{len(review.open_points())} to decide.",
     )
 
 
-def _status(budget: Budget, check: Check, decision: Decision | None) -> tuple[Cell, ...]:
+def _status(budget: Budget, check: Check, decision: Decision | None) -> Row:
     words = check_words(budget.design, check)
     decided, by, reason = Cell("open", tone="warn"), NONE, NONE
     if decision is not None:
         decided, by = decided_word(decision, met=check.met), f"{decision.author}, {moment(decision.decided)}"
         reason = decision.reason or NONE
-    return Cell(check.label), Cell(words.value), Cell(words.limit), met_cell(check), decided, Cell(by), Cell(reason)
+    return check.label, words.value, words.limit, met_cell(check), decided, by, reason
 
 
 def decided_word(decision: Decision, *, met: bool) -> Cell:
@@ -174,13 +163,12 @@ def decided_word(decision: Decision, *, met: bool) -> Cell:
 def comment_table(review: Review) -> Table:
     """What was said, in order."""
     rows = tuple(
-        (Cell(str(c.number)), Cell(f"D{c.place}: {subject_label(c.subject)}"), Cell(c.comment), Cell(_by(c)))
-        for c in review.comments
+        (str(c.number), f"D{c.place}: {subject_label(c.subject)}", c.comment, _by(c)) for c in review.comments
     )
-    return Table(
+    return table(
         "audit-comments",
         "Comments",
-        (Column("No."), Column("About", width=1.2), Column("Comment", width=2.4), Column("By", width=1.2)),
+        ("No.", ("About", 1.2), ("Comment", 2.4), ("By", 1.2)),
         rows,
         "" if rows else "No comment.",
     )
@@ -194,20 +182,17 @@ def decision_table(review: Review) -> Table:
     """Every decision ever taken, in order, with the figure it was taken on."""
     rows = tuple(
         (
-            Cell(str(d.number)),
-            Cell(f"D{d.place}: {subject_label(d.requirement)}"),
+            str(d.number),
+            f"D{d.place}: {subject_label(d.requirement)}",
             decided_word(d, met=review.met(d.place, d.requirement)),
-            Cell(d.figure or NONE),
-            Cell(f"{d.author}, {moment(d.decided)}"),
-            Cell(d.reason or NONE),
+            d.figure or NONE,
+            f"{d.author}, {moment(d.decided)}",
+            d.reason or NONE,
         )
         for d in review.decisions
     )
-    columns = (
-        Column("No."), Column("Requirement", width=1.2), Column("Decision"), Column("Value", width=1.2),
-        Column("By", width=1.2), Column("Reason", width=1.4),
-    )  # fmt: skip
-    return Table("audit-decisions", "Decisions in order", columns, rows, "" if rows else "No decision.")
+    columns = ("No.", ("Requirement", 1.2), "Decision", ("Value", 1.2), ("By", 1.2), ("Reason", 1.4))
+    return table("audit-decisions", "Decisions in order", columns, rows, "" if rows else "No decision.")
 
 
 def subject_label(subject: str) -> str:

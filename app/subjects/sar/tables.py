@@ -7,11 +7,12 @@ runs yet, their cells say so.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from types import EllipsisType
 
 import numpy as np
 
-from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
+from app.document.blocks import Answer, Block, Bullets, Cell, Row, Table, Text, numbers, table
 from app.document.numbers import NONE, hundredths, number
 from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
@@ -123,28 +124,22 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
             cells += [_banded(study.parts["residual_rms"], index, degrees)]
             wholes += [_number(degrees * float(study.whole_rms[index]))]
         cells += wholes
-        rows.append((Cell(strategy.name), Cell(kind_of(strategy)), *map(Cell, cells)))
+        rows.append((strategy.name, kind_of(strategy), *cells))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
-    return Table(
+    return table(
         f"{key}-sar-errors",
         f"Detrended phase by strategy: rms over the aperture {LEFT[budget.sar.autofocus_order]}",
         (
-            Column("Strategy", width=1.75),
-            Column("Kind", width=1.3),
-            *(
-                Column(title, numeric=True, width=width, group=group)
-                for group, columns in (
-                    ("Formula", (("[mm]", 0.8), ("[°]", 0.75))),
-                    ("Runs, rms", (("[mm]", 0.8), ("[°]", 0.75))),
-                    ("Runs, median", (("[°]", 1.3),)),
-                    ("With the along-track part", (("formula [°]", 0.9), ("runs, rms [°]", 0.9))),
-                )
-                for title, width in columns
-            ),
+            ("Strategy", 1.75),
+            ("Kind", 1.3),
+            *numbers("[mm]", "[°]", width=0.8, group="Formula"),
+            *numbers("[mm]", "[°]", width=0.8, group="Runs, rms"),
+            *numbers("[°]", width=1.3, group="Runs, median"),
+            *numbers("formula [°]", "runs, rms [°]", width=0.9, group="With the along-track part"),
         ),
-        tuple(rows),
+        rows,
         f"{runs}{judged_along(budget)} {FORMULAS}. Degrees are two-way phase [T-13].",
-    )  # fmt: skip
+    )
 
 
 def run_tables(study: SarStudy, beside: SarStudy | None, key: str) -> tuple[Table, ...]:
@@ -218,40 +213,38 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     """Flights of the simulator beside the error model: the two engines, strategy by strategy."""
     found = agreement(study, beside)
     scales = _scales(study.budget)
-    rows = tuple(
+    rows: Iterable[Row] = (
         (
-            Cell(NAMES[one.key]),
-            *(Cell(_number(scale * sigma)) for sigma in (one.flown, one.fast) for scale in scales),
-            Cell(f"{number(one.ratio, 4)} ± {number(one.error, 2)}"),
+            NAMES[one.key],
+            *(_number(scale * sigma) for sigma in (one.flown, one.fast) for scale in scales),
+            f"{number(one.ratio, 4)} ± {number(one.error, 2)}",
             Cell("✓ agrees", tone="good") if one.agrees else Cell("✗ differs", tone="warn"),
         )
         for one in found
     )
-    return Table(
+    return table(
         f"{key}-sar-engines",
         "Simulator and error model compared",
         (
-            Column("Strategy", width=1.5),
-            *(
-                Column(unit, numeric=True, width=1, group=group)
-                for group in ("Simulator", "Error model") for unit in ("[mm]", "[°]")
-            ),
-            Column("Ratio", numeric=True, width=1),
-            Column("Within three standard errors", width=1),
+            ("Strategy", 1.5),
+            *numbers("[mm]", "[°]", width=1, group="Simulator"),
+            *numbers("[mm]", "[°]", width=1, group="Error model"),
+            *numbers("Ratio", width=1),
+            ("Within three standard errors", 1),
         ),
         rows,
         f"{agreement_sentence(found)} Residual after autofocus, rms over {study.runs} flights and over {beside.runs} "
         "runs; ± one standard error of the ratio.",
-    )  # fmt: skip
+    )
 
 
 def _by_strategy(key: str, caption: str, titles: tuple[str, ...], rows: list[tuple[str, ...]], note: str) -> Table:
     named = zip(STRATEGIES, rows, strict=True)
-    return Table(
+    return table(
         key,
         caption,
-        (Column("Strategy", width=1.5), *(Column(title, numeric=True, width=1) for title in titles)),
-        tuple((Cell(strategy.name), *map(Cell, cells)) for strategy, cells in named),
+        (("Strategy", 1.5), *numbers(*titles, width=1)),
+        ((strategy.name, *cells) for strategy, cells in named),
         note,
     )
 

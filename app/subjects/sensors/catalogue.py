@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from app.document.blocks import Cell, Column, Table
+from app.document.blocks import Cell, Column, Row, Table, numbers, table
 from app.document.numbers import number
 from nav_model.base.units import from_si
 from nav_model.design.catalogue import Entry, Kind, SourcedValue, catalogue
@@ -38,27 +38,27 @@ def catalogue_table(kind: Kind, chosen: str) -> Table:
     """The catalogue of a kind; the row named `chosen` is marked."""
     columns = _COLUMNS[kind]
     graded = (Column("Grade", sortable=True),) if kind == "imu" else ()
-    return Table(
+    return table(
         f"catalogue-{kind}",
         _CAPTIONS[kind],
         (
             Column("IMU" if kind == "imu" else "Radar", sortable=True),
             *graded,
-            *(Column(f"{heading} [{unit}]", numeric=True, sortable=True) for _, heading, _, unit in columns),
-            Column("Source and status"),
+            *numbers(*(f"{heading} [{unit}]" for _, heading, _, unit in columns), sortable=True),
+            "Source and status",
         ),
-        tuple(_row(entry, columns, entry.name == chosen) for entry in catalogue(kind).values()),
+        (_row(entry, columns, entry.name == chosen) for entry in catalogue(kind).values()),
         _STATUS,
     )
 
 
-def _row(entry: Entry, columns: tuple[tuple[str, str, str, str], ...], chosen: bool) -> tuple[Cell, ...]:
+def _row(entry: Entry, columns: tuple[tuple[str, str, str, str], ...], chosen: bool) -> Row:
     values = {**entry.values, **entry.extra}
     return (
         Cell(entry.name, "● in the design" if chosen else "", sort=entry.name),
-        *((Cell(entry.grade),) if entry.kind == "imu" else ()),
+        *((entry.grade,) if entry.kind == "imu" else ()),
         *(_value(values.get(key), dimension, unit) for key, _, dimension, unit in columns),
-        Cell("\n".join(filter(None, (*_sources(values), entry.note)))),
+        "\n".join(filter(None, (*_sources(values), entry.note))),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from app.document.blocks import Answer, Bullets, Cell, Column, Table, Text
+from app.document.blocks import Answer, Bullets, Cell, Column, Row, Table, Text, Told, numbers, table
 from app.document.numbers import NONE, number
 from app.document.wording import input_in_words, printable
 from app.subjects.sensors.charts import TERM_NAMES
@@ -26,24 +26,24 @@ def origin_answer(design: Design) -> Answer:
         label, value, source = _origin_row(design, key)
         mark = f" {source.mark}" if source.tone == "warn" else ""
         origin = source.text.partition(":")[0]
-        said.append(f"{label.text} {value.text}: {origin}{mark}.")
+        said.append(f"{label} {value}: {origin}{mark}.")
     return Answer("Noise of the design", "open", tuple(said))
 
 
 def origin_table(design: Design) -> Table:
     """Origins of the design's noise values: a log, the catalogue, or typed."""
-    return Table(
+    return table(
         "noise-origins",
         "Where the design's noise comes from",
-        (Column("Input"), Column("Value", numeric=True), Column("Source")),
-        tuple(_origin_row(design, key) for key in (*WALK_KEYS.values(), VIBRATION_KEY)),
+        ("Input", *numbers("Value"), "Source"),
+        (_origin_row(design, key) for key in (*WALK_KEYS.values(), VIBRATION_KEY)),
     )
 
 
-def _origin_row(design: Design, key: str) -> tuple[Cell, ...]:
+def _origin_row(design: Design, key: str) -> tuple[str, str, Cell]:
     value = design[key]
     assert isinstance(value, float | int)
-    return Cell(str(declaration_of(key).label)), Cell(input_in_words(design, key, value)), _origin(design, key)
+    return str(declaration_of(key).label), input_in_words(design, key, value), _origin(design, key)
 
 
 def _origin(design: Design, key: str) -> Cell:
@@ -112,23 +112,23 @@ def coefficient_tables(result: LogAnalysis) -> tuple[Table, ...]:
 
 def _triad_table(title: str, quantity: str, axes: list[AxisNoise]) -> Table:
     heads = (f"{TERM_NAMES[term].capitalize()} [{UNITS[quantity][term][0]}]" for term in TERMS)
-    return Table(
+    return table(
         f"log-{quantity}",
         f"{title}: noise coefficients",
-        (Column("Axis"), *(Column(head, width=1) for head in heads)),
-        tuple((Cell(axis.name[-1]), *_axis_cells(axis)) for axis in axes),
+        ("Axis", *(Column(head, width=1) for head in heads)),
+        ((axis.name[-1], *_axis_cells(axis)) for axis in axes),
         "<: not resolved; the log is consistent with none, and the coefficient is below this with 95 % probability.",
     )
 
 
-def _axis_cells(axis: AxisNoise) -> tuple[Cell, ...]:
+def _axis_cells(axis: AxisNoise) -> Row:
     reasons = set(axis.not_resolved.values())
     if len(axis.not_resolved) == len(TERMS) and len(reasons) == 1:  # said once for the axis
-        return Cell(reasons.pop(), tone="quiet"), *(Cell(NONE) for _ in TERMS[1:])
+        return Cell(reasons.pop(), tone="quiet"), *(NONE for _ in TERMS[1:])
     return tuple(_coefficient_cell(axis, term) for term in TERMS)
 
 
-def _coefficient_cell(axis: AxisNoise, term: str) -> Cell:
+def _coefficient_cell(axis: AxisNoise, term: str) -> Told:
     found = axis.coefficients[term]
     _, scale = UNITS[axis.quantity][term]
     if term in axis.at_most:
@@ -137,7 +137,7 @@ def _coefficient_cell(axis: AxisNoise, term: str) -> Cell:
         return Cell(axis.not_resolved[term], tone="quiet")
     text = f"{number(found.value / scale)}\n({_range(found, scale)})"
     if not found.reading:
-        return Cell(text)
+        return text
     floor = number(axis.white_floor / scale)
     return Cell(f"{text}\nread at 1 s; white-noise floor {floor}", f"⚠ {found.interval}", "warn")
 
@@ -206,16 +206,12 @@ def motion_table(result: MotionAnalysis) -> Table:
     rows = []
     for axis in result.axes:
         unit, scale = UNITS[axis.quantity]["random_walk"]
-        rows.append((
-            Cell(axis.name),
-            Cell(f"{number(axis.effective / scale)} {unit}"),
-            Cell(f"{number(axis.typical / scale)} {unit}"),
-            Cell(f"{number(axis.low / scale)} to {number(axis.high / scale)}"),
-            Cell(NONE if axis.factor is None else number(axis.factor)),
-        ))  # fmt: skip
-    return Table(
+        effective, typical = (f"{number(value / scale)} {unit}" for value in (axis.effective, axis.typical))
+        blocks = f"{number(axis.low / scale)} to {number(axis.high / scale)}"
+        rows.append((axis.name, effective, typical, blocks, NONE if axis.factor is None else number(axis.factor)))
+    return table(
         "log-motion",
         "Effective noise in motion",
-        (Column("Axis"), *(Column(head, numeric=True) for head in heads)),
-        tuple(rows),
+        ("Axis", *numbers(*heads)),
+        rows,
     )

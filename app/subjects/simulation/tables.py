@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from app.document.blocks import Answer, Block, Bullets, Cell, Column, Table, Text
+from app.document.blocks import Answer, Block, Bullets, Row, Table, Text, numbers, table
 from app.document.numbers import NONE, number
 from nav_model.simulation.departures import SMALL, Departure, cause_in_words, velocity_told
 from nav_model.simulation.design_study import SimulationStudy, moments
@@ -78,11 +78,11 @@ def run_table(study: SimulationStudy, key: str) -> Table:
         ("IMU", f"strapdown, WGS 84; vibration factor {spec.imu.vibration_factor:g} on both random walks"),
         *((STUDY_KEYS[name].label, STUDY_KEYS[name].show(value)) for name, value in beyond.items()),
     )
-    return Table(
+    return table(
         f"{key}-simulation-run",
         "Simulation set-up",
-        (Column("Part", width=0.5), Column("Flown", width=1.9)),
-        tuple((Cell(str(name)), Cell(text)) for name, text in rows),
+        (("Part", 0.5), ("Flown", 1.9)),
+        ((str(name), text) for name, text in rows),
     )
 
 
@@ -91,9 +91,9 @@ def sigma_table(study: SimulationStudy, key: str) -> Table:
     result = study.result
     closed = result.closed_form_sigma
     assert closed is not None  # a study of a design has its closed forms
-    rows: list[tuple[Cell, ...]] = []
+    rows: list[Row] = []
     for name, at in moments(study):
-        rows.append((Cell(f"{name[:1].upper()}{name[1:]}, {result.time_s[at]:g} s"),))
+        rows.append((f"{name[:1].upper()}{name[1:]}, {result.time_s[at]:g} s",))
         for column, (group, axis, _) in enumerate(STATES):
             unit, scale = _UNITS[group]
             simulated = float(result.rms[POSTERIOR, at, column])
@@ -103,25 +103,17 @@ def sigma_table(study: SimulationStudy, key: str) -> Table:
                 NONE if math.isnan(sigma) else number(scale * sigma) for sigma in (simulated, own, form, refined)
             )
             label = f"{group.capitalize()}, {axis} [{unit}]"
-            rows.append((Cell(label), *map(Cell, shown), Cell(number(simulated / form))))
+            rows.append((label, *shown, number(simulated / form)))
     low, high = result.rms_band
-    return Table(
+    return table(
         f"{key}-simulation-sigmas",
         "Sigmas just after the fix, 1σ: simulated, filter, formula",
         (
-            Column("State", width=1.3),
-            *(
-                Column(title, numeric=True, width=1)
-                for title in (
-                    "Simulated rms",
-                    "Filter",
-                    "Formula",
-                    "With Schuler, Coriolis [T-17]",
-                    "Simulated / formula",
-                )
-            ),
+            ("State", 1.3),
+            *numbers("Simulated rms", "Filter", "Formula", "With Schuler, Coriolis [T-17]", width=1),
+            *numbers("Simulated / formula", width=1),
         ),
-        tuple(rows),
+        rows,
         f"Formula: average between fixes [T-3], [T-4], in an outage [T-9], [T-10], yaw [T-5]. The rms "
         f"of {result.spec.runs} runs lies between {number(low)} and {number(high)} of the true sigma "
         "with 95 % probability.",
@@ -134,22 +126,19 @@ def departures(study: SimulationStudy, key: str) -> Block:
         return Text("Filter, simulated errors and formulas agree within 10 % in every state at every time.")
     rows = tuple(
         (
-            Cell(f"{found[0].group.capitalize()}, {', '.join(d.axis for d in found)}"),
-            Cell(_when(found)),
-            Cell(_range(d.simulated for d in found)),
-            Cell(_range(d.ratio for d in found)),
-            Cell(_why(found, study)),
+            f"{found[0].group.capitalize()}, {', '.join(d.axis for d in found)}",
+            _when(found),
+            _range(d.simulated for d in found),
+            _range(d.ratio for d in found),
+            _why(found, study),
         )
         for found in _alike(study)
     )
-    columns = (
-        Column("Error", width=1), Column("When", width=0.8), Column("Simulated / formula", numeric=True, width=0.75),
-        Column("Filter / formula", numeric=True, width=0.75), Column("Why, and by what factor", width=2.2),
-    )  # fmt: skip
-    return Table(
+    ratios = numbers("Simulated / formula", "Filter / formula", width=0.75)
+    return table(
         f"{key}-simulation-departures",
         "Where formula and simulation differ, and why",
-        columns,
+        (("Error", 1), ("When", 0.8), *ratios, ("Why, and by what factor", 2.2)),
         rows,
         "Differences above 10 % just after the fix; of the simulated errors, only those significant at 0.1 %. Each "
         "cause is found by changing one thing at a time. Factors multiply; those below 3 % or a quarter "

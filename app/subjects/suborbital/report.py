@@ -9,7 +9,7 @@ from functools import partial
 
 from app.charts.kinds import Chart
 from app.console.progress import show_progress
-from app.document.blocks import Block, Cell, Column, Section, Table, Text
+from app.document.blocks import Block, Row, Section, Table, Text, table
 from app.document.chart_block import chart_block
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer, explained
@@ -118,17 +118,16 @@ def _paper_tables(shown: Shown, own: str) -> tuple[Table, ...]:
 
 
 def _inputs(settings: Settings, own: str) -> Table:
-    rows: list[tuple[Cell, ...]] = []
+    rows: list[Row] = []
     for title, group in GROUPS.items():
-        rows.append((Cell(title),))
+        rows.append((title,))
         rows += [
-            tuple(map(Cell, (str(declared.label), settings.show(declared.key) or "none",
-                             settings.origin[declared.key])))
+            (str(declared.label), settings.show(declared.key) or "none", settings.origin[declared.key])
             for declared in group
-        ]  # fmt: skip
-    return Table(
+        ]
+    return table(
         f"{own}-inputs-table",
         "Every input of the suborbital study, with its origin",
-        (Column("Input", width=1.3), Column("Value", width=1.2), Column("Origin", width=1.2)),
-        tuple(rows),
+        (("Input", 1.3), ("Value", 1.2), ("Origin", 1.2)),
+        rows,
     )

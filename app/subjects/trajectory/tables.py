@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.document.blocks import Answer, Cell, Column, Table
+from app.document.blocks import Answer, Cell, Row, Table, numbers, table
 from app.document.numbers import NONE, number, percent
 from app.subjects.trajectory.figures import FIGURES, cause_at, limit_of
 from app.subjects.trajectory.run import Followed
@@ -65,34 +65,28 @@ def line_table(followed: Followed, name: str) -> Table:
     """Each line: the figure `name` and those with a limit, their rms, worst and share of the line within it."""
     result = followed.result
     shown = [FIGURES[key] for key in dict.fromkeys([*(key for key, _ in result.spec.limits.most), name])]
-    rows: list[tuple[Cell, ...]] = []
+    rows: list[Row] = []
     for line in result.lines:
-        rows.append((Cell(f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"),))
+        rows.append((f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s",))
         for figure in shown:
             limit, within = limit_of(result, figure.name), line.within.get(figure.name)
             failing = figure.name in line.failing
             mean, worst = (part.get(figure.name) for part in (line.mean, line.worst))
             rows.append(
                 (
-                    Cell(figure.label),
-                    Cell(NONE if mean is None else figure.told(mean)),
-                    Cell(NONE if worst is None else figure.told(worst)),
-                    Cell(NONE if within is None else figure.told(limit, given=True)),
-                    Cell(NONE)
+                    figure.label,
+                    NONE if mean is None else figure.told(mean),
+                    NONE if worst is None else figure.told(worst),
+                    NONE if within is None else figure.told(limit, given=True),
+                    NONE
                     if within is None
                     else Cell(percent(within), "✗" if failing else "✓", "bad" if failing else "good"),
                 )
             )
-    return Table(
+    return table(
         "trajectory-lines",
         f"Figures by line, {result.spec.limits.processing}",
-        (
-            Column("Quantity"),
-            Column("Rms", numeric=True),
-            Column("Worst", numeric=True),
-            Column("Limit (scaled to 1σ)", numeric=True),
-            Column("Within", numeric=True),
-        ),
-        tuple(rows),
+        ("Quantity", *numbers("Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
+        rows,
         "An image's aperture lies within its line.",
     )
