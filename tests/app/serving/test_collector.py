@@ -4,7 +4,6 @@ import ctypes
 import gc
 import subprocess
 import sys
-import weakref
 
 import pytest
 from waiting import PATIENCE
@@ -62,18 +61,6 @@ def test_work_without_a_pause_is_interrupted_now_and_then():
     clock.now += 1.0
     collector.heard()
     assert collector.due()
-
-
-def test_it_frees_what_refers_to_itself():
-    class Page:
-        pass
-
-    page = Page()
-    page.itself, seen = page, weakref.ref(page)
-    del page
-    collector = Collector()
-    collector.collect()
-    assert seen() is None
 
 
 def test_after_settling_python_leaves_everything_alone():

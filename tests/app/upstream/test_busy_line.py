@@ -18,13 +18,6 @@ def _followers() -> int:
     return len(pn.state._param__private.watchers.get("busy", {}).get("value", []))
 
 
-def test_as_shipped_every_page_follows_one_flag() -> None:
-    before = _followers()
-    kept = pmui.Page()
-    assert _followers() == before + 1
-    assert not kept.busy
-
-
 def test_it_follows_one_session_and_no_more() -> None:
     before, page, session = _followers(), pmui.Page(), _Session()
     follow_own_work(page, session.param.running)

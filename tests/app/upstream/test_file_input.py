@@ -25,12 +25,6 @@ def _send(widget: pmui.FileInput, *chunks: bytes, whole: bool = True) -> None:
         widget._handle_msg({"status": "finished"})
 
 
-def test_as_shipped_any_amount_is_kept() -> None:
-    widget = pmui.FileInput(max_file_size=1000)
-    _send(widget, b"x" * 600, b"y" * 600)
-    assert len(widget.value) == 1200
-
-
 @pytest.fixture(autouse=True)
 def of_a_page() -> Iterator[None]:
     with set_curdoc(Document()):

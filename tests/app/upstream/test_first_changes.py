@@ -20,11 +20,6 @@ from waiting import PATIENCE
 from app.upstream import sending
 
 
-@pytest.mark.long
-def test_as_shipped_a_change_before_it_is_ready_is_lost(shipped: dict[str, Any]) -> None:
-    assert shipped["told before it is ready"] == "SERVER-INFO-REPLY", "and no PATCH-DOC before it"
-
-
 @pytest.mark.parametrize(("asked", "told"), [("PULL-DOC-REQ", True), ("SERVER-INFO-REQ", False)])
 def test_what_a_hold_collects_once_the_document_is_sent_is_told(
     asked: str, told: bool, monkeypatch: pytest.MonkeyPatch

@@ -8,11 +8,11 @@ from typing import Any
 import bokeh.model.util
 import pytest
 from bokeh.core.has_props import HasProps
-from bokeh.core.property.descriptors import PropertyDescriptor, UnsetValueError
+from bokeh.core.property.descriptors import UnsetValueError
 from bokeh.core.serialization import Serializer
 from bokeh.document import Document
 from bokeh.model import Model
-from bokeh.models import ColumnDataSource, Div, LinearAxis, Title
+from bokeh.models import ColumnDataSource, Div, LinearAxis
 from bokeh.plotting import figure
 from bokeh.themes import Theme
 
@@ -107,25 +107,3 @@ def test_what_is_put_into_an_empty_container_later_is_told() -> None:
     document.add_root(plot)
     plot.add_layout(axis, "above")  # a list that nobody had looked at
     assert axis.document is document
-
-
-def test_as_shipped_every_property_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
-    shipped = PropertyDescriptor._get
-
-    def counted(descriptor: PropertyDescriptor[Any], model: Any) -> Any:
-        asked.append(descriptor.name)
-        return shipped(descriptor, model)
-
-    Title()  # what is found out once for a kind
-    monkeypatch.setattr(PropertyDescriptor, "_get", counted)
-    counts = []
-    for put in (_as_shipped, look_at_what_was_given):
-        put()
-        asked.clear()
-        title = Title(text="a")
-        title.references()
-        _told(title)
-        counts.append(len(asked))
-    assert counts[0] > len(Title.properties())
-    assert counts[1] < 5

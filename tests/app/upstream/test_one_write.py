@@ -62,10 +62,6 @@ def _sent(dispatch: Any) -> tuple[int, list[Any]]:
     return asyncio.run(run())
 
 
-def test_as_shipped_each_frame_is_a_write() -> None:
-    assert _sent(panel_document.dispatch_tornado)[0] == len(_TEXTS) + 2 * len(_ARRAYS)
-
-
 def test_a_message_arrives_whole_and_is_written_once() -> None:
     writes, received = _sent(_dispatch)
     assert writes == 1

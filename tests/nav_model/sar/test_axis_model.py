@@ -8,7 +8,6 @@ from scipy.linalg import expm, solve_discrete_are
 from nav_model.processing.flight import Channel
 from nav_model.sar.axis_model import (
     AxisModel,
-    draw_state,
     inertial_drift,
     information_after,
     noise_path,
@@ -42,13 +41,6 @@ def test_steady_state_is_that_of_the_riccati_solver(table_designs, name):
     np.testing.assert_allclose(steady_covariance(model).prior, prior, rtol=1e-6)
 
 
-def test_steady_state_check_values_of_t8(table_designs):
-    steady = steady_covariance(table_designs["GNSS 1 m"][0])
-    closed = np.array([0.474565, 0.0654609, 9.80665 * np.radians(0.0351388)])
-    np.testing.assert_allclose(np.sqrt(np.diag(steady.posterior)) / closed, [0.946, 0.964, 0.986], atol=1e-3)
-    np.testing.assert_allclose(np.sqrt(np.diag(steady.prior)) / closed, [1.059, 1.039, 1.014], atol=1e-3)
-
-
 def test_a_vertical_axis_has_no_tilt():
     model = AxisModel(0.05 / 60, 1e-4, 1.0, 0.1, horizontal=False)
     steady = steady_covariance(model)
@@ -67,21 +59,6 @@ def test_noise_path_has_the_covariance_of_integrated_noise(table_designs):
         expected = van_loan(model, time[index])[1]
         error = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / 20_000)
         assert np.all(np.abs(sample - expected) < 4.5 * error)
-
-
-@pytest.mark.parametrize("noises", [(0.02, 0.01), (0.3, 1e-4)])
-def test_one_long_step_is_as_exact_as_many_short_ones(noises):
-    model = AxisModel(*noises, 1.0, 1.0)
-    sample = np.cov(noise_path(model, np.array([0.0, 3.0]), 40_000, np.random.default_rng(5))[:, :, 1])
-    expected = van_loan(model, 3.0)[1]
-    error = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / 40_000)
-    assert np.all(np.abs(sample - expected) < 4.5 * error)
-
-
-def test_a_singular_covariance_can_be_drawn():
-    states = draw_state(np.diag([4.0, 1.0, 0.0]), 4000, np.random.default_rng(0))
-    assert not states[:, 2].any()
-    assert np.std(states[:, 0]) == pytest.approx(2.0, rel=0.05)
 
 
 def test_smoother_is_the_weighted_least_squares_solution(compared):

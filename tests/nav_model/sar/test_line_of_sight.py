@@ -6,7 +6,6 @@ from exact_sight import directions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error, ranges_to_target
 
@@ -37,17 +36,6 @@ def test_x_band_10_km_5_s_against_exact_ranges(grazing, squint, offset, velocity
     assert phase.max() < 1e-3
 
 
-def test_first_order_projection_holds_for_small_errors_and_fails_for_large_ones():
-    geometry = ApertureGeometry(10e3, 100.0, 0.6)
-    small = 0.05 * np.stack([np.sin(TIME), TIME / 5, (TIME / 5) ** 2], axis=1)
-    u = directions(geometry, TIME)
-    for scale, holds in ((1.0, True), (1000.0, False)):
-        projected = -(u * small * scale).sum(axis=1)
-        difference = range_error(geometry, TIME, *(scale * small).T) - projected
-        phase = 4 * np.pi / WAVELENGTH * autofocus(difference)
-        assert (np.abs(phase).max() < 1e-3) == holds
-
-
 def test_target_has_the_range_and_angles_asked_for():
     geometry = ApertureGeometry(8e3, 100.0, 0.5, 0.2)
     target = geometry.target
@@ -71,15 +59,6 @@ def test_along_track_velocity_error_makes_the_qpe_of_s2(k):
     assert abs(decompose(phase).quadratic) == pytest.approx(expected, rel=2e-3)
     # Detrending before the projection would have lost it.
     assert np.abs(range_error(geometry, time, along=autofocus(error * time))).max() < 1e-12
-
-
-def test_the_variance_at_broadside_is_s1():
-    geometry = ApertureGeometry(10e3, 1.0, 0.6)
-    random = np.random.default_rng(1)
-    across, down = 0.3 * random.standard_normal((40_000, 1)), 0.1 * random.standard_normal((40_000, 1))
-    sample = range_error(geometry, np.array([0.0, 0.0]), across=across, down=down)[:, 0]
-    level, upright = line_of_sight_weights(0.6)
-    assert np.var(sample) == pytest.approx(level * 0.09 + upright * 0.01, rel=0.03)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """Pictures of a study against the response they must show, and uploaded files: real data and refusals."""
 
-import io
 from pathlib import Path
 
 import numpy as np
@@ -64,26 +63,6 @@ def test_real_data_without_error_is_itself_and_an_error_costs_what_it_must():
     assert clean.max() == 0.0
     # A Taylor window takes weight off the ends, so less than the 0.967 dB of the unweighted aperture is lost.
     assert -0.967 < blurred.max() < -0.2
-
-
-def packed(**fields):
-    data = io.BytesIO()
-    np.savez_compressed(data, **fields)
-    return data.getvalue()
-
-
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        (lambda: b"not a zip", "mine.npz: not a readable NPZ"),
-        (lambda: packed(freq=np.arange(3.0)), "mine.npz: fp is missing"),
-        (lambda: packed(fp=np.ones((3, 4), complex), freq=np.arange(3.0)), "mine.npz: field x is missing"),
-        (lambda: packed(fp=np.zeros((6000, 3000), complex)), "mine.npz: unpacks to 288 MB"),
-    ],
-)
-def test_bad_files_are_refused_by_name(data, message):
-    with pytest.raises(ValueError, match=message):
-        uploaded_pictures("mine.npz", data(), X, X, 50.0)
 
 
 def test_a_half_width_that_is_none_is_refused():

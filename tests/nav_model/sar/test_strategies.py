@@ -12,11 +12,8 @@ from nav_model.sar.axis_model import AxisModel, inertial_drift, steady_covarianc
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.strategies import (
-    STRATEGIES,
     STRATEGY_KEYS,
-    NavigationHistories,
     Tuning,
-    apply_strategies,
     damping_loop,
     quadratic_correction,
     tracking_filter,
@@ -150,17 +147,6 @@ def test_biases_and_a_coast_that_is_no_multiple_of_the_interval():
         assert_mean(parts.quadratic**2, ins_variances(*arguments, coasted, **biases).quadratic)
 
 
-def test_fix_times_between_the_samples_and_a_last_interval_cut_short():
-    model = AxisModel(1e-3, 1e-4, 0.3, 0.37)
-    histories = simulate_histories(model, 4.0, 3.0, 400, seed=2, rate=25.0)
-    assert histories.fix_time[-1] <= 4.0
-    result = apply_strategies(histories, 0.5)
-    smoothed, raw = (np.mean(result.of(key)[:, 60] ** 2) for key in ("8", "4"))
-    assert smoothed < raw
-    posterior = steady_covariance(model).posterior
-    assert np.mean(histories.filter_position[:, 0] ** 2) == pytest.approx(posterior[0, 0], rel=0.3)
-
-
 def test_the_tracking_filter_solves_its_differential_equation(compared):
     time = np.linspace(0, 20, 20_001)
     tuning = Tuning(natural_frequency=0.8, damping=0.6)
@@ -221,31 +207,6 @@ def test_quadratic_correction_takes_exactly_a_quadratic_away():
         quadratic_correction(time, ins, fixes[:2], np.zeros(2))
 
 
-def test_histories_of_a_full_simulator_are_accepted_as_plain_arrays():
-    time = np.linspace(0, 6, 61)
-    ramp = 0.1 * time**2
-    fields = {
-        "time": time,
-        "fix_time": np.arange(7.0),
-        "ins_position": ramp,
-        "ins_velocity": 0.2 * time,
-        "coasted_position": 2 * ramp,
-        "filter_position": 0.01 * np.ones(61),
-        "filter_velocity": np.zeros(61),
-        "filter_correction": np.zeros(7),
-        "gnss_error": np.zeros(7),
-        "smoothed_position": np.zeros(61),
-        "leg_position": np.zeros(61),
-    }
-    result = apply_strategies(NavigationHistories(**fields), weight=0.5)
-    assert result.error.shape == (10, 61)
-    np.testing.assert_allclose(result.of("5"), 0, atol=1e-12)
-    with pytest.raises(ValueError, match="gnss_error"):
-        NavigationHistories(**(fields | {"gnss_error": np.zeros(6)}))
-    with pytest.raises(ValueError, match="strategy"):
-        result.of("10")
-
-
 @pytest.mark.parametrize("aperture", [0.7, 1.5])
 def test_an_aperture_too_short_for_a_fit_leaves_5_with_2(table_designs, aperture):
     result = simulate_axis(table_designs["short"][0], aperture, 2.0, 50, seed=1)
@@ -254,12 +215,6 @@ def test_an_aperture_too_short_for_a_fit_leaves_5_with_2(table_designs, aperture
     for key in ("5", "5w"):
         np.testing.assert_array_equal(result.of(key), result.of("2"))
     assert np.all(np.isfinite(result.error))
-
-
-def test_reconstructions_say_so():
-    assert {s.key for s in STRATEGIES if s.reconstruction} == {"6", "7"}
-    assert [s.key for s in STRATEGIES] == ["1", "2", "3", "4", "5", "5w", "6", "7", "8", "9"]
-    assert {s.key for s in STRATEGIES if s.causal} == {"2", "3", "4", "6", "7"}
 
 
 @pytest.mark.parametrize(

@@ -107,25 +107,6 @@ def test_the_fit_noise_knows_how_many_fixes_there_are(differs):
     )  # fmt: skip
 
 
-def test_the_printed_fit_noise():
-    s2, n, span = 0.3**2 * 0.5, 40, 20.0
-    expected = s2 / span * n**4 / ((n**2 - 1) * (n**2 - 4))
-    assert fit_noise_variance(0.3, 0.5, span) == pytest.approx(expected, rel=1e-12)
-    assert np.isinf(fit_noise_variance(0.3, 0.5, 1.0))
-
-
-@pytest.mark.parametrize(
-    ("fixes", "both_ends", "after_start"), [(3, 1.05, 3.6), (6, 1.09, 1.4), (11, 1.04, 1.1), (21, 1.011, 1.03)]
-)
-def test_where_the_continuous_fit_stops_holding(fixes, both_ends, after_start):
-    """[T-16]'s inertial part against the fit at the fixes, which depends on where the fixes are."""
-    continuous = float(beyond_quadratic_variance(10.0, SA, 0.0))
-    at_ends = exact_corrected_variance(10.0, SA, 0.0, 1e-12, np.linspace(0, 10, fixes)) / continuous
-    late = exact_corrected_variance(10.0, SA, 0.0, 1e-12, np.arange(1, fixes + 1) * 10 / fixes) / continuous
-    assert 1.0 < at_ends < both_ends
-    assert after_start < late < 1.2 * after_start
-
-
 def test_few_fixes_leave_more_than_the_continuous_fit(differs):
     whole = float(beyond_quadratic_variance(10.0, SA, 0.0))
     late = {
@@ -164,14 +145,6 @@ def test_exact_variance_against_random_walks(compared):
         5,
         "standard errors",
     )
-
-
-def test_exact_variance_without_a_fit_is_t15():
-    args = {"gnss_sigma": 1.0, "fix_times": np.arange(11.0), "weight": 0.0, "tilt_variance": TILT}
-    variance = exact_corrected_variance(10.0, SA, SW, **args)
-    free = float(ins_variances(10.0, SA, SW, TILT).detrended)
-    # Weight zero still takes the fitted line, which the removal of the line makes harmless.
-    assert variance == pytest.approx(free, rel=1e-4)
 
 
 @settings(max_examples=60)

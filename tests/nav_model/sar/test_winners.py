@@ -168,11 +168,3 @@ def test_advice_says_which_why_and_what_would_change():
     assert "no quadratic to fit" in none.because
     with_autofocus = advise(replace(case, autofocus_order=2), 0.031)
     assert "hardly matters" in with_autofocus.would_change
-
-
-def test_the_start_may_be_the_sampled_filter_at_every_noise():
-    noise = np.geomspace(0.01, 3, 7)[:, None]
-    start = cycle(SA, SW, G, 1.0, noise, noise).posterior.horizontal
-    sigma = map_of_winners(replace(PLAIN, gnss_sigma=noise, start=start, aperture_time=np.ones((1, 4)) * 9.0)).sigma
-    assert sigma.shape == (4, 7, 4)
-    assert np.all(np.diff(sigma[0, :, 0]) > 0)  # noisier fixes leave more tilt

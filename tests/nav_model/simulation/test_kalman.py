@@ -11,9 +11,7 @@ from scipy.linalg import expm, solve_discrete_are
 from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate, update
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly_without_errors
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
-from nav_model.simulation.strapdown import initial_state, navigate
-from nav_model.simulation.trajectory import plan_trajectory
-from nav_model.simulation.truth import perfect_increments, true_states
+from nav_model.simulation.strapdown import initial_state
 
 G = 9.80665
 
@@ -73,47 +71,6 @@ def test_biases_decay_and_are_driven():
     covariance = np.zeros((15, 15))
     propagate(covariance, np.zeros((9, 15)), np.zeros(3), 2.0, 0.0, 0.0, np.zeros(6), drive, np.empty((4, 15, 15)))
     assert np.diag(covariance)[9:] == pytest.approx(1.0)  # a random walk: q t
-
-
-@pytest.mark.long
-def test_error_dynamics_match_finite_differences_of_the_mechanisation():
-    """Two INSs, one with a small error put in, over 20 s of a turn: the error must follow the linear model."""
-    spec = TrajectorySpec("turns", speed=120.0, heading=0.4)
-    trajectory = plan_trajectory(spec, 300.0)
-    increments = perfect_increments(spec, 300.0, 100.0)
-    steps = 2000
-    times = np.arange(steps + 1) / 100.0
-    truth = true_states(trajectory, times)
-    base = navigate(
-        initial_state(truth.position[0], truth.velocity[0], truth.matrix[0]), increments[: steps + 2], 100.0
-    )
-    transition = np.eye(9)
-    dynamics = np.empty((9, 9))
-    velocity_rate = np.gradient(truth.velocity, times, axis=0)
-    for k in range(0, steps, 10):
-        middle = k + 5
-        state = initial_state(truth.position[middle], truth.velocity[middle], truth.matrix[middle])
-        # Gravity and acceleration dominate; Coriolis' part of the specific force (5e-4 of it) is left out.
-        force = velocity_rate[middle] - [0.0, 0.0, 9.797]
-        error_dynamics(state, force, truth.matrix[middle], dynamics)
-        transition = expm(dynamics * 0.1) @ transition
-    scale = np.array([100.0, 100.0, 100.0, 1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3])
-    final = np.array([2.0 * 100.0, 100.0, 100.0, 10.0, 10.0, 10.0, 1e-3, 1e-3, 1e-3])
-    for i in range(9):
-        error = np.zeros(9)
-        error[i] = scale[i]
-        position, velocity = truth.position[0].copy(), truth.velocity[0] + error[3:6]
-        lat, height = position[0], position[2]
-        radius = 6378137.0 / math.sqrt(1 - 0.00669437999014 * math.sin(lat) ** 2)
-        meridian = radius * (1 - 0.00669437999014) / (1 - 0.00669437999014 * math.sin(lat) ** 2)
-        position += [error[0] / (meridian + height), error[1] / ((radius + height) * math.cos(lat)), -error[2]]
-        skew = np.array([[0, -error[8], error[7]], [error[8], 0, -error[6]], [-error[7], error[6], 0]])
-        matrix = expm(-skew) @ truth.matrix[0]
-        found = navigate(initial_state(position, velocity, matrix), increments[: steps + 2], 100.0)[-1] - base[-1]
-        lat, height = base[-1, 0], base[-1, 2]
-        metres = np.array([found[0] * (meridian + height), found[1] * (radius + height) * math.cos(lat), -found[2]])
-        expected = transition @ error
-        assert np.max(np.abs(np.concatenate([metres, found[3:6]]) - expected[:6]) / final[:6]) < 2e-3
 
 
 def test_the_update_matches_the_textbook(compared):

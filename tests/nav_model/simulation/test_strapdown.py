@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nav_model.earth.rotation import matrix_from_euler, quaternion_from_matrix
+from nav_model.earth.rotation import matrix_from_euler
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.strapdown import initial_state, navigate
 from nav_model.simulation.trajectory import plan_trajectory
@@ -59,13 +59,6 @@ def test_an_error_free_ins_reproduces_the_flight(spec, duration):
     metres, degrees = fly_without_errors(spec, duration)
     assert metres < 1e-3
     assert degrees < 1e-8
-
-
-def test_what_is_left_falls_with_the_sampling_interval():
-    # The mechanisation's own error, not a fault of the truth: fourth order in the sample interval, nearly.
-    spec = TrajectorySpec("turns", speed=100.0)
-    coarse, fine = fly_without_errors(spec, 300.0, 25.0), fly_without_errors(spec, 300.0, 100.0)
-    assert coarse[1] / fine[1] > 50.0
 
 
 def geodetic(r: np.ndarray) -> tuple[float, float, float]:
@@ -179,13 +172,3 @@ def test_coning_is_compensated():
     off = angle_between((earth @ matrices(attitude(seconds)[None])[0])[None], end[None])
     assert off < 1e-3
     assert math.degrees(frequency * (1 - c) * seconds) > 6.0
-
-
-def test_attitude_conversions_agree():
-    generator = np.random.default_rng(4)
-    roll, yaw = generator.uniform(-3.1, 3.1, (2, 50))
-    pitch = generator.uniform(-1.5, 1.5, 50)
-    matrix = matrix_from_euler(roll, pitch, yaw)
-    assert matrix @ np.swapaxes(matrix, 1, 2) == pytest.approx(np.tile(np.eye(3), (50, 1, 1)), abs=1e-14)
-    quaternions = np.stack([quaternion_from_matrix(m) for m in matrix])
-    assert matrices(quaternions) == pytest.approx(matrix, abs=1e-14)

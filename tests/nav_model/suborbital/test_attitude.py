@@ -5,12 +5,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from nav_model.base.constants import ARCSECOND
-from nav_model.earth.rotation import (
-    matrix_from_quaternion,
-    matrix_from_vector,
-    quaternion_from_matrix,
-    vector_from_matrix,
-)
 from nav_model.suborbital.attitude import (
     METHODS,
     attitude_error,
@@ -92,18 +86,6 @@ def test_the_mean_error_of_triad_depends_on_the_scenes(differs):
     )  # fmt: skip
 
 
-def test_mean_of_triad_has_a_heavy_tail_and_that_of_the_optimal_methods_has_not():
-    """What the page says of the printed 238 arcsec: over seeds 0 to 19 its mean is 207 to 362, SVD's 72 to 78."""
-    means = np.array(
-        [[s.mean_error_rad / ARCSECOND for s in compare_methods(*scenes(1000, 5, seed), SIGMA)] for seed in range(20)]
-    )
-    triad_means, svd_means = means[:, 0], means[:, -1]
-    assert np.median(triad_means) == pytest.approx(238.0, rel=0.05)
-    assert (triad_means.min(), triad_means.max()) == pytest.approx((207, 362), abs=1)
-    assert np.sum(np.abs(triad_means - 238) > 0.2 * 238) >= 1  # 20 % is not always enough
-    assert (svd_means.min(), svd_means.max()) == pytest.approx((72, 78), abs=0.5)
-
-
 def test_rules_of_thumb():
     """Cross-boresight sigma/sqrt(N), roll 17.5 sigma/sqrt(N-1), for stars filling the field (10 %)."""
     body, reference, truth = scenes(2000, 30, 3)
@@ -177,14 +159,3 @@ def test_turning_the_sky_turns_the_answer(seed, name):
     np.testing.assert_allclose(turned, plain @ turn.T, atol=1e-8)
     np.testing.assert_allclose(plain @ np.swapaxes(plain, -1, -2), np.broadcast_to(np.eye(3), plain.shape), atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(plain), 1.0, atol=1e-9)
-
-
-@settings(max_examples=100, deadline=None)
-@given(st.lists(st.floats(-1.8, 1.8), min_size=3, max_size=3))
-def test_rotation_conversions_agree_with_scipy(vector):
-    v = np.array(vector)
-    matrix = matrix_from_vector(v)
-    np.testing.assert_allclose(matrix, Rotation.from_rotvec(v).as_matrix(), atol=1e-12)
-    if np.linalg.norm(v) < np.pi:
-        np.testing.assert_allclose(vector_from_matrix(matrix), v, atol=1e-7)
-    np.testing.assert_allclose(matrix_from_quaternion(quaternion_from_matrix(matrix)), matrix, atol=1e-12)

@@ -1,7 +1,5 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from nav_model.suborbital.channels import (
@@ -68,16 +66,6 @@ def test_resonant_forcing_is_the_limit():
     assert at == pytest.approx(near, rel=1e-4)
 
 
-@settings(max_examples=50)
-@given(a=st.floats(-1e-2, 1e-2), b=st.floats(-1e2, 1e2), t=st.floats(0.0, 3000.0), h=st.floats(0.0, 1e6))
-def test_channels_are_linear_and_start_at_the_initial_error(a, b, t, h):
-    for rate in (schuler_rate(h), VERTICAL * schuler_rate(h)):
-        together = channel_error(rate, t, bias=a, position=b)
-        apart = channel_error(rate, t, bias=a) + channel_error(rate, t, position=b)
-        assert together == pytest.approx(apart, rel=1e-9, abs=1e-9)
-        assert channel_error(rate, 0.0, bias=a, position=b) == pytest.approx(b, abs=1e-12)
-
-
 def test_decoupled_channels_fail_on_the_long_arc(study, differs):
     """star_tracker.md, LIMIT: the gyro total in height is 36.8 km instead of 13.6 km."""
     k = study.case("gyro total")
@@ -127,12 +115,3 @@ def test_closed_forms_hold_where_their_constants_are_and_fail_after(study):
     assert gap("initial position and velocity", 1000) < 0.06
     assert gap("accelerometer instability", 1300) < 0.10
     assert gap("gyro total", 1500) > 10  # f = 0 in coast: the forcing the form assumes is gone
-
-
-def test_closed_forms_start_at_the_initial_error(study):
-    k = study.case("initial position and velocity")
-    closed = closed_form_errors(study.flight, study.parameters[k], study.inputs.errors)
-    np.testing.assert_allclose(closed.position_m[0, 0], [20.0, -20.0, 50.0])
-    slope = (closed.position_m[0, 1] - closed.position_m[0, 0]) / (closed.time_s[1] - closed.time_s[0])
-    np.testing.assert_allclose(slope, [0.1, 0.1, 0.1], atol=1e-3)
-    assert "[B-6]" in closed.source

@@ -6,14 +6,10 @@ from scipy.integrate import solve_ivp
 
 from nav_model.earth.sphere import ned_to_inertial
 from nav_model.suborbital.errors import (
-    CLASSES,
     PARAMETERS,
-    SOURCES,
     ErrorSet,
     SensorErrors,
-    mask,
     parameter_vector,
-    scale_and_misalignment,
 )
 from nav_model.suborbital.flight import FlightParameters, reference_flight
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
@@ -174,25 +170,6 @@ def test_full_case_against_dop853(study, compared):
     )
 
 
-def test_masks_partition_the_vector():
-    names = ("accelerometer bias", "accelerometer instability", "gyro bias", "gyro instability")
-    rest = ("initial position and velocity", "initial attitude")
-    tracker = ("star tracker misalignment", "star tracker latency")
-    total = sum(mask(CLASSES[n]) for n in names + rest) + sum(mask(SOURCES[n]) for n in tracker)
-    np.testing.assert_array_equal(total, np.ones(len(PARAMETERS)))
-    np.testing.assert_array_equal(mask(CLASSES["all"]), np.ones(len(PARAMETERS)))
-
-
-def test_gp1_vector_carries_the_printed_values():
-    p = dict(zip(PARAMETERS, parameter_vector(ErrorSet()), strict=True))
-    assert p["accelerometer z bias, constant"] == pytest.approx(-1.1e-3 * 9.80665)
-    assert p["gyro y bias, constant"] == pytest.approx(np.radians(4.0) / 3600.0)
-    assert p["gyro x misalignment to z, constant"] == pytest.approx(-1e-4)
-    assert p["accelerometer y scale factor, oscillating"] == pytest.approx(3e-5)
-    assert p["initial attitude, down"] == pytest.approx(np.radians(60.0 / 3600.0))
-    assert ErrorSet().gyros.white_noise == pytest.approx(np.radians(0.02) / 60.0)
-
-
 def test_refusals(flight):
     p, errors = np.zeros(len(PARAMETERS)), ErrorSet()
     with pytest.raises(ValueError, match="axes"):
@@ -217,7 +194,3 @@ def test_ned_is_refused_near_a_pole():
     polar = reference_flight(FlightParameters(latitude_rad=np.radians(80.0), azimuth_rad=0.0, duration_s=1000.0))
     with pytest.raises(ValueError, match="pole"):
         mechanise(polar, np.zeros(len(PARAMETERS)), ErrorSet(), axes="ned")
-
-
-def test_scale_and_misalignment_pattern():
-    np.testing.assert_allclose(scale_and_misalignment(2.0), [[2, 2, -2], [-2, 2, 2], [2, -2, 2]])

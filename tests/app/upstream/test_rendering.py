@@ -60,7 +60,3 @@ def test_what_is_rendered_is_the_same(request: pytest.FixtureRequest) -> None:
         {k: v for k, v in value.items() if k != "name"} for value in expected
     ]
     assert copied < 20
-
-
-def test_as_shipped_rendering_copies_every_parameter() -> None:
-    assert _rendered()[0] > 100
