@@ -98,13 +98,3 @@ def test_biases_integrate_the_deterministic_equations(t, b, d):
         velocity = source.integ()
         assert float(bias_velocity(b, d, g, t)[i]) == pytest.approx(velocity(t), rel=1e-14, abs=1e-300)
         assert float(bias_position(b, d, g, t)[i]) == pytest.approx(velocity.integ()(t), rel=1e-14, abs=1e-300)
-
-
-def test_growth_is_monotone_and_broadcasts(worked):
-    t = np.linspace(0, 300, 301)
-    p = horizontal(worked.sigma_a, np.array([[1e-6], [1e-4]]), worked.s, worked.g)
-    level = horizontal_growth(p, worked.sigma_a, np.array([[1e-6], [1e-4]]), worked.g, t)
-    assert level.position.shape == (2, 301)
-    for curve in level:
-        assert np.all(np.diff(curve, axis=-1) > 0)
-    assert np.all(level.position[1] > level.position[0])

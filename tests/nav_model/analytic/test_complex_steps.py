@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from mpmath import mp
 from scipy.linalg import solve_continuous_lyapunov
 
 from nav_model.analytic.steady_state import horizontal, vertical
@@ -60,37 +59,6 @@ def test_vertical_parts_against_the_lyapunov_equation(fleet, reference):
         theirs = _lyapunov_parts(reference, fleet.sigma_a[i], 0.0, fleet.s[i], fleet.g[i], order=2)
         for ours, part in zip(parts[..., i], theirs, strict=True):
             np.testing.assert_allclose(ours, [part[0, 0], part[0, 1], part[1, 1]], rtol=1e-9)
-
-
-def _page_elements(a, w, s, g):
-    """[T-3] in mpmath, its quartic by root finding."""
-    p11 = mp.findroot(
-        lambda x: x**4 / 4 - 2 * g * w * s**5 * x - s**6 * a**2,
-        mp.sqrt(2) * s**1.5 * mp.sqrt(a) + 2 * (s**5 * g * w) ** (mp.mpf(1) / 3),
-    )
-    return (
-        p11, p11**2 / (2 * s**2), w * s, p11**3 / (2 * s**4) - g * w * s, p11 * w / s,
-        p11**2 * w / (2 * g * s**3),
-    )  # fmt: skip
-
-
-def test_logarithmic_derivatives(fleet):
-    inputs = fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g
-    whole = horizontal(*inputs)
-    ours = [
-        [slope / element for slope, element in zip(each, whole, strict=True)] for each in _slopes(horizontal, *inputs)
-    ]
-    with mp.workdps(50):
-        step = mp.mpf(10) ** -18
-        for i in range(0, fleet.size, 16):
-            point = [mp.mpf(float(x[i])) for x in inputs]
-            for which, derivative in enumerate(ours):
-                low, high = list(point), list(point)
-                low[which] *= mp.exp(-step)
-                high[which] *= mp.exp(step)
-                for element, (x, y) in enumerate(zip(_page_elements(*low), _page_elements(*high), strict=True)):
-                    slope = float(mp.log(y / x) / (2 * step))
-                    assert float(derivative[element][i]) == pytest.approx(slope, rel=1e-9, abs=1e-11)
 
 
 def test_gyro_dominated_limit():

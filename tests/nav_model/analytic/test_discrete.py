@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from nav_model.analytic.discrete import SlowError, cycle
-from nav_model.analytic.steady_state import horizontal, vertical
 
 pytestmark = pytest.mark.long
 
@@ -73,61 +72,6 @@ def test_slow_error_cycle(fleet, reference, compared, ratio_off):
     compared(
         "Before and after a fix with a slow GNSS error", "T-8", "solver written by others", ORACLE, off, 1e-9, MEASURE
     )
-
-
-def test_plain_filtering_settles_there(worked):
-    """Predict and update, 3000 times, as a flight computer would."""
-    ours = cycle(worked.sigma_a, worked.sigma_w, worked.g, 1.0, 1.0, 1.0)
-    phi = np.array([[1, 1, worked.g / 2], [0, 1, worked.g], [0, 0, 1]])
-    f = np.array([[0.0, 1, 0], [0, 0, worked.g], [0, 0, 0]])
-    nodes, weights = np.polynomial.legendre.leggauss(6)
-    q = np.zeros((3, 3))
-    for x, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
-        e = np.eye(3) + f * x + f @ f * x**2 / 2
-        q += weight * e @ np.diag([0, worked.sigma_a**2, worked.sigma_w**2]) @ e.T
-    p = np.eye(3)
-    for _ in range(3000):
-        prior = phi @ p @ phi.T + q
-        gain = prior[:, 0] / (prior[0, 0] + 1)
-        p = prior - np.outer(gain, prior[0])
-        p = (p + p.T) / 2
-    np.testing.assert_allclose(ours.prior.horizontal.matrix(), prior, rtol=1e-9)
-    np.testing.assert_allclose(ours.posterior.horizontal.matrix(), p, rtol=1e-9)
-
-
-def test_closed_form_lies_between_and_is_the_limit_of_frequent_fixes(fleet, ours):
-    p = horizontal(fleet.sigma_a, fleet.sigma_w, fleet.s, fleet.g)
-    v = vertical(fleet.sigma_a, fleet.sigma_vertical * np.sqrt(fleet.interval))
-    # At lambda dt = 6.9 the tilt's closed form lies below both ends: the flag at 0.5 is there for a reason.
-    usual = p.p11 * fleet.interval / fleet.s**2 < 2
-    assert usual.sum() > 200
-    for low, middle, high in (
-        *((getattr(ours.posterior.horizontal, k), getattr(p, k), getattr(ours.prior.horizontal, k))
-          for k in ("p11", "p22", "p33")),
-        *((getattr(ours.posterior.vertical, k), getattr(v, k), getattr(ours.prior.vertical, k))
-          for k in ("v11", "v22")),
-    ):  # fmt: skip
-        assert np.all((low < middle)[usual])
-        assert np.all((middle < high)[usual])
-    often = cycle(fleet.sigma_a, fleet.sigma_w, fleet.g, 1e-5, fleet.s / 10**-2.5, fleet.s / 10**-2.5)
-    np.testing.assert_allclose(often.prior.horizontal.p11, p.p11, rtol=1e-3)
-    np.testing.assert_allclose(often.posterior.horizontal.p33, p.p33, rtol=1e-3)
-
-
-def test_a_slow_error_hurts_and_vanishes_with_its_size(worked):
-    args = (worked.sigma_a, worked.sigma_w, worked.g, 1.0, 1.0, 1.0)
-    white = cycle(*args)
-    tiny = cycle(*args, SlowError(1e-6, 100.0))
-    np.testing.assert_allclose(tiny.prior.horizontal.matrix(), white.prior.horizontal.matrix(), rtol=1e-9)
-    last = float(white.prior.horizontal.p11)
-    for sigma in (0.1, 0.5, 2.0):
-        now = float(cycle(*args, SlowError(sigma, 100.0)).prior.horizontal.p11)
-        assert now > last
-        last = now
-    assert last == pytest.approx(4.0, rel=0.25)  # a bias of the fixes that the inertial unit cannot see
-    # An error that is forgotten between fixes is white noise on top of theirs.
-    fast, sum_ = cycle(*args, SlowError(1.0, 0.01)), cycle(*args[:4], np.sqrt(2), np.sqrt(2))
-    np.testing.assert_allclose(fast.prior.horizontal.matrix(), sum_.prior.horizontal.matrix(), rtol=1e-9)
 
 
 def test_cycle_broadcasts(worked):

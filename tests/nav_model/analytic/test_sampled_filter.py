@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nav_model.analytic.sampled_filter import horizontal_cycle, vertical_cycle
+from nav_model.analytic.sampled_filter import horizontal_cycle
 
 LOW = np.log([1e-6, 1e-9, 0.1, 1e-3, 1e-4])
 HIGH = np.log([1.0, 1e-1, 30.0, 3600.0, 1e4])
@@ -24,19 +24,6 @@ def _channel(a, w, g, h):
         ]
     )
     return phi, q
-
-
-def test_the_channel_of_this_page_is_the_matrix_exponential(fleet, reference):
-    f = np.array([[0.0, 1, 0], [0, 0, 9.8], [0, 0, 0]])
-    for i in range(0, fleet.size, 8):
-        a, w, h = fleet.sigma_a[i], fleet.sigma_w[i], fleet.interval[i]
-        scale = np.array([a * h**1.5, a * h**0.5, w * h**0.5])  # bring the parts near one
-        phi, added = reference.van_loan(
-            f * scale / scale[:, None], np.diag([0, a**2, w**2]) / np.outer(scale, scale), h
-        )
-        ours = _channel(a, w, 9.8, h)
-        np.testing.assert_allclose(ours[0], phi * scale[:, None] / scale, rtol=1e-11, atol=1e-14)
-        np.testing.assert_allclose(ours[1], added * np.outer(scale, scale), rtol=1e-10)
 
 
 @settings(max_examples=300)
@@ -84,13 +71,3 @@ def test_against_sixty_digits(case, reference, compared):
         3e-15,
         "largest difference, in sigmas",
     )
-
-
-def test_vertical_is_the_horizontal_without_a_gyro(fleet):
-    f = fleet
-    ours = vertical_cycle(f.sigma_a, f.interval, f.sigma)
-    level = horizontal_cycle(f.sigma_a, 1e-30, 1.0, f.interval, f.sigma)
-    for vertical, horizontal in zip(ours, level, strict=True):
-        np.testing.assert_allclose(vertical.v11, horizontal.p11, rtol=1e-12)
-        np.testing.assert_allclose(vertical.v12, horizontal.p12, rtol=1e-12)
-        np.testing.assert_allclose(vertical.v22, horizontal.p22, rtol=1e-12)

@@ -65,9 +65,3 @@ def test_without_a_turn_it_is_s5():
         total(phase_budget(*sources)).quadratic, rel=1e-12
     )
     assert bent_variance(weights, *free) == 0.0
-
-
-def test_squint_shares_the_level_plane_between_both_axes():
-    turn = turn_weights(0.5, 0.6, 0.0, SPAN)
-    assert turn.along[0] ** 2 + turn.across[0] ** 2 == pytest.approx(np.cos(0.5) ** 2)
-    assert turn.down[0] == pytest.approx(np.sin(0.5))

@@ -69,12 +69,6 @@ def test_the_user_chooses_the_moment_of_the_cycle(moment):
     assert _check(budget, "tilt").equation == ("[T-3]" if moment == "closed" else "[T-8]")
 
 
-def test_prior_is_the_default_and_the_worst():
-    budget = analyse(BASE.replace({"requirements.horizontal_position": 1.0}))
-    assert _check(budget, "horizontal_position").basis == "prior"
-    assert budget.steady_state.prior.position_horizontal > budget.steady_state.closed.position_horizontal
-
-
 def test_the_along_track_term_is_held_against_the_quadratic_limit_on_its_own():
     design = BASE.replace({"coast.before_aperture": 200.0, "requirements.quadratic_phase": 1e3})
     budget = analyse(design)

@@ -4,17 +4,15 @@ import math
 
 import numpy as np
 import pytest
-import spectral
 from scipy.linalg import solve_discrete_are
 
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.analytic.steady_state import horizontal, vertical
 from nav_model.budget import analyse
-from nav_model.budget.figures import SMOOTHED, figures, smoothed_figures
+from nav_model.budget.figures import SMOOTHED, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import cautions
-from nav_model.processing.flight import Channel
 
 # docs/processing.md, check values: quadratic, cubic, residual after orders 1 and 2, along-track quadratic [°], slope
 # of the line of sight [mm/s], azimuth shift [m], position horizontal and vertical [m], velocity [mm/s], tilt [°].
@@ -70,22 +68,6 @@ def test_how_long_one_waits(named, after, quadratic, left):
     post = analyse(named["A"].replace({"processing.leg_after": float(after)})).post_processed
     assert math.degrees(post.quadratic) == pytest.approx(quadratic, rel=2e-3)
     assert math.degrees(post.detrended) == pytest.approx(left, rel=3e-3)
-
-
-def test_steady_position_and_velocity_by_two_filters(named):
-    """Forward and backward filters know the same [T-3]: the smoothed covariance is the inverse of both together."""
-    x = inputs_of(named["B"])
-    level, _ = x.velocity_densities
-    flip = np.diag([1.0, -1.0, 1.0])
-    for s_v in (None, level):
-        p = horizontal(x.sigma_a, x.sigma_w, x.s, x.g, s_v).matrix()
-        information = np.linalg.inv(p)
-        both = np.linalg.inv(information + flip @ information @ flip)
-        channel = Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, *((None, None) if s_v is None else
-                          (x.velocity, x.interval)))  # fmt: skip
-        found = spectral.smoothed(channel, x.aperture)
-        ours = [float(found["position"]), float(found["velocity"]), float(found["tilt"] / x.g**2)]
-        np.testing.assert_allclose(ours, np.diag(both), rtol=2e-5)
 
 
 def test_shares_add_up_and_are_what_each_source_leaves(named):
@@ -264,25 +246,6 @@ def test_a_design_of_before_is_the_same_design(named, name, description, digest)
     design = named[name].replace({"description": description})
     assert design.content_hash == digest
     assert design.replace({"processing.mode": "post-processed"}).content_hash != digest
-
-
-@pytest.mark.parametrize("key", ["gnss.velocity_noise", "gnss.position_noise", "imu.angle_random_walk"])
-@pytest.mark.parametrize("correlated", [False, True])
-def test_real_time_with_velocity_takes_arrays_of_any_input(named, key, correlated):
-    design = named["B"].replace({"gnss.correlated": correlated})
-    values = design[key] * np.linspace(1, 1.5, 4)
-    grid = figures(inputs_of(design, {key: values}))
-    for n, value in enumerate(values):
-        one = figures(inputs_of(design.replace({key: float(value)})))
-        for name, figure in one.items():
-            assert np.broadcast_to(grid[name], 4)[n] == pytest.approx(float(figure), rel=1e-11), name
-    assert np.all(np.diff(grid["horizontal_position"]) > 0)
-    walks = np.array([1e-5, 1e-4, 1e-3])
-    map_of = figures(inputs_of(design, {key: values, "imu.velocity_random_walk": walks[:, None]}))
-    for i, walk in enumerate(walks):
-        row = figures(inputs_of(design.replace({"imu.velocity_random_walk": float(walk)}), {key: values}))
-        for name, figure in row.items():
-            np.testing.assert_allclose(np.broadcast_to(map_of[name], (3, 4))[i], figure, rtol=1e-11, err_msg=name)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
