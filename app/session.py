@@ -23,7 +23,7 @@ from nav_model.design import Design, Value
 from nav_model.design.contributors import Contributor
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
 from nav_model.design.parts import INPUTS, declaration_of
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
 """Every input that a person can set, by its dotted key."""
@@ -250,7 +250,7 @@ def _change_in_words(old: Design, new: Design) -> str:
     declaration, value = declaration_of(keys[0]), old[keys[0]]
     if value is None:
         return f"{declaration.label}: not given"
-    if isinstance(declaration, Rows):
+    if isinstance(declaration, Table):
         assert isinstance(value, tuple)
         return f"{declaration.label}: {declaration.show(value, 3) or 'not given'}"
     dimension = getattr(declaration, "dimension", "")

@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 _DURATION = 500.0
 
 
-def flight_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare them."""
+def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:
+    """Declare them; usual: the flight unless another is named."""
     add = parser.add_argument
-    add("--duration", type=float, metavar="S", help="length of the flight (default 500 s, or the file's)")
+    add("--duration", type=float, metavar="S", help="length of the flight (default: 500 s, or the plan's or file's)")
     add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
         help="start and stop of a time without fixes, in seconds; may be repeated")  # fmt: skip
-    add("--trajectory", default="wandering", metavar="NAME-or-FILE",
-        help="wandering (default), straight, turns, climb, or a file: .csv, .gpx, .kml, or .out (SBET)")  # fmt: skip
+    add("--trajectory", default=usual, metavar="NAME-or-FILE",
+        help="plan (the design's), wandering, straight, turns, climb, or a file: .csv, .gpx, .kml, or .out (SBET); "
+        f"default: {usual}")  # fmt: skip
     add("--height", metavar="H", help="height of the places of a GPX or KML file that have none, e.g. '3 km'")
     add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
     add("--states", type=int, choices=(9, 15, 21), default=9,
@@ -34,8 +35,9 @@ def flight_arguments(parser: argparse.ArgumentParser) -> None:
 def flight_study(
     design: Design, more: SimulationInputs, options: argparse.Namespace, **others: Any
 ) -> tuple[SimulationSpec, PlannedFlight | None]:
-    """The study that the options describe, and the flight of a file with its lines; others: as `specification` has
-    them.
+    """The study that the options describe, and the flight of a plan or file with its lines.
+
+    others: as `specification` has them.
 
     Raises
     ------
@@ -44,10 +46,14 @@ def flight_study(
     """
     from nav_model.simulation.design_study import NAMED_TRAJECTORIES, specification
     from nav_model.simulation.trajectory import plan_trajectory
+    from nav_model.trajectory.design_study import PLAN, planned
 
     outages = [_outage(text) for text in options.outages]
-    named = options.trajectory in NAMED_TRAJECTORIES
-    flight = None if named else _of_file(options, design)
+    flight: PlannedFlight | None
+    if options.trajectory == PLAN:
+        flight, outages = planned(design), outages or list(design.trajectory.outages)
+    else:
+        flight = None if options.trajectory in NAMED_TRAJECTORIES else _of_file(options, design)
     whole = flight.duration if flight else _DURATION
     try:
         spec = specification(
@@ -69,6 +75,7 @@ def flight_study(
 
 def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
     from nav_model.simulation.design_study import NAMED_TRAJECTORIES
+    from nav_model.trajectory.design_study import PLAN, plan_like
     from nav_model.trajectory.files import read_flight
 
     try:
@@ -76,9 +83,9 @@ def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
     except ValueError as error:
         raise InputError("--height", str(error), options.height) from error
     try:
-        return read_flight(options.trajectory, design.flight.speed, height)
+        return read_flight(options.trajectory, plan_like(design), height)
     except OSError as error:
-        known = ", ".join(NAMED_TRAJECTORIES)
+        known = ", ".join((PLAN, *NAMED_TRAJECTORIES))
         said = f"{options.trajectory!r} is no file that can be read. Name a CSV, GPX, KML or SBET file, or {known}."
         raise InputError("--trajectory", said) from error
     except ValueError as error:

@@ -10,7 +10,7 @@ from nav_model.design.catalogue import Entry, SourcedValue
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import INPUTS, PARTS, declaration_of
 from nav_model.design.presets import deviations, entry_of
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table as TableInput
 
 _MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
@@ -29,7 +29,7 @@ _EXTRA_LABELS = {
 def input_table(design: Design, aperture_time: float, key: str) -> Table:
     """Name, value and origin of every input, headed by section; aperture_time [s] is the one in force."""
     rows: list[Row] = []
-    for part in PARTS:
+    for part in (part for part in PARTS if getattr(design, part.section).given()):
         entry = entry_of(design, part.section)
         rows.append((part.title if entry is None else f"{part.title}: {_preset(design, part.section, entry)}",))
         rows += (_row(design, part.section, name, entry, aperture_time) for name in INPUTS[part.section])
@@ -78,8 +78,8 @@ def shown_value(design: Design, section: str, name: str) -> str:
     declaration, value = INPUTS[section][name], design[key]
     if value is None:
         return ""
-    if isinstance(declaration, Rows):
-        return declaration.show(value, 6)  # type: ignore[arg-type]
+    if isinstance(declaration, TableInput):
+        return declaration.show(value, 6)
     if isinstance(declaration, Choice):
         return declaration.options[value]
     assert isinstance(value, float | int)

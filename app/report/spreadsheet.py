@@ -133,7 +133,7 @@ class _Sheets:
         )
         row = fixed = row + 1
         for section, names in INPUTS.items():
-            if section == "requirements":
+            if section == "requirements" or not getattr(self.design, section).given():
                 continue
             for name in (name for name in names if f"{section}.{name}" not in keys):
                 text = shown_value(self.design, section, name)

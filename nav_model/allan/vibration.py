@@ -10,7 +10,8 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.base.units import format_quantity, parse_quantity
 from nav_model.design.parts import declaration_of
-from nav_model.design.rows import MOST_ROWS, Row, Rows
+from nav_model.design.rows import Row, Rows
+from nav_model.design.table import MOST_ROWS
 
 SPECTRUM_KEY = "motion.spectrum"
 LOWEST_HZ = 2.0

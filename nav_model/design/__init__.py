@@ -33,12 +33,12 @@ from nav_model.design.parts import (
     Processing,
     Radar,
     Requirements,
+    Trajectory,
     all_keys,
     declaration_of,
 )
-from nav_model.design.rows import Row
 
-Value = float | int | bool | str | tuple[Row, ...] | None
+Value = float | int | bool | str | tuple[tuple[Any, ...], ...] | None
 
 _KEYS = {
     section: tuple(
@@ -52,11 +52,11 @@ _KEYS = {
 
 
 class Design:
-    """One design, immutable: a name, a description and nine parts.
+    """One design, immutable: a name, a description and ten parts.
 
     Attributes
     ----------
-    imu, gnss, flight, coast, radar, motion, oscillator, processing, requirements
+    imu, gnss, flight, coast, radar, motion, oscillator, processing, trajectory, requirements
         The parts; every quantity in SI.
     written : mapping
         Dotted key -> unit the value was written in, for showing and saving it the way it came.
@@ -79,6 +79,7 @@ class Design:
     motion: Motion
     oscillator: Oscillator
     processing: Processing
+    trajectory: Trajectory
     requirements: Requirements
     written: Mapping[str, str]
     origins: Mapping[str, str]

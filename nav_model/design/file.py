@@ -22,7 +22,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""
@@ -240,6 +240,8 @@ def format_design(design: Design) -> str:
     """TOML text of a design: every value stated, in the unit it was given in, with its origin if it has one."""
     tables: dict[str, Any] = {key: design[key] for key in TOP_KEYS if design[key]}
     for section, declarations in INPUTS.items():
+        if not getattr(design, section).given():
+            continue
         table: dict[str, Any] = {}
         if design_preset := preset_of(design, section):
             table["preset"] = design_preset
@@ -250,7 +252,7 @@ def format_design(design: Design) -> str:
             if isinstance(declaration, BaseQuantity):
                 assert isinstance(value, float | int)
                 name, value = declaration.write(float(value), design.written.get(f"{section}.{name}", ""))
-            elif isinstance(declaration, Rows):
+            elif isinstance(declaration, Table):
                 assert isinstance(value, tuple)
                 table[name] = declaration.write(value)
                 continue

@@ -21,6 +21,7 @@ from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 _MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
@@ -157,8 +158,10 @@ def _to_text(key: str, value: Any, design: Design) -> str:
     declaration = INPUTS[section][name]
     if value is None:
         return _NONE
-    if isinstance(declaration, Rows):  # a colon in each row: spaces go below
-        text = ";".join(declaration.show((row,)).replace("Hz ", "Hz:", 1) for row in value)
+    if isinstance(declaration, Rows):
+        text = declaration.link(value)
+    elif isinstance(declaration, Table):
+        return declaration.link(value)  # its names may have spaces
     elif isinstance(declaration, BaseQuantity):
         text = str(declaration.write(float(value), design.unit(key) if declaration.dimension else "")[1])
     else:

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import param
 
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
-Input = BaseQuantity[Any] | Choice | Rows
+Input = BaseQuantity[Any] | Choice | Table
 
 
 class Part(param.Parameterized):
@@ -17,6 +17,8 @@ class Part(param.Parameterized):
 
     section: ClassVar[str] = ""
     title: ClassVar[str] = ""
+    optional: ClassVar[bool] = False
+    """Whether files and reports leave the section out while nothing in it is given."""
 
     @classmethod
     def inputs(cls) -> dict[str, Input]:
@@ -24,8 +26,12 @@ class Part(param.Parameterized):
         return {
             name: declaration
             for name, declaration in cls.param.objects("existing").items()
-            if isinstance(declaration, BaseQuantity | Choice | Rows)
+            if isinstance(declaration, BaseQuantity | Choice | Table)
         }
+
+    def given(self) -> bool:
+        """Whether the section is told: always, unless it is optional and all its inputs have their defaults."""
+        return not self.optional or any(getattr(self, name) != one.default for name, one in self.inputs().items())
 
 
 def preset(kind: str) -> Any:

@@ -13,14 +13,17 @@ from nav_model.design.processing import Processing
 from nav_model.design.radar import Radar
 from nav_model.design.requirements import Requirements
 from nav_model.design.sensors import Gnss, Imu
+from nav_model.design.trajectory import Trajectory
 
 __all__ = [
     "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
-    "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar", "Requirements", "all_keys",
-    "declaration_of",
+    "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar", "Requirements", "Trajectory",
+    "all_keys", "declaration_of",
 ]  # fmt: skip
 
-PARTS: tuple[type[Part], ...] = (Imu, Gnss, Flight, Coast, Radar, Motion, Oscillator, Processing, Requirements)
+PARTS: tuple[type[Part], ...] = (
+    Imu, Gnss, Flight, Coast, Radar, Motion, Oscillator, Processing, Trajectory, Requirements
+)  # fmt: skip
 """The sections of a design, in the order of the file."""
 
 INPUTS: dict[str, dict[str, Input]] = {part.section: part.inputs() for part in PARTS}

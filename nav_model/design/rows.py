@@ -8,18 +8,13 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
 
-import param
-
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, shown
 from nav_model.base.units import QuantityError, format_bound, format_quantity, parse_quantity
-from nav_model.design.declaration import Declared
+from nav_model.design.table import Table
 
 Row = tuple[float, float, str]
 """Frequency [Hz], amount [SI], and the dimension that the amount has."""
-
-MOST_ROWS = 60
-_MOST_TEXT = 10_000
 _FREQUENCIES = (1e-4, 1e9)  # Hz
 _ROW = re.compile(r"([^\s:]+\s*[kMG]?Hz)\s*[:,]?\s*(.+)")
 _MOST = MappingProxyType(
@@ -28,42 +23,28 @@ _MOST = MappingProxyType(
 _LEAST = 1e-40  # of a density: below it, a logarithm of rounding
 
 
-class Rows(Declared, param.Parameter[Any]):
+class Rows(Table):
     """A table: a tuple of `Row`, empty when it is not given.
 
     Parameters
     ----------
     dimensions : tuple of str
         Of the amount, each row in one of them; the first unit of each is the one it is shown in.
-    short : str
-        Name in links.
     curve : bool
         Whether the rows are points of a curve, straight in logarithms: two or more, frequencies rising, amounts above
         zero. Otherwise each row counts by itself.
-    example : str
-        A text that `read` takes.
-    since : str
-        As `Declared`.
     """
 
-    __slots__ = ["curve", "dimensions", "example", "short", "since"]
+    __slots__ = ["curve", "dimensions"]
 
     dimensions: tuple[str, ...]
-    short: str
     curve: bool
-    example: str
 
-    def __init__(
-        self, *, dimensions: tuple[str, ...], short: str, curve: bool, example: str, since: str = "", **params: Any
-    ) -> None:
-        self.dimensions, self.short, self.curve, self.example, self.since = dimensions, short, curve, example, since
-        super().__init__(default=(), constant=True, **params)
+    def __init__(self, *, dimensions: tuple[str, ...], curve: bool, **params: Any) -> None:
+        self.dimensions, self.curve = dimensions, curve
+        super().__init__(columns={"frequency": None, "amplitude": None, "dimension": None}, **params)
 
-    def _validate(self, val: Any) -> None:
-        if not isinstance(val, tuple) or not all(isinstance(row, tuple) and len(row) == 3 for row in val):
-            raise InputError(self.key, f"{shown(val)} is not a table. Write for example {self.example}.", val)
-        if len(val) > MOST_ROWS:
-            raise InputError(self.key, f"{len(val)} rows are too many. Give at most {MOST_ROWS}.", val)
+    def _check(self, val: tuple[Row, ...]) -> None:
         low, high = _FREQUENCIES
         for frequency, amount, dimension in val:
             if dimension not in self.dimensions:
@@ -94,31 +75,8 @@ class Rows(Declared, param.Parameter[Any]):
         if len({dimension for *_, dimension in val}) > 1:
             raise InputError(self.key, f"The rows mix {' and '.join(self.dimensions)}. Give all in one of them.", val)
 
-    def read(self, text: Any) -> tuple[Row, ...]:
-        """Rows as text or as a design file has them -> the value.
-
-        Text: rows separated by semicolons or line ends, each a frequency and an amount. A file: a list of pairs,
-        ``["20 Hz", "0.1 g"]``, or of tables ``{frequency = "20 Hz", amplitude = "0.1 g"}``.
-
-        Raises
-        ------
-        InputError
-            Naming the key, what was given and what is allowed.
-        """
-        rows = text
-        if isinstance(text, str):
-            if len(text) > _MOST_TEXT:
-                raise InputError(self.key, f"The table is longer than {_MOST_TEXT} characters. Shorten it.")
-            rows = [part for part in re.split(r"[;\n]", text) if part.strip()]
-        if not isinstance(rows, list):
-            raise InputError(self.key, f"{shown(text)} is not a table. Write for example {self.example}.", text)
-        if len(rows) > MOST_ROWS:
-            raise InputError(self.key, f"{len(rows)} rows are too many. Give at most {MOST_ROWS}.")
-        value = tuple(map(self._row, rows))
-        self._validate(value)
-        return value
-
-    def _row(self, row: Any) -> Row:
+    def _row(self, row: Any, number: int) -> Row:
+        del number  # the message quotes the row
         pair: Any = row
         if isinstance(row, str) and (match := _ROW.fullmatch(row.strip())):
             pair = match.groups()
@@ -135,7 +93,6 @@ class Rows(Declared, param.Parameter[Any]):
         raise InputError(self.key, refused, row)
 
     def write(self, value: tuple[Row, ...]) -> list[list[str]] | list[dict[str, str]]:
-        """A value as a design file has it, which `read` takes back exactly."""
         pairs = [
             [format_quantity(frequency, "Hz", "frequency"), _said(amount, dimension, None)]
             for frequency, amount, dimension in value
@@ -143,11 +100,14 @@ class Rows(Declared, param.Parameter[Any]):
         return pairs if self.curve else [{"frequency": at, "amplitude": amount} for at, amount in pairs]
 
     def show(self, value: tuple[Row, ...], digits: int | None = None) -> str:
-        """A value as text that `read` takes back; without `digits` to exactly the same value."""
         return "; ".join(
             f"{format_quantity(frequency, 'Hz', 'frequency', digits)} {_said(amount, dimension, digits)}"
             for frequency, amount, dimension in value
         )
+
+    def link(self, value: tuple[Row, ...]) -> str:
+        """The same with a colon in each row: links go without spaces."""
+        return ";".join(self.show((row,)).replace("Hz ", "Hz:", 1) for row in value)
 
 
 def _said(amount: float, dimension: str, digits: int | None = 6) -> str:

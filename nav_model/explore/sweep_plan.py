@@ -36,7 +36,7 @@ from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.design.presets import preset_fill
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
 
@@ -218,7 +218,7 @@ def _declaration(key: str) -> BaseQuantity[Any] | Choice:
         declaration = declaration_of(key)
     except KeyError as error:
         raise InputError(key, "unknown key; an input is named as in a design file, section.name") from error
-    if isinstance(declaration, Rows):
+    if isinstance(declaration, Table):
         raise InputError(key, "is a table, which a sweep cannot vary; give it in the design")
     return declaration
 

@@ -6,6 +6,9 @@ import math
 
 from nav_model.budget.fast import not_flown
 from nav_model.design import Design
+from nav_model.design.declaration import sentence_label
+from nav_model.design.parts import Trajectory
+from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
 from nav_model.simulation.departures import untold, velocity_told
 from nav_model.simulation.specification import SimulationSpec, TriadModel
@@ -45,6 +48,10 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             "starts from a filter that models it."
         )
     said += not_flown(design)
+    aided = [name for name in AIDING if getattr(design.trajectory, name) != Trajectory.param[name].default]
+    if aided:
+        named = ", ".join(sentence_label(Trajectory.param[name]) for name in aided)
+        said.append(f"The runs leave out what the flight plan has of {named}; the Trajectory page includes it.")
     said += _of_the_filter(spec)
     said.append(
         "Errors start at the formula's steady-state sigmas "

@@ -94,7 +94,7 @@ def specification(
             vertical_velocity_noise=velocity[1],
             lever_arm=more.lever_arm(),
         ),
-        trajectory=_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
+        trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states),
         initial=InitialErrors(
             position=settled.position_horizontal,
@@ -119,7 +119,8 @@ def _velocity_noise(design: Design, more: SimulationInputs) -> tuple[float | Non
     return (other, other) if other is not None or own is None else (float(own[0]), float(own[1]))
 
 
-def _flight(design: Design, kind: str) -> TrajectorySpec:
+def named_flight(design: Design, kind: str) -> TrajectorySpec:
+    """The flight of one of `NAMED_TRAJECTORIES` from the design's place, at its speed and heading."""
     if kind not in NAMED_TRAJECTORIES:
         said = f"{kind!r} is not a trajectory. Choose {', '.join(NAMED_TRAJECTORIES)}, or a CSV file."
         raise InputError("trajectory", said, kind)

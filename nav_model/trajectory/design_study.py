@@ -1,13 +1,52 @@
-"""The covariance along a flight of a design: its study, its aperture, its limits."""
+"""The covariance along a flight of a design: its plan, its aperture, its limits."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
+from nav_model.base.errors import InputError
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
+from nav_model.design.trajectory import AIDING, LIMITED, LINES, WAYPOINTS
+from nav_model.simulation.design_study import named_flight
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.trajectory.result import FIGURES, STATES
+from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
 from nav_model.trajectory.specification import Aiding, Aperture, CovarianceSpec, Limits, Line
+
+PLAN = "plan"
+"""Name of a design's own flight among those that the commands fly."""
+
+
+def plan_like(design: Design) -> Plan:
+    """How the design flies waypoints, without any."""
+    own = design.trajectory
+    return Plan((), design.flight.speed, own.bank, own.climb_rate, own.ground)
+
+
+def planned(design: Design) -> PlannedFlight:
+    """The flight of the design's plan.
+
+    Raises
+    ------
+    InputError
+        Under the key of the design, where it cannot be flown.
+    """
+    own, flight = design.trajectory, design.flight
+    if own.flight not in (LINES, WAYPOINTS):
+        return PlannedFlight(named_flight(design, own.flight), own.duration, ())
+    like = plan_like(design)
+    try:
+        if own.flight == WAYPOINTS:
+            return fly(replace(like, waypoints=tuple(Waypoint(*row) for row in own.waypoints)))
+        if own.lines != int(own.lines):
+            raise InputError("lines", f"{own.lines:g} is not a whole number")
+        first = Waypoint(flight.latitude, 0.0, flight.altitude)
+        rows = strip(first, flight.heading, own.length, own.spacing, int(own.lines), like.speed, like.bank)
+        return fly(replace(like, waypoints=rows.waypoints))
+    except InputError as error:
+        raise error.under(f"trajectory.{own.flight}") from error
 
 
 def aperture_of(design: Design) -> Aperture:
@@ -24,19 +63,32 @@ def aperture_of(design: Design) -> Aperture:
     )
 
 
-def covariance_specification(
-    design: Design, study: SimulationSpec, aiding: Aiding | None = None, lines: tuple[Line, ...] = ()
-) -> CovarianceSpec:
+def covariance_specification(design: Design, study: SimulationSpec, lines: tuple[Line, ...] = ()) -> CovarianceSpec:
     """The covariance along the flight of `study`, as `simulation.design_study.specification` makes it of the design.
 
     The limits are the design's requirements on figures that are known along a flight, less their confidence, in its
-    processing.
+    processing; those of the plan's `limits` hold for the line of that name.
+
+    Raises
+    ------
+    InputError
+        If the plan limits a line that the flight does not have.
     """
-    limits = [
-        (name, limit / confidence_of(design, name))
-        for name in (*FIGURES, *STATES)
-        if (limit := getattr(design.requirements, name)) is not None
-    ]
-    return CovarianceSpec(
-        study, aperture_of(design), aiding or Aiding(), lines, Limits(design.processing.mode, tuple(limits))
-    )
+    own = design.trajectory
+    aiding = Aiding(**{name: getattr(own, name) for name in AIDING})
+    names = [line.name for line in lines]
+    limited: dict[str, tuple[tuple[str, float], ...]] = {}
+    for number, (name, *most) in enumerate(own.limits, 1):
+        if name not in names:
+            said = f"the flight has no line {name!r}; its lines: {', '.join(dict.fromkeys(names)) or 'none'}"
+            raise InputError(f"trajectory.limits[{number}].line", said, name)
+        limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
+    flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
+    everywhere = {name: getattr(design.requirements, name) for name in LIMITED}
+    limits = Limits(design.processing.mode, _limits(design, everywhere))
+    return CovarianceSpec(study, aperture_of(design), aiding, flown, limits)
+
+
+def _limits(design: Design, most: Mapping[str, float | None]) -> tuple[tuple[str, float], ...]:
+    """Limits on figures along a flight, brought to one sigma."""
+    return tuple((name, limit / confidence_of(design, name)) for name, limit in most.items() if limit is not None)

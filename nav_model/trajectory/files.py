@@ -6,6 +6,7 @@ import html
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,20 +26,16 @@ _MOST_WAYPOINTS = 2000
 _MOST_NAME = 80
 
 
-def read_flight(
-    path: str | Path, speed: float, height: float | None = None, bank: float | None = None
-) -> PlannedFlight:
+def read_flight(path: str | Path, like: Plan, height: float | None = None) -> PlannedFlight:
     """The flight of a file, by the end of its name.
 
     Parameters
     ----------
     path : str or Path
-    speed : float
-        Of a plan, m/s.
+    like : Plan
+        Speed, bank, climb and ground for waypoints.
     height : float, optional
         For the places of a plan that have none, m above the ellipsoid.
-    bank : float, optional
-        Of a plan's turns, rad.
 
     Raises
     ------
@@ -50,19 +47,16 @@ def read_flight(
     path = Path(path)
     with path.open("rb") as file:
         content = file.read(FILE_BOUNDS.most_bytes + 1)
-    return parse_flight(content, path.name, speed, height, bank)
+    return parse_flight(content, path.name, like, height)
 
 
-def parse_flight(
-    content: bytes, name: str, speed: float, height: float | None = None, bank: float | None = None
-) -> PlannedFlight:
+def parse_flight(content: bytes, name: str, like: Plan, height: float | None = None) -> PlannedFlight:
     """The flight of a file's content, otherwise as `read_flight`."""
     kind = Path(name).suffix.lower()
     if kind in (".gpx", ".kml"):
         points = (gpx_waypoints if kind == ".gpx" else kml_waypoints)(content, name, height)
-        plan = Plan(points, speed) if bank is None else Plan(points, speed, bank)
         try:
-            return fly(plan)
+            return fly(replace(like, waypoints=points))
         except InputError as error:
             raise InputError(name, str(error)) from error
     spec = parse_sbet(content, name) if kind == ".out" else parse_trajectory(content, name)

@@ -31,7 +31,7 @@ def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *
 
 
 def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> LineResult:
-    most = dict(spec.limits.most)
+    most = dict(spec.limits.most) | dict(line.most)
     worst, mean, within, failing = {}, {}, {}, []
     for name in dict.fromkeys([*chosen.image, *most]):
         values = chosen.figure(name)[along(line.start, line.stop, spec, time_s, image=name in chosen.image)]
@@ -42,4 +42,4 @@ def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Proces
             within[name] = float(np.mean(values <= most[name])) if values.size else 0.0
             if within[name] < 1.0:
                 failing.append(name)
-    return LineResult(line.name, line.start, line.stop, worst, mean, within, tuple(failing))
+    return LineResult(line.name, line.start, line.stop, worst, mean, most, within, tuple(failing))

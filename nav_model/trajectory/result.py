@@ -62,7 +62,8 @@ class Processed:
 
 @dataclass(frozen=True)
 class LineResult:
-    """A line against its limits: worst figure over the line, 1 sigma, and the share of the line within each limit.
+    """A line against its limits: worst and rms of the figures over the line, 1 sigma, its limits on them, and the
+    share of the line within each.
 
     failing: names of the figures beyond their limit; missing: whether no aperture lies within the line.
     """
@@ -72,6 +73,7 @@ class LineResult:
     stop_s: float
     worst: Mapping[str, float]
     mean: Mapping[str, float]
+    limits: Mapping[str, float]
     within: Mapping[str, float]
     failing: tuple[str, ...]
 
@@ -136,6 +138,7 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
                 "closes": line.closes,
                 "worst": dict(line.worst),
                 "mean": dict(line.mean),
+                "limits": dict(line.limits),
                 "within": dict(line.within),
                 "failing": list(line.failing),
             }

@@ -73,11 +73,13 @@ class Limits:
 
 @dataclass(frozen=True)
 class Line:
-    """A part of the flight on which images are taken; start and stop [s]."""
+    """A part of the flight on which images are taken; start and stop [s]. most: limits that hold for it in place of
+    the flight's, as in `Limits`."""
 
     name: str
     start: float
     stop: float
+    most: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.start < self.stop:

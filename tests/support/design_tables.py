@@ -1,12 +1,22 @@
 """Random tables for the inputs of a design that are tables."""
 
+from typing import Any
+
 from hypothesis import strategies as st
 
-from nav_model.design.rows import MOST_ROWS, Rows
+from nav_model.design.rows import Rows
+from nav_model.design.table import MOST_ROWS, Table
+
+_NAMES = st.text(st.characters(exclude_categories=["C", "Z"], exclude_characters=",;="), max_size=12)
 
 
-def rows_of(declaration: Rows, most: int = MOST_ROWS) -> st.SearchStrategy[tuple[tuple[float, float, str], ...]]:
+def rows_of(declaration: Table, most: int = MOST_ROWS) -> st.SearchStrategy[tuple[tuple[Any, ...], ...]]:
     """Strategy: any value of a table, up to this many rows."""
+    most = min(most, declaration.most)
+    if not isinstance(declaration, Rows):
+        row = (_cell(column) for column in declaration.columns.values())
+        rows = st.tuples(*row).filter(lambda cells: any(cell not in (None, "") for cell in cells[1:]))
+        return st.lists(rows, max_size=most).map(tuple)
     frequency, amount = st.floats(1e-3, 1e6), st.floats(1e-12, 10.0)
     if not declaration.curve:
         kinds = st.sampled_from(declaration.dimensions)
@@ -17,3 +27,11 @@ def rows_of(declaration: Rows, most: int = MOST_ROWS) -> st.SearchStrategy[tuple
 
     rows = st.dictionaries(frequency, amount, max_size=most)
     return st.builds(table, st.sampled_from(declaration.dimensions), rows)
+
+
+def _cell(column: Any) -> st.SearchStrategy[Any]:
+    """A cell of a column: a text, or a number within its bounds; perhaps none where it may be left out."""
+    if column is None:
+        return _NAMES.map(lambda text: " ".join(text.split())) | st.sampled_from(["line 1", "<b>é & co</b>"])
+    number = st.floats(*column.limits)
+    return st.none() | number if column.allow_None else number

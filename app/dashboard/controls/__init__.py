@@ -13,11 +13,11 @@ from app.session import Session
 from app.ui.input_sheet import Group
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import INPUTS, PARTS
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 _KINDS: dict[type, Callable[[Session, str], DesignInput]] = {
     BaseQuantity: QuantityInput,
-    Rows: TableInput,
+    Table: TableInput,
     Choice: ChoiceInput,
 }
 

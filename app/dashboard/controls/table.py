@@ -8,7 +8,7 @@ from app.ui.input_sheet import Row, text_row
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 
 class TableInput(DesignInput):
@@ -17,7 +17,7 @@ class TableInput(DesignInput):
     def __init__(self, session: Session, key: str) -> None:
         super().__init__(session, key)
         declared = declaration_of(key)
-        assert isinstance(declared, Rows)
+        assert isinstance(declared, Table)
         self._declared = declared
 
     def row(self) -> Row:

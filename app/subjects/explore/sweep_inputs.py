@@ -30,7 +30,7 @@ _CHOICES = tuple(
     f"{section}.{name}"
     for section, inputs in INPUTS.items()
     for name, declared in inputs.items()
-    if isinstance(declared, Choice) and section != "requirements"
+    if isinstance(declared, Choice) and section not in ("requirements", "trajectory")
 )
 
 

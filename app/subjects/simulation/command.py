@@ -24,7 +24,7 @@ def add_to(commands: Any) -> None:
     add("--inputs", action="store_true", help="list the further inputs of --set and stop")
     add("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     add("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
-    flight_arguments(simulate)
+    flight_arguments(simulate, "wandering")
     add("--workers", type=int, metavar="W", help="processes (default: all cores but one)")
     add("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler whose workers do the runs")
     add("-o", "--output", type=Path, metavar="FILE", help="FILE.json, .npz (every run) or .csv")

@@ -95,12 +95,13 @@ def follow(design: Design, asked: Asked) -> Followed:
 
 
 def _planned(design: Design, flight: Strip | File) -> PlannedFlight:
+    from nav_model.trajectory.design_study import plan_like
     from nav_model.trajectory.files import parse_flight
     from nav_model.trajectory.plan import Waypoint, fly, strip
 
     own = design.flight
     if isinstance(flight, File):
-        return parse_flight(flight.content, flight.name, own.speed, own.altitude)
+        return parse_flight(flight.content, flight.name, plan_like(design), own.altitude)
     heading = own.heading if flight.heading is None else flight.heading
     speed = own.speed if flight.speed is None else flight.speed
     first = Waypoint(own.latitude, 0.0, own.altitude)

@@ -13,7 +13,7 @@ from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import all_keys, declaration_of
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 QUANTITIES = [key for key in all_keys() if isinstance(declaration_of(key), BaseQuantity)]
 _BAD = [
@@ -25,7 +25,7 @@ _SIGNED = {  # -1 is right
     for key in QUANTITIES
     if declaration_of(key).limits[0] < 0 or declaration_of(key).dimension == "level"  # type: ignore[union-attr]
 }
-TABLES = [key for key in all_keys() if isinstance(declaration_of(key), Rows)]
+TABLES = [key for key in all_keys() if isinstance(declaration_of(key), Table)]
 
 
 @pytest.fixture
@@ -94,7 +94,7 @@ def test_a_refused_text_goes_when_the_value_becomes_another(session: Session) ->
 @pytest.mark.parametrize("key", TABLES)
 def test_a_table_is_typed_refused_and_taken_away(session: Session, key: str) -> None:
     sheet, declaration = Sheet(session, key), declaration_of(key)
-    assert isinstance(declaration, Rows)
+    assert isinstance(declaration, Table)
     sheet.enter(key, declaration.example)
     assert session.design[key] == declaration.read(declaration.example)
     assert session.design[key]

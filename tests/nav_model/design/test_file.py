@@ -18,7 +18,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import deviations, preset_fill
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 EXAMPLES = sorted((Path(nav_model.__file__).parent.parent / "examples").glob("*.toml"))
 
@@ -34,7 +34,7 @@ def designs(draw):
             if not isinstance(declaration, BaseQuantity):
                 values[key] = draw(
                     rows_of(declaration)
-                    if isinstance(declaration, Rows)
+                    if isinstance(declaration, Table)
                     else st.sampled_from(list(declaration.objects))
                 )
                 continue

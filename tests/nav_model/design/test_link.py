@@ -19,7 +19,7 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
-from nav_model.design.rows import Rows
+from nav_model.design.table import Table
 
 
 @st.composite
@@ -42,9 +42,8 @@ def designs(draw: st.DrawFn) -> Design:
                 if declaration.dimension:
                     written[key] = draw(st.sampled_from(list(DIMENSIONS[declaration.dimension].units)))
             else:
-                values[key] = draw(
-                    rows_of(declaration, 9) if isinstance(declaration, Rows) else st.sampled_from(declaration.objects)
-                )
+                table = isinstance(declaration, Table)
+                values[key] = draw(rows_of(declaration, 9) if table else st.sampled_from(declaration.objects))
     return Design(values, written)
 
 

@@ -78,7 +78,7 @@ GPX = (
 def test_the_same_leg_in_gpx_and_kml_is_the_same_flight(tmp_path: Path) -> None:
     (tmp_path / "a.kml").write_text(KML)
     (tmp_path / "a.gpx").write_text(GPX)
-    kml, gpx = (read_flight(tmp_path / name, 90.0) for name in ("a.kml", "a.gpx"))
+    kml, gpx = (read_flight(tmp_path / name, Plan((), 90.0)) for name in ("a.kml", "a.gpx"))
     assert kml.trajectory == gpx.trajectory
     assert [line.name for line in kml.lines] == ["North & back"]
 

@@ -1,0 +1,166 @@
+"""A table as one input: rows of the same columns, such as the waypoints of a plan."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import param
+
+from nav_model.base.errors import InputError, shown
+from nav_model.design.declaration import BaseQuantity, Declared
+
+MOST_ROWS = 60
+_MOST_TEXT = 10_000
+_LONGEST_NAME = 80
+
+
+class Table(Declared, param.Parameter[Any]):
+    """A tuple of rows, empty when the table is not given; a row has a cell for each column, SI or text.
+
+    Parameters
+    ----------
+    columns : mapping
+        Name -> declaration of a quantity, or None for a text, which may be empty. As text a quantity that may be left
+        out is written with its name, ``ce90=2 m``; the others are in the order of the columns.
+    short : str
+        Name in links.
+    example : str
+        A text that `read` takes.
+    since : str
+        As `Declared`.
+    most : int
+        Rows at most.
+    """
+
+    __slots__ = ["columns", "example", "most", "short", "since"]
+
+    columns: Mapping[str, BaseQuantity[Any] | None]
+    short: str
+    example: str
+    most: int
+
+    def __init__(
+        self, *, columns: Mapping[str, BaseQuantity[Any] | None], short: str, example: str, since: str = "",
+        most: int = MOST_ROWS, **params: Any,
+    ) -> None:  # fmt: skip
+        self.columns, self.short, self.example, self.since, self.most = columns, short, example, since, most
+        super().__init__(default=(), constant=True, **params)
+
+    def _validate(self, val: Any) -> None:
+        width = len(self.columns)
+        if not isinstance(val, tuple) or not all(isinstance(row, tuple) and len(row) == width for row in val):
+            raise InputError(self.key, f"{shown(val)} is not a table. Write for example {self.example}.", val)
+        if len(val) > self.most:
+            raise InputError(self.key, f"{len(val)} rows are too many. Give at most {self.most}.", val)
+        self._check(val)
+
+    def _check(self, val: tuple[tuple[Any, ...], ...]) -> None:
+        for number, row in enumerate(val, 1):
+            for (name, column), cell in zip(self.columns.items(), row, strict=True):
+                try:
+                    _check_name(name, cell) if column is None else column._validate(cell)
+                except InputError as error:
+                    raise error.under(f"{self.key}[{number}].{name}") from error
+            if not any(cell not in (None, "") for cell in row[1:]):
+                raise InputError(f"{self.key}[{number}]", f"has one cell only. Write for example {self.example}.")
+
+    def read(self, text: Any) -> Any:
+        """Rows as text or as a design file has them -> the value.
+
+        Text: rows separated by semicolons or line ends, their cells by commas, or by tabs as spreadsheets copy them;
+        a number without a unit has the column's. A file: a list of tables, ``{start = "200 s", stop = "300 s"}``.
+
+        Raises
+        ------
+        InputError
+            Naming the key, what was given and what is allowed.
+        """
+        rows = text
+        if isinstance(text, str):
+            if len(text) > _MOST_TEXT * max(1, self.most // MOST_ROWS):
+                raise InputError(self.key, f"The table is longer than {_MOST_TEXT} characters. Shorten it.")
+            rows = [part for part in re.split(r"[;\n]", text) if part.strip()]
+        if not isinstance(rows, list):
+            raise InputError(self.key, f"{shown(text)} is not a table. Write for example {self.example}.", text)
+        if len(rows) > self.most:
+            raise InputError(self.key, f"{len(rows)} rows are too many. Give at most {self.most}.")
+        value = tuple(self._row(row, number) for number, row in enumerate(rows, 1))
+        self._validate(value)
+        return value
+
+    def _row(self, row: Any, number: int) -> tuple[Any, ...]:
+        where = f"{self.key}[{number}]"
+        cells = self._named(row, where) if isinstance(row, str) else row
+        if not isinstance(cells, dict):
+            raise InputError(where, f"{shown(row)} is not a row. Write for example {self.example}.", row)
+        for name, cell in cells.items():
+            if name not in self.columns:
+                raise InputError(f"{where}.{name}", f"unknown key; a row has {', '.join(self.columns)}", cell)
+        value: list[Any] = []
+        for name, column in self.columns.items():
+            cell = cells.get(name, "")
+            if column is None:
+                value.append(cell)
+            elif cell == "" and column.allow_None:
+                value.append(None)
+            else:
+                try:
+                    value.append(column.read(cell).value)
+                except InputError as error:
+                    raise error.under(f"{where}.{name}") from error
+        return tuple(value)
+
+    def _named(self, row: str, where: str) -> dict[str, str]:
+        """The cells of a row written as text, by column."""
+        found: dict[str, str] = {}
+        places = [name for name, column in self.columns.items() if column is None or not column.allow_None]
+        for place, text in enumerate(row.split("\t" if "\t" in row else ",")):
+            name, equals, cell = (part.strip() for part in text.partition("="))
+            if not equals:
+                if place >= len(places):
+                    raise InputError(
+                        where, f"{shown(row)} has too many cells. Write for example {self.example}.", row
+                    )
+                name, cell = places[place], name
+            column = self.columns.get(name)
+            bare = column is not None and re.fullmatch(r"[-+−]?[\d.]+(e[-+]?\d+)?", cell)
+            found[name] = f"{cell} {column.unit}" if column and bare else cell
+        return found
+
+    def write(self, value: Any) -> Any:
+        """A value as a design file has it, which `read` takes back exactly."""
+        return [
+            {name: column.show(cell, None) if column else cell
+             for (name, column), cell in zip(self.columns.items(), row, strict=True) if cell not in (None, "")}
+            for row in value
+        ]  # fmt: skip
+
+    def show(self, value: Any, digits: int | None = None) -> str:
+        """A value as text that `read` takes back; without `digits` to exactly the same value."""
+        return "; ".join(", ".join(self._shown(row, digits)) for row in value)
+
+    def link(self, value: Any) -> str:
+        """The same, shorter: numbers in their usual units, without them."""
+        return ";".join(",".join(self._shown(row, None, bare=True)) for row in value)
+
+    def _shown(self, row: tuple[Any, ...], digits: int | None, *, bare: bool = False) -> list[str]:
+        cells = []
+        for (name, column), cell in zip(self.columns.items(), row, strict=True):
+            if column is None:
+                cells.append(cell)
+            elif cell is not None:
+                text = column.show(cell, digits)
+                text = text.removesuffix(column.unit).strip() if bare else text
+                cells.append(f"{name}={text}" if column.allow_None else text)
+        while cells and not cells[-1]:
+            cells.pop()
+        return cells
+
+
+def _check_name(name: str, text: object) -> None:
+    if not isinstance(text, str) or text != text.strip() or set(text) & set(",;=\t") or not text.isprintable():
+        raise InputError(name, f"{shown(text)} is not a name. Give a text without , ; and =.", text)
+    if len(text) > _LONGEST_NAME:
+        raise InputError(name, f"longer than {_LONGEST_NAME} characters", text)

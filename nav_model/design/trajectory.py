@@ -1,0 +1,160 @@
+"""Inputs of the flight plan: the flight, its lines with limits of their own, and aiding beyond the fixes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nav_model.base.constants import DEGREE
+from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
+from nav_model.design.part import Part
+from nav_model.design.requirements import Requirements
+from nav_model.design.table import Table
+
+LINES, WAYPOINTS = "lines", "waypoints"
+MOST_WAYPOINTS = 200  # more make a link too long
+
+LIMITED = (
+    "detrended_phase", "quadratic_phase", "cubic_phase", "azimuth_shift", "range_shift", "ce90",
+    "horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt",
+)  # fmt: skip
+"""Requirements on figures that are known along a flight."""
+AIDING = (
+    "bank_limit", "after_loss", "heading_noise", "barometer_noise", "lever_arm_error", "time_offset",
+)  # fmt: skip
+"""Inputs of aiding, which the simulator does not have."""
+
+
+def _number(
+    default: float | None, unit: str, dimension: str, bounds: tuple[float, float], short: str, label: str, doc: str,
+    typical: str, soft: tuple[float, float] | None = None,
+) -> Any:  # fmt: skip
+    """A number of the plan; it may be left out if its default is None."""
+    given: dict[str, Any] = {} if default is None else {"default": default}
+    return (OptionalQuantity if default is None else Quantity)(
+        **given, dimension=dimension, unit=unit, bounds=bounds, softbounds=soft, short=short, label=label, doc=doc,
+        typical=typical, datasheet="Not on data sheets: the flight plan.", variable=False, since="0.1.0",
+    )  # fmt: skip
+
+
+def _column(dimension: str, unit: str, bounds: tuple[float, float], label: str) -> Any:
+    default = min(max(bounds[0], 0.0), bounds[1])
+    return Quantity(default=default, dimension=dimension, unit=unit, short="", bounds=bounds, label=label)
+
+
+_LIMIT_COLUMNS: dict[str, Any] = {"line": None, **{name: Requirements.param[name] for name in LIMITED}}
+_TIME = (0.0, 360_000.0)
+_HEIGHT = (-500.0, 1e5)
+
+
+class Trajectory(Part):
+    """The flight that is planned. Left out, the flight is that of the simulator."""
+
+    section = "trajectory"
+    title = "Flight plan"
+    optional = True
+
+    flight = Choice(
+        default="wandering",
+        options={
+            "wandering": "nearly straight",
+            "straight": "exactly straight",
+            "turns": "turns, then a long leg",
+            "climb": "a climb half way",
+            LINES: "parallel lines",
+            WAYPOINTS: "waypoints",
+        },
+        short="tfl",
+        label="Flight",
+        doc="The flight of the Trajectory page, at the design's speed. It has no effect on the budget.",
+        since="0.1.0",
+    )
+    duration = _number(
+        500.0, "s", "time", (1.0, 360_000.0), "tdu", "Flight time",
+        "How long a flight without lines or waypoints takes.", "300 to 3600 s",
+    )  # fmt: skip
+    lines = _number(4.0, "", "", (1.0, 100.0), "tn", "Lines", "How many parallel lines are flown.", "1 to 20")
+    length = _number(5000.0, "km", "length", (1.0, 1e6), "tle", "Line length", "Of the parallel lines.", "2 to 50 km")
+    spacing = _number(
+        1000.0, "km", "length", (-1e6, 1e6), "tsp", "Line spacing",
+        "From one parallel line to the next, to the right of the first; to the left if it is negative.",
+        "0.5 to 5 km",
+    )  # fmt: skip
+    bank = _number(
+        25 * DEGREE, "°", "angle", (1 * DEGREE, 80 * DEGREE), "tba", "Bank", "Bank angle of the turns.", "10° to 30°"
+    )
+    climb_rate = _number(
+        5.0, "m/s", "speed", (0.01, 500.0), "tcl", "Climb rate", "The fastest climb and descent between waypoints.",
+        "2 to 10 m/s",
+    )  # fmt: skip
+    ground = _number(
+        0.0, "m", "length", _HEIGHT, "tgr", "Ground height",
+        "The highest ground below the flight, above the ellipsoid. Every waypoint is above it.", "0 to 3000 m",
+    )  # fmt: skip
+    waypoints = Table(
+        columns={
+            "latitude": _column("angle", "°", (-85 * DEGREE, 85 * DEGREE), "latitude"),
+            "longitude": _column("angle", "°", (-360 * DEGREE, 360 * DEGREE), "longitude"),
+            "height": _column("length", "m", _HEIGHT, "height"),
+            "line": None,
+        },
+        most=MOST_WAYPOINTS,
+        short="twp",
+        example="45, 11, 3000, line 1; 45.05, 11, 3000; 45.05, 11.05, 3000",
+        label="Waypoints",
+        doc="Latitude [°], longitude [°] and height above the ellipsoid [m]. A place with a name begins a line, "
+        "which ends at the next place.",
+        since="0.1.0",
+    )
+    outages = Table(
+        columns={name: _column("time", "s", _TIME, name) for name in ("start", "stop")},
+        short="tou",
+        example="200, 260; 400, 430",
+        label="Outages",
+        doc="Start and stop of times without fixes, in seconds of the flight.",
+        since="0.1.0",
+    )
+    limits = Table(
+        columns=_LIMIT_COLUMNS,
+        short="tli",
+        example="line 1, detrended_phase=10°; line 2, ce90=2 m, tilt=0.01°",
+        label="Limits of lines",
+        doc="Limits that hold for one line in place of the requirements, at the same confidence.",
+        since="0.1.0",
+    )
+    bank_limit = _number(
+        None, "°", "angle", (1 * DEGREE, 90 * DEGREE), "tbl", "Fixes lost beyond",
+        "Bank angle beyond which the antenna loses the satellites.", "20° to 45°", (10 * DEGREE, 60 * DEGREE),
+    )  # fmt: skip
+    after_loss = Table(
+        columns={
+            "duration": _column("time", "s", (1e-3, 36_000.0), "duration"),
+            "noise": _column("length", "m", (1e-4, 1e4), "noise"),
+        },
+        most=5,
+        short="tal",
+        example="10, 1.5; 30, 0.3",
+        label="After each loss",
+        doc="Duration [s] and position noise [m] of the solutions that follow a loss of fixes in turn, as code, then "
+        "float, before the receiver is as it was.",
+        since="0.1.0",
+    )
+    heading_noise = _number(
+        None, "°", "angle", (1e-5 * DEGREE, 90 * DEGREE), "thn", "Heading of two antennas",
+        "1σ of one heading, with each fix: √2 times the carrier phase's noise over the baseline.",
+        "0.3° at 1 m, 0.1° at 3 m",
+        (0.01 * DEGREE, 1 * DEGREE),
+    )  # fmt: skip
+    barometer_noise = _number(
+        None, "m", "length", (1e-3, 1e4), "tbn", "Barometer",
+        "1σ of one height, at each fix; it stays when fixes are lost.", "1 to 10 m", (0.1, 100.0),
+    )  # fmt: skip
+    lever_arm_error = _number(
+        0.0, "cm", "length", (0.0, 100.0), "tla", "Lever arm error",
+        "1σ per axis of the antenna's place, constant through the flight; the filter does not estimate it.",
+        "0.5 to 5 cm",
+    )  # fmt: skip
+    time_offset = _number(
+        0.0, "ms", "time", (0.0, 10.0), "tto", "Time offset",
+        "1σ of the fixes against the IMU, constant through the flight; the filter does not estimate it.",
+        "0.01 to 10 ms",
+    )  # fmt: skip

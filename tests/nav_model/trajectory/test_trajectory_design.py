@@ -1,0 +1,131 @@
+"""The plan of a design: part of its file, link and hash; its flight, its limits by line and its aiding."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import nav_model
+from app.cli import main
+from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.design.file import format_design, parse_design
+from nav_model.design.link import from_query, to_query
+from nav_model.design.parts import declaration_of
+from nav_model.simulation.design_study import specification
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.trajectory.covariance import covariance
+from nav_model.trajectory.design_study import covariance_specification, planned
+
+EXAMPLE = (Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml").read_text()
+PLAN = """
+[trajectory]
+flight = "waypoints"
+bank = "20°"
+waypoints = [
+    {latitude = "47°", longitude = "8°", height = "3 km", line = "out & <b>in</b>"},
+    {latitude = "47.1°", longitude = "8°", height = "3 km"},
+    {latitude = "47.1°", longitude = "8.1°", height = "3.02 km", line = "line 2"},
+    {latitude = "47°", longitude = "8.1°", height = "3.02 km"},
+]
+outages = [{start = "60 s", stop = "75 s"}]
+limits = [{line = "line 2", quadratic_phase = "3000°", detrended_phase = "3000°"}]
+"""
+
+
+def design(text: str = PLAN, **changes: str) -> Design:
+    return parse_design(EXAMPLE + text, "design", [f"trajectory.{key}={value}" for key, value in changes.items()])
+
+
+def read(key: str, text: str) -> object:
+    return declaration_of(f"trajectory.{key}").read(text)
+
+
+def test_a_plan_is_part_of_the_file_the_link_and_the_hash() -> None:
+    plain, with_plan = parse_design(EXAMPLE), design()
+    # What these were before designs had plans.
+    assert Design().content_hash == "1ddf64c8a1ffdf37ffc6ef00d2802fa6027581b36bdf37cbda765da168b4f5fe"
+    assert "[trajectory]" not in format_design(plain)
+    assert plain.content_hash != with_plan.content_hash != design(bank="21°").content_hash
+    for again in (parse_design(format_design(with_plan)), from_query(to_query(with_plan))):
+        assert again == with_plan
+        assert again.content_hash == with_plan.content_hash
+    typed = "47\t8\t3000\tout & <b>in</b>\n47.1\t8\t3 km\n47.1, 8.1, 3020, line 2; 47°, 8.1°, 3.02 km"
+    assert read("waypoints", typed) == with_plan.trajectory.waypoints
+
+
+def test_the_flight_passes_the_waypoints_and_flies_the_lines_between_them() -> None:
+    own = design()
+    flight = planned(own)
+    path = plan_trajectory(flight.trajectory, flight.duration).evaluate(np.array([0.0, flight.duration]))
+    ends = np.degrees(path[:, :2]).round(5)
+    assert ends[0].tolist() == [47.0, 8.0]
+    np.testing.assert_allclose(ends[1], [47.0, 8.1], atol=2e-3)
+    assert [line.name for line in flight.lines] == ["out & <b>in</b>", "line 2"]
+    radius = own.flight.speed**2 / (9.80665 * math.tan(math.radians(20)))
+    straight = math.radians(0.1) * 6.372e6 - radius  # the turn of a right angle begins a radius before the waypoint
+    assert (flight.lines[0].stop - flight.lines[0].start) * own.flight.speed == pytest.approx(straight, rel=0.03)
+
+
+def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
+    own = design().replace({"requirements.horizontal_position": None})
+    flight = planned(own)
+    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    lines = covariance(covariance_specification(own, study, flight.lines)).lines
+    assert [line.closes for line in lines] == [False, True]
+    assert math.degrees(lines[0].limits["quadratic_phase"]) == pytest.approx(90.0)
+    assert math.degrees(lines[1].limits["quadratic_phase"]) == pytest.approx(3000.0)
+    other = own.replace({"trajectory.limits": read("limits", "line 3, tilt=1°")})
+    with pytest.raises(InputError, match=r"trajectory.limits\[1\].line: the flight has no line 'line 3'; its lines:"):
+        covariance_specification(other, study, flight.lines)
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "said"),
+    [
+        ("waypoints", "47, 8", r"waypoints\[1\].height: Enter the height"),
+        ("waypoints", "47, 8, 3000; 95, 8, 3000", r"waypoints\[2\].latitude: '95 °' is not allowed"),
+        ("waypoints", "47, 8, 3000, a, b", r"waypoints\[1\]: .* too many cells"),
+        ("limits", "line 1, wind=3 m", r"limits\[1\].wind: unknown key"),
+        ("limits", "line 1, tilt=3 m", r"limits\[1\].tilt: 'm' is not a unit of angle"),
+        ("limits", "line 1", r"limits\[1\]: has one cell only"),
+        ("outages", "60", r"outages\[1\].stop: Enter the stop"),
+    ],
+)
+def test_a_row_that_is_wrong_is_refused_by_its_number_and_cell(key: str, text: str, said: str) -> None:
+    with pytest.raises(InputError, match=f"trajectory.{said}"):
+        read(key, text)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"bank": "2°"}, "trajectory.waypoints: .*turns need .* at a bank of 2°"),
+        ({"ground": "3010 m"}, "trajectory.waypoints: .*waypoint 1 .* is not above the ground"),
+        ({"climb_rate": "0.1 m/s"}, "trajectory.waypoints: .*at most 0.1 m/s"),
+        ({"flight": "lines", "lines": "2.5"}, "trajectory.lines: .*not a whole number"),
+        ({"waypoints": "47, 8, 3000; 47, 8, 3000"}, "trajectory.waypoints: .*at one place"),
+        ({"waypoints": ""}, "trajectory.waypoints: .*two waypoints or more"),
+    ],
+)
+def test_a_plan_that_cannot_be_flown_is_refused_under_its_key(changes: dict[str, str], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        planned(design(**changes))
+
+
+def test_the_commands_fly_the_plan_of_the_design(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "design.toml"
+    path.write_text(EXAMPLE + PLAN)
+    assert main(["trajectory", str(path), "--set", "trajectory.heading_noise=0.05°"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [line["name"] for line in found["lines"]] == ["out & <b>in</b>", "line 2"]
+    assert found["heading"]["text"].startswith("Heading is observed from 1 s on, by two antennas")
+    assert found["shares"]["position_horizontal"]["heading aiding"]
+    assert found["time_s"][-1] == pytest.approx(planned(design()).duration, abs=1.0)
+    assert main(["simulate", str(path), "--trajectory", "plan", "--runs", "2", "--workers", "1",
+                 "--set", "trajectory.barometer_noise=3 m"]) == 0  # fmt: skip
+    flown = json.loads(capsys.readouterr().out)
+    assert flown["time_s"][-1] == found["time_s"][-1]
+    assert any("leave out what the flight plan has of barometer" in said for said in flown["conditions"])
