@@ -21,8 +21,9 @@ from nav_model.trajectory.specification import Aperture
 
 FloatArray = NDArray[np.float64]
 ORDERS = 6
-"""Legendre coefficients along the line of sight; the mean across it follows."""
-COLUMNS = ORDERS + 1
+"""Legendre coefficients along the line of sight."""
+COLUMNS = ORDERS + 2
+"""Sums of an aperture: these coefficients, the image's shift in azimuth, and that in range and azimuth together."""
 _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ROUNDING = 1e-6  # s
 # Mean square that polynomials up to ORDERS - 1 leave of white noise integrated twice, over its density times T³: with
@@ -41,12 +42,15 @@ class Apertures(NamedTuple):
     speed: FloatArray
 
 
-def apertures_of(model: ErrorModel, shape: Aperture, interval: float) -> Apertures:
-    """The apertures centred at the outputs of a flight that lie within it.
+def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> Apertures:
+    """The apertures centred at the outputs of a flight that lie within it; none without a shape.
 
     One begins at the last fix before where it would begin, as in the budget, and so is up to a fix interval early;
     without a fix there, it begins where it would.
     """
+    if shape is None:
+        none = np.zeros(0, dtype=np.int64)
+        return Apertures(none, none, none, np.zeros((0, 1, COLUMNS, 6)), np.zeros(0))
     time_s, half = model.time_s, 0.5 * shape.duration
     begin = time_s[model.outputs] - half
     fixes = np.concatenate([[-np.inf], time_s[model.is_fix]])
@@ -60,16 +64,16 @@ def apertures_of(model: ErrorModel, shape: Aperture, interval: float) -> Apertur
     middle = np.searchsorted(time_s, begin + half)
     velocity = model.truth.velocity[np.minimum(middle, len(time_s) - 1)]
     sight, across = directions(velocity, shape)
+    speed = np.linalg.norm(velocity[:, :2], axis=1)
+    slope = _lever(shape, speed)[:, None]
     for step in range(weights.shape[1] - 1):
-        node = np.minimum(first + step, len(time_s) - 2)
-        left, right = time_s[node], time_s[node + 1]
+        on = np.flatnonzero(first + step < last)
+        left, right, start = time_s[first[on] + step], time_s[first[on] + step + 1], begin[on]
         length = right - left
-        low = np.clip(left, begin, begin + shape.duration)
-        high = np.clip(right, begin, begin + shape.duration)
-        high = np.where(first + step < last, high, low)
+        low, high = np.maximum(left, start), np.minimum(right, start + shape.duration)
         times = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * _POINTS
         s = (times - left[:, None]) / length[:, None]
-        x = (times - begin[:, None]) / half - 1.0
+        x = (times - start[:, None]) / half - 1.0
         polynomials = legendre.legvander(x, ORDERS - 1) * (np.arange(ORDERS) + 0.5)  # (apertures, points, orders)
         measure = 0.5 * (high - low)[:, None] * _WEIGHTS / half
         h = length[:, None]
@@ -77,13 +81,15 @@ def apertures_of(model: ErrorModel, shape: Aperture, interval: float) -> Apertur
             (0, 1 - 3 * s**2 + 2 * s**3, h * (s - 2 * s**2 + s**3)),
             (1, 3 * s**2 - 2 * s**3, h * (s**3 - s**2)),
         ]
-        for offset, position, speed in basis:
-            for start, shape_function in ((0, position), (3, speed)):
-                each = np.einsum("ap,apm->am", measure * shape_function, polynomials)
-                place = weights[:, step + offset]
-                place[:, :ORDERS, start : start + 3] += each[:, :, None] * sight[:, None, :]
-                place[:, ORDERS, start : start + 3] += each[:, 0, None] * across
-    return Apertures(output, first, last, weights, np.linalg.norm(velocity[:, :2], axis=1))
+        for offset, *functions in basis:
+            for states, function in zip((slice(3), slice(3, 6)), functions, strict=True):
+                each = np.einsum("ap,apm->am", measure * function, polynomials)
+                place = np.zeros((len(on), COLUMNS, 3))
+                place[:, :ORDERS] = each[:, :, None] * sight[on, None]
+                place[:, ORDERS] = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
+                weights[on, step + offset, :, states] += place
+    weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
+    return Apertures(output, first, last, weights, speed)
 
 
 def directions(velocity: FloatArray, shape: Aperture) -> tuple[FloatArray, FloatArray]:
@@ -98,40 +104,37 @@ def directions(velocity: FloatArray, shape: Aperture) -> tuple[FloatArray, Float
     return sight, (along - s * sight) / math.cos(shape.squint)
 
 
-def figures(
-    covariance: FloatArray, shape: Aperture, speed: FloatArray, white: FloatArray
-) -> Mapping[str, FloatArray]:
-    """Variances of the image figures by name, of covariances (sources, apertures, COLUMNS, COLUMNS); [rad²], [m²].
+def figures(variances: FloatArray, shape: Aperture, speed: FloatArray, white: FloatArray) -> Mapping[str, FloatArray]:
+    """Variances of the image figures by name, of those of the sums (sources, apertures, COLUMNS); [rad²], [m²].
 
     white: density of the accelerometers' noise by source [m²/s³] (sources), which the coefficients do not exhaust.
     `ce90` is the sum of both variances on the ground: `circular` makes the radius of the whole.
     """
     phase = float(metres_to_phase(1.0, shape.wavelength)) ** 2
-    left = sum(covariance[..., n, n] / (2 * n + 1) for n in range(shape.autofocus_order + 1, ORDERS))
-    moved = _shifts(covariance, shape, speed)
-    lever = shape.slant_range / (speed * math.cos(shape.squint))
+    left = sum(variances[..., n] / (2 * n + 1) for n in range(shape.autofocus_order + 1, ORDERS))
+    moved = _shifts(variances)
     along, across, _ = ground_covariance(moved, shape.grazing_angle, 0.0, shape.squint)
     return {
-        "quadratic_phase": 9 / 4 * phase * covariance[..., 2, 2],
-        "cubic_phase": 25 / 4 * phase * covariance[..., 3, 3],
+        "quadratic_phase": 9 / 4 * phase * variances[..., 2],
+        "cubic_phase": 25 / 4 * phase * variances[..., 3],
         "detrended_phase": phase * (left + _BEYOND * shape.duration**3 * white[:, None]),
-        "azimuth_shift": (2 * lever / shape.duration) ** 2 * covariance[..., 1, 1],
+        "azimuth_shift": _lever(shape, speed) ** 2 * variances[..., 1],
         "range_shift": moved.range,
         "ce90": along + across,
     }
 
 
-def circular(covariance: FloatArray, shape: Aperture, speed: FloatArray) -> FloatArray:
-    """CE90 [m] of covariances (apertures, COLUMNS, COLUMNS), with the error of the scene's height. [P-7]"""
-    moved = _shifts(covariance, shape, speed)
-    found: FloatArray = circular_error(
-        *ground_covariance(moved, shape.grazing_angle, shape.scene_height_error, shape.squint)
-    )
-    return found
+def circular(variances: FloatArray, shape: Aperture) -> FloatArray:
+    """CE90 [m] of variances of the sums (apertures, COLUMNS), with the error of the scene's height. [P-7]"""
+    on_ground = ground_covariance(_shifts(variances), shape.grazing_angle, shape.scene_height_error, shape.squint)
+    return np.asarray(circular_error(*on_ground))
 
 
-def _shifts(covariance: FloatArray, shape: Aperture, speed: FloatArray) -> Shifts:
-    lever = 2 * shape.slant_range / (speed * math.cos(shape.squint) * shape.duration)
-    mean, slope, across = covariance[..., 0, 0], covariance[..., 1, 1], covariance[..., ORDERS, ORDERS]
-    azimuth = across - 2 * lever * covariance[..., 1, ORDERS] + lever**2 * slope
-    return Shifts(mean, azimuth, covariance[..., 0, ORDERS] - lever * covariance[..., 0, 1], mean)
+def _lever(shape: Aperture, speed: FloatArray) -> FloatArray:
+    """Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]"""
+    return 2 * shape.slant_range / (speed * math.cos(shape.squint) * shape.duration)
+
+
+def _shifts(variances: FloatArray) -> Shifts:
+    mean, azimuth, together = variances[..., 0], variances[..., ORDERS], variances[..., -1]
+    return Shifts(mean, azimuth, 0.5 * (together - mean - azimuth), mean)

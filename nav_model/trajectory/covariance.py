@@ -1,9 +1,10 @@
 """covariance(spec): the simulator's errors along a flight, in real time and smoothed, with the share of every source.
 
-The gains come from the covariance that the filter believes; every source's own covariance is carried through the same
-gains, considered errors among them. The smoother is that of Bryson and Frazier, which gives what that of Rauch, Tung
-and Striebel gives [P-14]: the smoothed error is e - P λ, with λ a sum over later innovations. Going back along the
-flight, λ = L z + n, z the errors at that node and n what later noises add, of which each source has its covariance.
+The gains come from the covariance that the filter believes; every source goes through the same gains, considered
+errors among them: one with noise as its own covariance, a constant one as what a sigma of it does to every state. The
+smoother is that of Bryson and Frazier, which gives what that of Rauch, Tung and Striebel gives [P-14]: the smoothed
+error is e - P λ, with λ a sum over later innovations. Going back along the flight, λ = L z + n, z the errors at that
+node and n what later noises add, of which each source has its covariance.
 
 An image figure is a weighted sum of smoothed errors at the nodes of its aperture, and so a sum of the errors at its
 start, the noises within, and n at its end: three parts, independent of each other. In real time the INS is free from
@@ -12,7 +13,7 @@ the start on. Sources: Bryson and Ho, *Applied Optimal Control*, ch. 13; Gelb, *
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -28,34 +29,26 @@ from nav_model.trajectory.result import Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 
 FloatArray = NDArray[np.float64]
+Indices = NDArray[np.int64]
 _AXES = 9  # position, velocity, attitude
+_BLOCK = 256  # apertures at a time, for memory
 
 
 class _Filter(NamedTuple):
-    """The filter along the flight (k nodes): its covariance after each fix (k, m, m), gain (k, n, r) with zeros for
-    what it does not estimate, and H' S⁻¹ (k, m, r)."""
+    """The filter along the flight (k nodes): its covariance after each fix (k, m, m), gain (k, m, r), and H' S⁻¹
+    (k, m, r)."""
 
     covariance: FloatArray
     gain: FloatArray
     weight: FloatArray
 
 
-class _Later(NamedTuple):
-    """What later fixes say: L (k, m, n) after the fix at each node; and by output, of the first nine states, P times
-    the covariance of n times P (sources, outputs, 9, 9); and what the end of each aperture adds, as in `_Sums`."""
-
-    carried: FloatArray
-    outputs: FloatArray
-    ends: FloatArray
-
-
 class _Sums(NamedTuple):
-    """An aperture's weighted sum: on the errors at its start (apertures, COLUMNS, n), on λ at its end (apertures,
-    COLUMNS, m), and the covariance that noises within add by source (sources, apertures, COLUMNS, COLUMNS)."""
+    """Sums of errors, q at each of some nodes: rows (nodes, q, n) on the errors there, and the variance that later
+    noises add by source (noisy, nodes, q)."""
 
-    start: FloatArray
-    end: FloatArray
-    within: FloatArray
+    rows: FloatArray
+    added: FloatArray
 
 
 def covariance(spec: CovarianceSpec) -> TrajectoryResult:
@@ -65,30 +58,26 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
     """
     model = error_model(spec)
     run = _filtered(model)
-    looks = apertures_of(model, spec.aperture, spec.study.gnss.interval) if spec.aperture else None
-    carried = _carried(model, run)
-    free = _summed(model, run, looks, carried, smoothed=False) if looks else None
-    smooth = _summed(model, run, looks, carried, smoothed=True) if looks else None
-    later = _later(model, run, carried, looks, smooth)
-    variances, images = _forward(model, run, later, looks, (free, smooth))
-    parts = [_processed(variances[n], images[n] if images else None, spec, looks, model) for n in range(2)]
+    looks = apertures_of(model, spec.aperture, spec.study.gnss.interval)
+    variances, images = _forward(model, run, looks, *_sums(model, run, looks))
+    parts = [_processed(*part, spec, looks, model) for part in zip(variances, images, strict=True)]
+    time_s = model.time_s[model.outputs]
     truth = type(model.truth)(*(values[model.outputs] for values in vars(model.truth).values()))
     return TrajectoryResult(
         spec=spec,
-        time_s=model.time_s[model.outputs],
+        time_s=time_s,
         truth=truth,
         sources=model.sources,
         real_time=parts[0],
         post_processed=parts[1],
-        lines=judge(spec, model.time_s[model.outputs], *parts),
-        heading=heading_of(spec, model.time_s[model.outputs], truth, parts[0].attitude[:, 2]),
+        lines=judge(spec, time_s, *parts),
+        heading=heading_of(spec, time_s, truth, parts[0].attitude[:, 2]),
     )
 
 
 def _filtered(model: ErrorModel) -> _Filter:
-    k, r, n = model.rows.shape
-    m = model.states
-    found = _Filter(np.empty((k, m, m)), np.zeros((k, n, r)), np.zeros((k, m, r)))
+    (k, r, _), m = model.rows.shape, model.states
+    found = _Filter(np.empty((k, m, m)), np.zeros((k, m, r)), np.zeros((k, m, r)))
     identity, p = np.eye(m), model.filter_start
     for node in range(k):
         if node:
@@ -102,7 +91,7 @@ def _filtered(model: ErrorModel) -> _Filter:
             gain = cross @ inverse
             kept = identity - gain @ rows
             p = kept @ p @ kept.T + (gain * variance) @ gain.T
-            found.gain[node, :m, used] = gain.T
+            found.gain[node][:, used] = gain
             found.weight[node][:, used] = rows.T @ inverse
         p = 0.5 * (p + p.T)
         found.covariance[node] = p
@@ -111,27 +100,13 @@ def _filtered(model: ErrorModel) -> _Filter:
     return found
 
 
-def _carried(model: ErrorModel, run: _Filter) -> FloatArray:
-    """L (k, m, n) after the fix at each node."""
-    k, n, m = len(model.time_s), model.rows.shape[2], model.states
-    found, now = np.zeros((k, m, n)), np.zeros((m, n))
-    for node in range(k - 1, -1, -1):
-        found[node] = now
-        if node == 0:
-            break
-        now = _over_fix(model, run, node, now)
-        step = _transition(model, node, n)
-        now = step[:m, :m].T @ now @ step
-    return found
-
-
 def _over_fix(model: ErrorModel, run: _Filter, node: int, carried: FloatArray) -> FloatArray:
     """L before the fix at a node from that after it."""
     if not model.is_fix[node]:
         return carried
     rows, gain, m = model.rows[node], run.gain[node], model.states
-    back = carried - (carried @ gain) @ rows
-    found: FloatArray = back - rows[:, :m].T @ (gain[:m].T @ back) + run.weight[node] @ rows
+    back = carried - (carried[:, :m] @ gain) @ rows
+    found: FloatArray = back - rows[:, :m].T @ (gain.T @ back) + run.weight[node] @ rows
     return found
 
 
@@ -142,147 +117,180 @@ def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
     return found
 
 
-def _summed(model: ErrorModel, run: _Filter, looks: Apertures, carried: FloatArray, smoothed: bool) -> _Sums:
-    """The weighted sums of all apertures at once, node by node along them."""
-    count, m, n = len(looks.output), model.states, model.rows.shape[2]
-    nodes = looks.weights.shape[1]
-    by_end = np.zeros((count, COLUMNS, m))
+def _shown(model: ErrorModel, node: int) -> FloatArray:
+    """Position, velocity and roll, pitch, yaw of the first nine states (9, 9)."""
+    found = np.eye(_AXES)
+    found[ATTITUDE:, ATTITUDE:] = model.error_map[node]
+    return found
+
+
+def _sums(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[_Sums, tuple[_Sums, _Sums]]:
+    """Position, velocity and roll, pitch, yaw smoothed at the outputs, on the errors there; and the sums of the
+    apertures in real time and smoothed, on the errors at the start of each."""
+    ends, by_innovation = _ends(model, run, looks)
+    states, smooth = _later(model, run, looks, ends)
+    free = _Sums(np.zeros_like(smooth.rows), np.zeros_like(smooth.added))
+    _within(model, run, looks, free, None)
+    _within(model, run, looks, smooth, by_innovation)
+    return states, (free, smooth)
+
+
+def _along(looks: Apertures, *, back: bool = False) -> Iterator[tuple[int, Indices, Indices]]:
+    """All apertures, node by node along each: which node of it, of which apertures, and that node of the flight."""
+    steps = range(looks.weights.shape[1])
+    for block in np.array_split(np.arange(len(looks.output)), len(looks.output) // _BLOCK + 1):
+        for step in reversed(steps) if back else steps:
+            on = block[looks.first[block] + step <= looks.last[block]]
+            yield step, on, looks.first[on] + step
+
+
+def _ends(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[FloatArray, FloatArray]:
+    """What smoothing adds to the sums of the apertures: weights on λ at the end of each (apertures, COLUMNS, m), and
+    on the innovations at its nodes (nodes, apertures, COLUMNS, r)."""
+    m, (count, nodes) = model.states, looks.weights.shape[:2]
+    found = np.zeros((count, COLUMNS, m))
     by_innovation = np.zeros((nodes, count, COLUMNS, model.rows.shape[1]))
-    if smoothed:
-        for step in range(nodes):
-            on = np.flatnonzero(looks.first + step <= looks.last)
-            node = looks.first[on] + step
-            now = by_end[on]
-            if step:
-                moved = now @ model.top[node - 1, :, :m].swapaxes(1, 2)
-                now = np.concatenate([moved, now[:, :, _AXES:] * model.kept[node - 1, None, : m - _AXES]], axis=2)
-                by_innovation[step, on] = now @ run.weight[node]
-                now -= (now @ model.rows[node, :, :m].swapaxes(1, 2)) @ run.gain[node, :m].swapaxes(1, 2)
-            by_end[on] = now - looks.weights[on, step] @ run.covariance[node, :6]
-    by_start = np.zeros((count, COLUMNS, n))
-    within = np.zeros((len(model.sources), count, COLUMNS, COLUMNS))
-    for step in range(nodes - 1, -1, -1):
-        on = np.flatnonzero(looks.first + step <= looks.last)
-        node = looks.first[on] + step
-        now = by_start[on]
-        if smoothed:
-            ends = node == looks.last[on]
-            now[ends] += by_end[on][ends] @ carried[node[ends]]
+    for step, on, node in _along(looks):
+        now = found[on]
+        if step:
+            moved = now @ model.top[node - 1, :, :m].swapaxes(1, 2)
+            now = np.concatenate([moved, now[:, :, _AXES:] * model.kept[node - 1, None, : m - _AXES]], axis=2)
+            by_innovation[step, on] = now @ run.weight[node]
+            now -= (now @ model.rows[node, :, :m].swapaxes(1, 2)) @ run.gain[node].swapaxes(1, 2)
+        found[on] = now - looks.weights[on, step] @ run.covariance[node, :6]
+    return found, by_innovation
+
+
+def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) -> tuple[_Sums, _Sums]:
+    """Position, velocity and roll, pitch, yaw smoothed at the outputs; and what λ at the end of each aperture adds to
+    its sums, on the errors there."""
+    m, n, noisy = model.states, model.rows.shape[2], model.noisy
+    states = _Sums(np.zeros((len(model.outputs), _AXES, n)), np.zeros((noisy, len(model.outputs), _AXES)))
+    images = _Sums(np.zeros((len(ends), COLUMNS, n)), np.zeros((noisy, len(ends), COLUMNS)))
+    driven, measuring = list(model.driven), _measuring(model)
+    ending, output_of = _by_node(looks.last), _by_node(model.outputs)
+    carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
+    for node in range(len(model.time_s) - 1, -1, -1):
+        for at in output_of.get(node, ()):
+            shown = _shown(model, node)
+            rows = shown @ run.covariance[node, :_AXES]
+            states.rows[at] = -rows @ carried
+            states.rows[at, :, :_AXES] += shown
+            states.added[:, at] = ((rows @ now) * rows).sum(axis=2)
+        for look in ending.get(node, ()):
+            images.rows[look] = ends[look] @ carried
+            images.added[:, look] = ((ends[look] @ now) * ends[look]).sum(axis=2)
+        if node == 0:
+            break
+        if model.is_fix[node]:
+            kept = np.eye(m) - model.rows[node, :, :m].T @ run.gain[node].T
+            by_noise = kept @ carried[:, :m] @ run.gain[node] - run.weight[node]
+            now = kept @ now @ kept.T
+            now[measuring] += (by_noise * model.noise[node, measuring, None, :]) @ by_noise.T
+            carried = _over_fix(model, run, node, carried)
+        now[driven] += _square(carried[:, : model.moving] @ _factors(model, node))
+        step = _transition(model, node, n)
+        back = step[:m, :m].T
+        carried, now = back @ carried @ step, back @ now @ back.T
+    return states, images
+
+
+def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_innovation: FloatArray | None) -> None:
+    """Take the sums from the errors at the end of each aperture to those at its start, with the noises between."""
+    measuring = _measuring(model)
+    for step, on, node in _along(looks, back=True):
+        now = sums.rows[on]
         now[:, :, :6] += looks.weights[on, step]
         if step:
-            if smoothed:
-                by_noise = now @ run.gain[node] - by_innovation[step, on]
-                scaled = by_noise[:, None] * model.noise[node, :, None, :]
-                within[:, on] += (scaled @ by_noise.swapaxes(1, 2)[:, None]).swapaxes(0, 1)
-                now = now - by_noise @ model.rows[node]
+            if by_innovation is not None:
+                by_noise = now[:, :, : model.states] @ run.gain[node] - by_innovation[step, on]
+                for source in measuring:
+                    sums.added[source, on] += (by_noise**2 * model.noise[node, source][:, None]).sum(axis=2)
+                now -= by_noise @ model.rows[node]
             for place, source in enumerate(model.driven):
                 factor, own = model.factors[node - 1, place], model.own[place]
                 driven = now[:, :, :_AXES] @ factor[:, :_AXES]
                 if own:
                     driven += now[:, :, own : own + 3] @ factor[:, _AXES:]
-                within[source, on] += driven @ driven.swapaxes(1, 2)
+                sums.added[source, on] += (driven**2).sum(axis=2)
             moved = now[:, :, :_AXES] @ model.top[node - 1]
             moved[:, :, _AXES:] += now[:, :, _AXES:] * model.kept[node - 1, None]
             now = moved
-        by_start[on] = now
-    return _Sums(by_start, by_end, within)
-
-
-def _later(
-    model: ErrorModel, run: _Filter, carried: FloatArray, looks: Apertures | None, sums: _Sums | None
-) -> _Later:
-    m, s = model.states, len(model.sources)
-    driven = list(model.driven)
-    outputs = np.zeros((s, len(model.outputs), _AXES, _AXES))
-    ends = np.zeros((s, len(looks.output) if looks else 0, COLUMNS, COLUMNS))
-    ending = _by_node(looks.last) if looks else {}
-    output_of = {int(node): n for n, node in enumerate(model.outputs)}
-    now = np.zeros((s, m, m))
-    noisy = np.flatnonzero(model.noise.any(axis=(0, 2)))
-    for node in range(len(model.time_s) - 1, -1, -1):
-        if node in output_of:
-            p = run.covariance[node, :_AXES]
-            outputs[:, output_of[node]] = p @ now @ p.T
-        for look in ending.get(node, ()):
-            assert sums is not None
-            ends[:, look] = sums.end[look] @ now @ sums.end[look].T
-        if node == 0:
-            break
-        if model.is_fix[node]:
-            kept = np.eye(m) - model.rows[node, :, :m].T @ run.gain[node, :m].T
-            by_noise = kept @ carried[node] @ run.gain[node] - run.weight[node]
-            now = kept @ now @ kept.T
-            scaled = by_noise * model.noise[node, noisy, None, :]
-            now[noisy] += scaled @ by_noise.T
-        back = _transition(model, node, m).T
-        now[driven] += _square(_over_fix(model, run, node, carried[node]) @ _factors(model, node))
-        now = back @ now @ back.T
-    return _Later(carried, outputs, ends)
+        sums.rows[on] = now
 
 
 def _forward(
-    model: ErrorModel, run: _Filter, later: _Later, looks: Apertures | None, sums: tuple[_Sums | None, _Sums | None]
-) -> tuple[FloatArray, list[FloatArray] | None]:
-    """Every source's covariance through the same gains.
+    model: ErrorModel, run: _Filter, looks: Apertures, states: _Sums, images: tuple[_Sums, _Sums]
+) -> tuple[FloatArray, FloatArray]:
+    """Every source through the same gains.
 
-    Returns variances (2 processings, sources, outputs, 9) of position, velocity and roll, pitch, yaw, and of both the
-    covariances of the apertures' sums (sources, apertures, COLUMNS, COLUMNS).
+    Returns variances of position, velocity and roll, pitch, yaw (2 processings, sources, outputs, 9), and of the sums
+    of the apertures (2, sources, apertures, COLUMNS).
     """
     k, _, n = model.rows.shape
-    m, s = model.states, len(model.sources)
-    variances = np.empty((2, s, len(model.outputs), _AXES))
-    images = [part.within + (0.0 if part is not sums[1] else later.ends) for part in sums if part] if looks else None
-    starting = _by_node(looks.first) if looks else {}
-    output_of = {int(node): index for index, node in enumerate(model.outputs)}
-    driven = list(model.driven)
-    noisy = np.flatnonzero(model.noise.any(axis=(0, 2)))
-    now = np.ascontiguousarray(model.initial.swapaxes(0, 1))  # (n, sources, n): both products are of large matrices
-    shown = np.eye(_AXES)
+    m, s, size, sources = model.states, model.noisy, model.moving, len(model.sources)
+    variances = np.zeros((2, sources, len(model.outputs), _AXES))
+    found = np.zeros((2, sources, len(looks.output), COLUMNS))
+    variances[1, :s], found[:, :s] = states.added, [part.added for part in images]
+    owner, state = np.nonzero(model.initial[s:])
+    owned = np.eye(sources - s)[owner].T
+    constant = np.zeros((n, len(owner)))  # what each sigma of the constant sources does to every state
+    constant[state, range(len(owner))] = np.sqrt(model.initial[s:][owner, state])
+    now = np.zeros((size, s, size))  # the noisy ones, state before source: both products are of large matrices
+    now[range(size), :, range(size)] = model.initial[:s, :size].T
+
+    def by_source(both: FloatArray) -> FloatArray:
+        """Variances (2, sources, q) of sums of both processings, rows (2, q, n)."""
+        rows = both.reshape(-1, n)
+        turned = (rows[:, :size] @ now.reshape(size, -1)).reshape(-1, s, size)
+        noisy = (turned * rows[:, None, :size]).sum(axis=2)
+        whole = np.hstack([noisy, (rows @ constant) ** 2 @ owned.T])
+        return whole.reshape(2, -1, sources).swapaxes(1, 2)
+
+    starting, output_of = _by_node(looks.first), _by_node(model.outputs)
+    driven, measuring = list(model.driven), _measuring(model)
     for node in range(k):
         if node:
             now = _stepped(model, node, now)
             now[:, driven] += _square(_factors(model, node)).swapaxes(0, 1)
-            if model.is_fix[node]:
-                rows, gain = model.rows[node], run.gain[node]
-                now[:m] -= (gain[:m] @ (rows @ now.reshape(n, -1))).reshape(m, s, n)
-                now[:, :, :m] -= ((now.reshape(-1, n) @ rows.T) @ gain[:m].T).reshape(n, s, m)
-                noise = (gain[:m] * model.noise[node, noisy, None, :]) @ gain[:m].T
-                now[:m, noisy, :m] += noise.swapaxes(0, 1)
-        if node in output_of:
-            at = output_of[node]
-            shown[ATTITUDE:, ATTITUDE:] = model.error_map[node]
-            rows = np.zeros((_AXES, n))
-            rows[:, :_AXES] = shown
-            smoothed = rows - shown @ run.covariance[node, :_AXES] @ later.carried[node]
-            variances[0, :, at] = _quadratic(rows, now)
-            variances[1, :, at] = _quadratic(smoothed, now)
-            variances[1, :, at] += np.einsum("ij,sjk,ik->si", shown, later.outputs[:, at], shown, optimize=True)
+            constant[:_AXES] = model.top[node - 1] @ constant
+            constant[_AXES:] *= model.kept[node - 1][:, None]
+        if node and model.is_fix[node]:
+            rows, gain = model.rows[node], run.gain[node]
+            constant[:m] -= gain @ (rows @ constant)
+            rows = rows[:, :size]
+            now[:m] -= (gain @ (rows @ now.reshape(size, -1))).reshape(m, s, size)
+            now[:, :, :m] -= ((now.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
+            now[:m, measuring, :m] += ((gain * model.noise[node, measuring, None, :]) @ gain.T).swapaxes(0, 1)
+        for at in output_of.get(node, ()):
+            plain = np.pad(_shown(model, node), ((0, 0), (0, n - _AXES)))
+            variances[:, :, at] += by_source(np.stack([plain, states.rows[at]]))
         for look in starting.get(node, ()):
-            assert images is not None
-            for image, part in zip(images, sums, strict=True):
-                assert part is not None
-                rows = part.start[look]
-                turned = (rows @ now.reshape(n, -1)).reshape(-1, s, n)
-                image[:, look] += np.einsum("csn,dn->scd", turned, rows)
-    return variances, images
+            found[:, :, look] += by_source(np.stack([part.rows[look] for part in images]))
+    return variances, found
+
+
+def _measuring(model: ErrorModel) -> Indices:
+    """The sources with noise in a fix."""
+    return np.flatnonzero(model.noise.any(axis=(0, 2)))
 
 
 def _stepped(model: ErrorModel, node: int, covariances: FloatArray) -> FloatArray:
-    """Covariances (n, sources, n) at a node from those at the node before, without noise."""
-    n, s, _ = covariances.shape
-    top, kept = model.top[node - 1], model.kept[node - 1]
+    """Covariances (size, noisy, size) at a node from those at the node before, without noise."""
+    size, s, _ = covariances.shape
+    top, kept = model.top[node - 1, :, :size], model.kept[node - 1, : size - _AXES]
     found = np.empty_like(covariances)
-    found[:_AXES] = (top @ covariances.reshape(n, -1)).reshape(_AXES, s, n)
+    found[:_AXES] = (top @ covariances.reshape(size, -1)).reshape(_AXES, s, size)
     np.multiply(covariances[_AXES:], kept[:, None, None], out=found[_AXES:])
-    moved = found.reshape(-1, n) @ top.T
+    moved = found.reshape(-1, size) @ top.T
     found[:, :, _AXES:] *= kept
-    found[:, :, :_AXES] = moved.reshape(n, s, _AXES)
+    found[:, :, :_AXES] = moved.reshape(size, s, _AXES)
     return found
 
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:
-    """Factors (driven, n, 9) of what process noise adds in the step to a node."""
-    found = np.zeros((len(model.driven), model.rows.shape[2], 9))
+    """Factors (driven, moving, 9) of what process noise adds in the step to a node."""
+    found = np.zeros((len(model.driven), model.moving, 9))
     found[:, :_AXES] = model.factors[node - 1, :, :_AXES]
     for place, own in enumerate(model.own):
         if own:
@@ -295,15 +303,7 @@ def _square(factors: FloatArray) -> FloatArray:
     return found
 
 
-def _quadratic(rows: FloatArray, covariances: FloatArray) -> FloatArray:
-    """Variances (sources, q) of q sums, rows (q, n), under covariances (n, sources, n)."""
-    n, s, _ = covariances.shape
-    turned = (rows @ covariances.reshape(n, -1)).reshape(-1, s, n)
-    found: FloatArray = (turned * rows[:, None, :]).sum(axis=2).T
-    return found
-
-
-def _by_node(nodes: NDArray[np.int64]) -> Mapping[int, list[int]]:
+def _by_node(nodes: Indices) -> Mapping[int, list[int]]:
     found: dict[int, list[int]] = {}
     for look, node in enumerate(nodes.tolist()):
         found.setdefault(node, []).append(look)
@@ -312,12 +312,12 @@ def _by_node(nodes: NDArray[np.int64]) -> Mapping[int, list[int]]:
 
 def _processed(
     variances: FloatArray,
-    image: FloatArray | None,
+    image: FloatArray,
     spec: CovarianceSpec,
-    looks: Apertures | None,
+    looks: Apertures,
     model: ErrorModel,
 ) -> Processed:
-    """The figures and their shares of variances (sources, outputs, 9) and the covariance of the apertures' sums."""
+    """The figures and their shares of variances (sources, outputs, 9), and (sources, apertures, COLUMNS)."""
     variances = np.maximum(variances, 0.0)
     groups = {
         "position_horizontal": variances[:, :, 0:2].sum(axis=2),
@@ -329,7 +329,7 @@ def _processed(
     }
     sigmas = np.sqrt(variances.sum(axis=0))
     found: dict[str, FloatArray] = {}
-    if spec.aperture is not None and looks is not None and image is not None:
+    if spec.aperture is not None:
         shape, accelerometer = spec.aperture, spec.study.imu.accelerometer
         white = np.zeros(len(variances))
         if "accelerometer noise" in model.sources:
@@ -339,7 +339,7 @@ def _processed(
             groups[name] = np.full((len(variances), len(model.outputs)), np.nan)
             groups[name][:, looks.output] = np.maximum(values, 0.0)
             found[name] = np.sqrt(groups[name].sum(axis=0))
-        found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), shape, looks.speed)
+        found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), shape)
     with np.errstate(invalid="ignore"):
         shares = {name: values / values.sum(axis=0) for name, values in groups.items()}
     return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares)

@@ -31,19 +31,21 @@ _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact for noise through the chain gyro -> position
 _APERTURE_PARTS = 5  # nodes in an aperture at least
 _DENSEST = 0.02  # s between nodes, however short a correlation time
+_BLOCK = 512  # steps at a time, for memory
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorModel:
     """The linear model of a flight with k nodes, n states of which the filter has the first m, s sources.
 
-    time_s (k); outputs: nodes of the results. top (k - 1, 9, n): rows of the transition from node to node, and kept
-    (k - 1, n - 9) what is left of each further state, which none changes. driven: the sources with process noise;
-    factors (k - 1, driven, 12, 9), whose square is the covariance of what each adds in a step to the first nine
-    states and to three of its own from `own` on, 0 where it has none. filter_noise (k - 1, m, m): as the filter
-    assumes it. initial (s, n, n): covariance at time 0 by source; filter_start (m, m). rows (k, r, n): what the fix
-    at a node measures, zeros where there is none, with the filter's variance (k, r), infinite where there is none,
-    and the true ones by source (k, s, r).
+    Sources with noise come first, `noisy` of them, then those that are constant through a flight; so do the states:
+    noise moves the first `moving` ones. time_s (k); outputs: nodes of the results. top (k - 1, 9, n): rows of the
+    transition from node to node, and kept (k - 1, n - 9) what is left of each further state, which none changes.
+    driven: the sources with process noise; factors (k - 1, driven, 12, 9), whose square is the covariance of what one
+    adds in a step to the first nine states and to three further ones from `own` on, 0 where it has none. filter_noise
+    (k - 1, m, m): as the filter assumes it. initial (s, n): variances at time 0 by source; filter_start (m, m). rows
+    (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's variance (k, r), infinite
+    where there is none, and the true ones by source (k, noisy, r).
     """
 
     time_s: FloatArray
@@ -51,7 +53,9 @@ class ErrorModel:
     truth: TruthStates
     error_map: FloatArray
     states: int
+    moving: int
     sources: tuple[str, ...]
+    noisy: int
     driven: tuple[int, ...]
     top: FloatArray
     kept: FloatArray
@@ -71,6 +75,7 @@ class _Layout:
     """Considered states as they are laid out: name of the group -> first index, and who starts and drives them."""
 
     size: int
+    moving: int = 0
     first: dict[str, int] = field(default_factory=dict)
     start: list[tuple[str, int, int, float]] = field(default_factory=list)
     drive: list[tuple[str, int, float]] = field(default_factory=list)
@@ -89,28 +94,27 @@ class _Layout:
 
 
 def _layout(spec: CovarianceSpec) -> _Layout:
-    study, aiding = spec.study, spec.aiding
+    study, gnss, aiding = spec.study, spec.study.gnss, spec.aiding
     found = _Layout(study.filter.states)
-    for name, model in (("accelerometer", study.imu.accelerometer), ("gyro", study.imu.gyro)):
-        if model.turn_on_bias > 0.0 or model.rate_random_walk > 0.0:
-            found.add(f"{name} bias", f"{name} bias", 3, model.turn_on_bias)
+    triads = (("accelerometer", study.imu.accelerometer), ("gyro", study.imu.gyro))
+    for name, model in triads:
+        if model.rate_random_walk > 0.0:
             found.add(f"{name} bias", f"{name} bias random walk", 3, 0.0, model.rate_random_walk**2)
         if model.bias_instability > 0.0:
             drive = 2.0 * model.bias_instability**2 / model.correlation_time
             source = f"{name} bias instability"
             found.add(source, source, 3, model.bias_instability, drive, model.correlation_time)
-        if model.scale_factor > 0.0:
-            found.add(f"{name} scale factor", f"{name} scale factor", 3, model.scale_factor)
-        if model.misalignment > 0.0:
-            found.add(f"{name} misalignment", f"{name} misalignment", 6, model.misalignment)
-    gnss = study.gnss
     if gnss.markov_noise > 0.0 or gnss.vertical_markov_noise > 0.0:
         slow = "slow GNSS error"
         found.add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
-    if aiding.lever_arm_error > 0.0:
-        found.add("lever arm error", "lever arm error", 3, aiding.lever_arm_error)
-    if aiding.time_offset > 0.0:
-        found.add("time offset", "time offset", 1, aiding.time_offset)
+    found.moving = found.size
+    constant = [("lever arm error", 3, aiding.lever_arm_error), ("time offset", 1, aiding.time_offset)]
+    for name, model in triads:
+        constant += [(f"{name} bias", 3, model.turn_on_bias), (f"{name} scale factor", 3, model.scale_factor)]
+        constant += [(f"{name} misalignment", 6, model.misalignment)]
+    for name, count, sigma in constant:
+        if sigma > 0.0:
+            found.add(name, name, count, sigma)
     return found
 
 
@@ -125,21 +129,81 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
     outputs = output_samples(study) / study.imu.rate
     time_s = _nodes(trajectory, study, np.union1d(scheduled, outputs), spec)
     truth = true_states(trajectory, time_s)
-    sources = _sources(spec, layout)
-    dynamics = _dynamics(trajectory, time_s, layout, study)
-    steps = np.diff(time_s)
+    sources, noisy = _sources(spec, layout)
     tuning = tuning_of(study)
     n, m = layout.size, study.filter.states
     decay = np.zeros(n)
     decay[BIASES:m] = tuning.decay_rate[: m - BIASES]
     for index, rate in layout.decay.items():
         decay[index] = rate
-    powers = _powers(dynamics, decay, steps)
+    vibration = study.imu.vibration_factor**2
+    drives = [
+        ("accelerometer noise", VELOCITY, study.imu.accelerometer.random_walk**2 * vibration),
+        ("gyro noise", ATTITUDE, study.imu.gyro.random_walk**2 * vibration),
+        *layout.drive,
+    ]
+    drives = [drive for drive in drives if drive[2] > 0.0]
+    assumed = [(VELOCITY, tuning.accelerometer_density**2), (ATTITUDE, tuning.gyro_density**2)]
+    assumed += [(first, tuning.bias_drive[first - BIASES]) for first in range(BIASES, m, 3)]
+    densities = [[(first, density) for _, first, density in drives], [each for each in assumed if each[1] > 0.0]]
+    parts = [
+        _steps(trajectory, time_s[first : first + _BLOCK + 1], layout, study, decay, *densities)
+        for first in range(0, len(time_s) - 1, _BLOCK)
+    ]
+    top, kept, factors, filter_noise = (np.concatenate(part) for part in zip(*parts, strict=True))
+    start = initial_sigma(study)
+    believed = start * study.filter.initial_scale
+    believed[BIASES:] *= study.filter.bias_scale
+    believed[BIASES:] = np.maximum(believed[BIASES:], np.resize([1e-9] * 3 + [1e-13] * 3, m - BIASES))
+    initial = np.zeros((len(sources), n))
+    begins = [("initial position and velocity", 0, start[:6]), ("initial tilt", 6, start[6:8])]
+    begins += [("initial heading", 8, start[8:9])]
+    for source, first, count, sigma in layout.start:
+        begins.append((source, first, np.full(count, sigma)))
+    for source, first, sigmas in begins:
+        initial[sources.index(source), first : first + len(sigmas)] += sigmas**2
+    measured = _measurements(spec, layout, trajectory, truth, scheduled, sources[:noisy])
+    return ErrorModel(
+        time_s=time_s,
+        outputs=np.searchsorted(time_s, outputs - 1e-9),
+        truth=truth,
+        error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
+        states=m,
+        moving=layout.moving,
+        sources=sources,
+        noisy=noisy,
+        driven=tuple(sources.index(source) for source, _, _ in drives),
+        top=top,
+        kept=kept,
+        factors=factors,
+        own=tuple(first if first >= BIASES else 0 for _, first, _ in drives),
+        filter_noise=filter_noise,
+        initial=initial,
+        filter_start=np.diag(believed**2),
+        **measured,
+    )
+
+
+def _steps(
+    trajectory: Trajectory,
+    time_s: FloatArray,
+    layout: _Layout,
+    study: SimulationSpec,
+    decay: FloatArray,
+    drives: list[tuple[int, float]],
+    assumed: list[tuple[int, float]],
+) -> tuple[FloatArray, ...]:
+    """`top`, `kept`, `factors` and `filter_noise` of the steps between some nodes, in the fields of `ErrorModel`.
+
+    drives: first state and density [unit²/s] of the noises that there are; assumed: of those that the filter assumes.
+    """
+    steps, m = np.diff(time_s), study.filter.states
+    powers = _powers(_dynamics(trajectory, time_s, layout, study), decay, steps)
     inner = [(0.5 * (1.0 + x), 0.5 * w * steps) for x, w in zip(_POINTS, _WEIGHTS, strict=True)]
     flows = [(_top(powers, part), _kept(decay, part * steps), np.sqrt(w)[:, None, None]) for part, w in inner]
 
     def driven_by(first: int, density: float) -> FloatArray:
-        """Factor (k - 1, 12, 9) of white noise of this density [unit²/s] on three states."""
+        """Factor (k - 1, 12, 9) of white noise of this density on three states."""
         found = np.zeros((len(steps), BIASES + 3, 9))
         for n, (top, kept, root) in enumerate(flows):
             into = slice(3 * n, 3 * n + 3)
@@ -150,68 +214,30 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
         found *= math.sqrt(density)
         return found
 
-    vibration = study.imu.vibration_factor**2
-    drives = [
-        ("accelerometer noise", VELOCITY, study.imu.accelerometer.random_walk**2 * vibration),
-        ("gyro noise", ATTITUDE, study.imu.gyro.random_walk**2 * vibration),
-        *layout.drive,
-    ]
-    drives = [drive for drive in drives if drive[2] > 0.0]
-    assumed = [(VELOCITY, tuning.accelerometer_density**2), (ATTITUDE, tuning.gyro_density**2)]
-    assumed += [(first, tuning.bias_drive[first - BIASES]) for first in range(BIASES, m, 3)]
     filter_noise = np.zeros((len(steps), m, m))
     for first, density in assumed:
-        if density > 0.0:
-            into = [*range(BIASES), *range(first, first + 3)] if first >= BIASES else [*range(BIASES)]
-            factor = driven_by(first, float(density))[:, : len(into)]
-            filter_noise[:, np.array(into)[:, None], into] += factor @ factor.swapaxes(1, 2)
-    start = initial_sigma(study)
-    believed = start * study.filter.initial_scale
-    believed[BIASES:] *= study.filter.bias_scale
-    believed[BIASES:] = np.maximum(believed[BIASES:], np.resize([1e-9] * 3 + [1e-13] * 3, m - BIASES))
-    initial = np.zeros((len(sources), n, n))
-    begins = [("initial position and velocity", 0, 6), ("initial tilt", 6, 2), ("initial heading", 8, 1)]
-    for source, first, count in begins:
-        for i in range(first, first + count):
-            initial[sources.index(source), i, i] = start[i] ** 2
-    for source, first, count, sigma in layout.start:
-        if sigma > 0.0:
-            for i in range(first, first + count):
-                initial[sources.index(source), i, i] = sigma**2
-    measured = _measurements(spec, layout, trajectory, truth, scheduled, sources)
-    return ErrorModel(
-        time_s=time_s,
-        outputs=np.searchsorted(time_s, outputs - 1e-9),
-        truth=truth,
-        error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
-        states=m,
-        sources=sources,
-        driven=tuple(sources.index(source) for source, _, _ in drives),
-        top=_top(powers, 1.0),
-        kept=_kept(decay, steps),
-        factors=np.stack([driven_by(first, density) for _, first, density in drives], axis=1),
-        own=tuple(first if first >= BIASES else 0 for _, first, _ in drives),
-        filter_noise=filter_noise,
-        initial=initial,
-        filter_start=np.diag(believed**2),
-        **measured,
-    )
+        into = np.array([*range(BIASES), *range(max(first, BIASES), max(first + 3, BIASES))])
+        factor = driven_by(first, density)[:, : len(into)]
+        filter_noise[:, into[:, None], into] += factor @ factor.swapaxes(1, 2)
+    factors = np.stack([driven_by(*drive) for drive in drives], axis=1)
+    return _top(powers, 1.0), _kept(decay, steps), factors, filter_noise
 
 
-def _sources(spec: CovarianceSpec, layout: _Layout) -> tuple[str, ...]:
+def _sources(spec: CovarianceSpec, layout: _Layout) -> tuple[tuple[str, ...], int]:
+    """The sources that are not zero, and how many of them have noise, which come first."""
     imu, gnss, aiding = spec.study.imu, spec.study.gnss, spec.aiding
-    there = {
+    white = {
         "accelerometer noise": imu.accelerometer.random_walk,
         "gyro noise": imu.gyro.random_walk,
         "fix noise": gnss.position_noise,
         "velocity noise": gnss.velocity_noise,
         "heading aiding": aiding.heading_noise,
         "barometer": aiding.barometer_noise,
-        **{source: sigma for source, _, _, sigma in layout.start},
-        **{source: drive for source, _, drive in layout.drive},
     }
+    noisy = [name for name, value in white.items() if value] + [source for source, _, _ in layout.drive]
     starts = ("initial position and velocity", "initial tilt", "initial heading")
-    return (*(name for name, value in there.items() if value), *starts)
+    constant = [source for source, *_ in layout.start if source not in noisy]
+    return (*noisy, *constant, *starts), len(noisy)
 
 
 def _nodes(trajectory: Trajectory, study: SimulationSpec, anchors: FloatArray, spec: CovarianceSpec) -> FloatArray:
@@ -350,11 +376,12 @@ def _measurements(
     own[:, 3:6] -= noise[:, sources.index("gyro noise"), 3:6] if "gyro noise" in sources else 0.0
     variance = np.where(there, own * study.filter.gnss_noise_scale**2 + extra, np.inf)
     used = there.any(axis=0)
-    rows = np.where(there[:, :, None], rows, 0.0)
+    rows *= there[:, :, None]
+    noise *= there[:, None]
     return {
         "rows": rows[:, used],
         "variance": variance[:, used],
-        "noise": np.where(there[:, None, :], noise, 0.0)[:, :, used],
+        "noise": noise[:, :, used],
         "is_fix": there.any(axis=1),
     }
 

@@ -1,5 +1,7 @@
 """The covariance along a flight against the simulator's filter, closed forms, simulated runs, and its own sums."""
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ from nav_model.trajectory.specification import Aiding, CovarianceSpec
 
 MEMS = read_design("examples/mems_x_band.toml")
 TACTICAL = read_design("examples/tactical_x_band.toml")
+DENSE = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=["gnss.interval=0.1 s"])
 FAST = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=["gnss.velocity_noise=3 cm/s"])
 RICH = read_study_inputs(
     {
@@ -77,6 +80,50 @@ def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
         assert smooth.position[at, 0] == pytest.approx(post.sigmas.position_horizontal, rel=0.01)
         assert smooth.position[at, 2] == pytest.approx(post.sigmas.position_vertical, rel=0.01)
         assert smooth.velocity[at, 1] == pytest.approx(post.sigmas.velocity_horizontal, rel=0.01)
+        for mine, other in (
+            *((name, name) for name in ("quadratic_phase", "cubic_phase", "detrended_phase", "tilt", "range_shift")),
+            *((f"{name}_{axis}", f"{axis}_{name}") for name in ("position", "velocity") for axis in AXES),
+            ("azimuth_shift", "slope_shift"),
+        ):
+            same_shares(found.sources, smooth.shares[mine][:, at], post.shares[other])
+
+
+AXES = ("horizontal", "vertical")
+
+
+def same_shares(sources: tuple[str, ...], mine: np.ndarray, other: Mapping[str, float]) -> None:
+    """Whether shares along a flight are those of a budget, to 0.01."""
+    names = {"GNSS noise": "fix noise", "GNSS velocity noise": "velocity noise"}
+    wanted = {names.get(source, source): share for source, share in other.items()}
+    np.testing.assert_allclose(mine, [wanted.get(source, 0.0) for source in sources], rtol=0, atol=0.01)
+
+
+def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
+    """[T-8], and [S-5] where fixes are so dense that the filter is the continuous one of the closed form."""
+    for design in (TACTICAL, DENSE):
+        budget = analyse(design)
+        state, sar = budget.steady_state, budget.sar
+        found = along(design, duration=500.0)
+        real, at = found.real_time, 250
+        after = state.posterior
+        for mine, horizontal, vertical in (
+            (real.position, after.position_horizontal, after.position_vertical),
+            (real.velocity, after.velocity_horizontal, after.velocity_vertical),
+        ):
+            np.testing.assert_allclose(mine[at], [horizontal, horizontal, vertical], rtol=0.01)
+        for name in ("quadratic", "cubic", "detrended"):
+            assert real.image[f"{name}_phase"][at] == pytest.approx(getattr(sar, name), rel=0.01)
+        for name, field in (("quadratic", "share"), ("cubic", "cubic_share"), ("detrended", "detrended_share")):
+            shares = {line.source: getattr(line, field) for line in sar.lines}
+            by_tilt = shares.pop("initial tilt")
+            for source, share in sar.tilt_shares.items():
+                shares[source] = shares.get(source, 0.0) + by_tilt * share
+            same_shares(found.sources, real.shares[f"{name}_phase"][:, at], shares)
+        for quantity in ("position", "velocity"):
+            for axis in AXES:
+                same_shares(
+                    found.sources, real.shares[f"{quantity}_{axis}"][:, at], state.shares[f"{axis}_{quantity}"]
+                )
 
 
 def test_the_shares_of_all_sources_add_up_at_every_time() -> None:
@@ -110,6 +157,36 @@ def test_a_considered_error_improves_no_figure() -> None:
 def test_a_source_that_is_zero_has_no_share() -> None:
     assert "lever arm error" not in along(MEMS).sources
     assert "lever arm error" in along(MEMS, Aiding(lever_arm_error=0.1)).sources
+
+
+def test_beyond_the_bank_limit_no_fix_is_used() -> None:
+    """The same covariance as with an outage from when the aircraft banks beyond the limit until it no longer does."""
+    limit = math.radians(10.0)
+    found = along(MEMS, Aiding(bank_limit=limit), trajectory="turns", duration=200.0)
+    beyond = np.abs(found.truth.euler[:, 0]) > limit
+    edges = np.flatnonzero(np.diff(beyond.astype(int)))
+    assert len(edges) == 6  # three turns
+    outages = [(found.time_s[first] + 0.5, found.time_s[last] + 0.5) for first, last in edges.reshape(-1, 2)]
+    other = along(MEMS, trajectory="turns", duration=200.0, outages=outages)
+    for one, two in ((found.real_time, other.real_time), (found.post_processed, other.post_processed)):
+        np.testing.assert_allclose(states(one), states(two), rtol=1e-9)
+    assert found.real_time.position[beyond, 0].max() > 1.5 * along(MEMS).real_time.position[100, 0]
+
+
+def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
+    """For as long as one solution lasts, the flight is that of a receiver with its noise; then it recovers."""
+    code, floating = 8.0, 3.0
+    found = along(MEMS, Aiding(after_loss=((1000.0, code),)), duration=1500.0, outages=[(2.0, 4.0)])
+    other = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=[f"gnss.position_noise={code} m"])
+    coarse = along(other, duration=1500.0).real_time.position
+    np.testing.assert_allclose(found.real_time.position[900], coarse[900], rtol=1e-3)
+    fine = along(MEMS, duration=1500.0).real_time.position
+    np.testing.assert_allclose(found.real_time.position[1490], fine[1490], rtol=1e-3)
+    both = along(MEMS, Aiding(after_loss=((20.0, code), (20.0, floating))), outages=[(100.0, 110.0)])
+    noise = error_model(both.spec)
+    fix = noise.noise[:, noise.sources.index("fix noise"), 0]
+    at = np.searchsorted(noise.time_s, [99.0, 112.0, 129.0, 131.0, 149.0, 151.0])
+    np.testing.assert_allclose(np.sqrt(fix[at]), [1.0, code, code, floating, floating, 1.0])
 
 
 def runs_of(spec: SimulationSpec, count: int) -> np.ndarray:

@@ -74,7 +74,7 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
     generator = np.random.default_rng(7)
     run, m, n = _filtered(model), model.states, model.rows.shape[2]
     draw = generator.standard_normal
-    now = sum(np.sqrt(np.diagonal(part))[:, None] * draw((n, runs)) for part in model.initial)
+    now = sum(np.sqrt(part)[:, None] * draw((n, runs)) for part in model.initial)
     before, after = [now], []
     for node in range(len(model.time_s)):
         if node:
@@ -86,7 +86,8 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
                     now[own : own + 3] += added[9:]
             before.append(now)
         noise = sum(np.sqrt(part)[:, None] * draw((len(part), runs)) for part in model.noise[node])
-        now = now - run.gain[node] @ (model.rows[node] @ now - noise)
+        now = now.copy()
+        now[:m] -= run.gain[node] @ (model.rows[node] @ now - noise)
         after.append(now)
     smooth = after[-1][:m]
     found = {len(after) - 1: smooth}
