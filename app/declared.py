@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar, cast
 
 import param
@@ -15,6 +16,17 @@ def held(kind: type[T], *, constant: bool = True) -> T:
     Declared on a class, ``session = held(Session)`` reads as that instance, for the type checker too.
     """
     return cast(T, param.ClassSelector(class_=kind, allow_None=False, instantiate=False, constant=constant))
+
+
+def perhaps(kind: type[T], doc: str) -> T | None:
+    """The same, or None, as at first."""
+    return cast(T, param.ClassSelector(class_=kind, default=None, allow_None=True, instantiate=False, doc=doc))
+
+
+def chosen(default: T, options: Mapping[str, T] | Sequence[T], label: str) -> T:
+    """A parameter that is one of some options, by their names where they have any."""
+    objects: Any = dict(options) if isinstance(options, Mapping) else list(options)
+    return cast(T, param.Selector(default=default, objects=objects, label=label))
 
 
 def declared(parameter: param.Parameter[Any]) -> Any:

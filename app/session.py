@@ -13,7 +13,7 @@ from typing import Any
 
 import param
 
-from app.declared import declared, held
+from app.declared import declared, held, perhaps
 from app.examples import EXAMPLES, example
 from app.work.run import Run
 from nav_model.base.errors import InputError
@@ -68,12 +68,9 @@ class Session(param.Parameterized):
     findings: dict[str, Any] = declared(
         param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     )
-    compared: Compared | None = declared(
-        param.ClassSelector(
-            class_=Compared, default=None, allow_None=True,
-            doc="What the budget is held against: the value before the last change, or a design that was chosen.",
-        )
-    )  # fmt: skip
+    compared = perhaps(
+        Compared, "What the budget is held against: the value before the last change, or a design that was chosen."
+    )
     narrow = param.Boolean(default=False, doc="Whether the window was narrow when the page was made, as on a phone.")
     invalid = param.Integer(default=0, doc="Inputs whose last typed text was refused: what was valid before counts.")
     adopted = param.Integer(default=0, doc="How often a whole design took the place of another.")

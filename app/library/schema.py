@@ -1,6 +1,6 @@
-"""The tables of the database, as numbered migration steps.
+"""The tables of the database, as numbered migration steps, which `schema.sql` has.
 
-The steps are a list in one file and not Alembic's folder of scripts: there are a handful of tables, every step
+The steps are in one file and not Alembic's folder of scripts: there are a handful of tables, every step
 is plain SQL that SQLite and PostgreSQL both take, libraries migrate by themselves when opened (nobody runs a
 command), and a step once released is never edited. A dependency with its own configuration, templates and
 environment script would be larger than what it manages.
@@ -8,81 +8,18 @@ environment script would be larger than what it manages.
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 from sqlalchemy import Connection, inspect, text
 
 from nav_model.base.errors import InputError
 
-STEPS: tuple[tuple[str, ...], ...] = (
-    (
-        """CREATE TABLE designs (
-            id TEXT PRIMARY KEY,
-            name TEXT NOT NULL,
-            head INTEGER NOT NULL,
-            archived INTEGER NOT NULL DEFAULT 0)""",
-        """CREATE TABLE revisions (
-            design TEXT NOT NULL REFERENCES designs(id),
-            number INTEGER NOT NULL,
-            name TEXT NOT NULL,
-            author TEXT NOT NULL,
-            note TEXT NOT NULL,
-            saved TEXT NOT NULL,
-            text TEXT NOT NULL,
-            content_hash TEXT NOT NULL,
-            closes INTEGER,
-            verdict TEXT NOT NULL,
-            product TEXT NOT NULL,
-            PRIMARY KEY (design, number))""",
-        """CREATE TABLE tags (
-            design TEXT NOT NULL REFERENCES designs(id),
-            tag TEXT NOT NULL,
-            PRIMARY KEY (design, tag))""",
-    ),
-    ("ALTER TABLE revisions ADD COLUMN origin TEXT NOT NULL DEFAULT ''",),
-    (
-        """CREATE TABLE reviews (
-            id TEXT PRIMARY KEY,
-            title TEXT NOT NULL,
-            author TEXT NOT NULL,
-            opened TEXT NOT NULL,
-            product TEXT NOT NULL,
-            version INTEGER NOT NULL DEFAULT 1,
-            signed_by TEXT,
-            signed TEXT,
-            seal TEXT)""",
-        """CREATE TABLE review_items (
-            review TEXT NOT NULL REFERENCES reviews(id),
-            place INTEGER NOT NULL,
-            design TEXT NOT NULL,
-            number INTEGER NOT NULL,
-            content_hash TEXT NOT NULL,
-            text_hash TEXT NOT NULL,
-            PRIMARY KEY (review, place),
-            FOREIGN KEY (design, number) REFERENCES revisions(design, number))""",
-        """CREATE TABLE review_comments (
-            review TEXT NOT NULL,
-            number INTEGER NOT NULL,
-            place INTEGER NOT NULL,
-            subject TEXT NOT NULL,
-            author TEXT NOT NULL,
-            written TEXT NOT NULL,
-            comment TEXT NOT NULL,
-            PRIMARY KEY (review, number),
-            FOREIGN KEY (review, place) REFERENCES review_items(review, place))""",
-        """CREATE TABLE review_decisions (
-            review TEXT NOT NULL,
-            number INTEGER NOT NULL,
-            place INTEGER NOT NULL,
-            requirement TEXT NOT NULL,
-            accepted INTEGER NOT NULL,
-            figure TEXT NOT NULL,
-            author TEXT NOT NULL,
-            decided TEXT NOT NULL,
-            reason TEXT NOT NULL,
-            PRIMARY KEY (review, number),
-            FOREIGN KEY (review, place) REFERENCES review_items(review, place))""",
-    ),
-    ("ALTER TABLE reviews ADD COLUMN signature TEXT",),
-    ("CREATE TABLE offers (name TEXT PRIMARY KEY, kept TEXT NOT NULL, text TEXT NOT NULL)",),
+_VERSION = re.compile(r"^-- version \d+\n", re.MULTILINE)
+
+STEPS: tuple[tuple[str, ...], ...] = tuple(
+    tuple(statement for part in step.split(";") if (statement := part.strip()))
+    for step in _VERSION.split(Path(__file__).with_suffix(".sql").read_text("utf-8"))[1:]
 )
 """What each version adds to the one before; version n is the first n steps. Released steps never change."""
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import param
 
-from app.declared import declared
+from app.declared import declared, perhaps
 from app.work.alone import RunLost
 
 _LEAST_SHARE = 0.01  # below it the time spent says little about the time left
@@ -73,11 +73,7 @@ class Run(param.Parameterized):
     """
 
     running = param.Boolean(default=False, doc="Whether work is under way.")
-    progress: Progress | None = declared(
-        param.ClassSelector(
-            class_=Progress, default=None, allow_None=True, doc="How far the work under way is; None between runs."
-        )
-    )
+    progress = perhaps(Progress, "How far the work under way is; None between runs.")
     result: Any = declared(
         param.Parameter(default=None, doc="The last result, which may be partial while work is under way.")
     )

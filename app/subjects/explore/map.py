@@ -12,7 +12,7 @@ from bokeh.events import Tap
 
 from app.charts.kinds import TradeMapChart, to_csv
 from app.charts.screen.maps import MapFigure
-from app.declared import declared
+from app.declared import chosen
 from app.document.blocks import Answer
 from app.session import Session
 from app.subjects.explore.charts import map_chart
@@ -31,18 +31,15 @@ from nav_model.budget.inputs import inputs_of
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.trade_map import RESULTS, changes_at
 
-_X, _Y = "imu.angle_random_walk", "imu.velocity_random_walk"
-
-
 _INPUTS = input_labels()
 
 
 class MapPanel(Question):
     """Three selectors, the map, and the result of a click."""
 
-    x: str = declared(param.Selector(objects=_INPUTS, default=_X, label="X axis"))
-    y: str = declared(param.Selector(objects=_INPUTS, default=_Y, label="Y axis"))
-    result: str = declared(param.Selector(objects={label_of(name): name for name in RESULTS}, label="Result"))
+    x = chosen("imu.angle_random_walk", _INPUTS, "X axis")
+    y = chosen("imu.velocity_random_walk", _INPUTS, "Y axis")
+    result = chosen(RESULTS[0], {label_of(name): name for name in RESULTS}, "Result")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 from html import escape
+from pathlib import Path
 from typing import Any
 
 import panel as pn
@@ -12,7 +13,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.csv_text import csv_text
-from app.declared import declared
+from app.declared import chosen
 from app.document.pane import html_of
 from app.library.offers import KINDS, Offers, keep_offers, kept_offers, read_offers
 from app.library.place import library
@@ -39,34 +40,20 @@ _KNOWLEDGE = (
     "chosen above: your design's, zero, or the in-run biases of its data sheet. Receiver noise is white."
 )
 
-EXAMPLE = """\
-# Your own sensors, in the format of the product's catalogue. status: confirmed, secondary, assumed or unconfirmed.
-[[imu]]
-name = "Our IMU"
-angle_random_walk = { value = "0.05 °/√h", status = "confirmed", source = "bench log of 3 May, unit 7" }
-velocity_random_walk = { value = "50 µg/√Hz", status = "secondary", source = "data sheet, typical" }
-# An offer adds what ranks it: the cheapest that passes is first.
-price = { value = "4200 EUR", status = "confirmed", source = "offer of 12 March" }
-mass = { value = "55 g", status = "confirmed", source = "data sheet" }
-power = { value = "1.5 W", status = "confirmed", source = "data sheet" }
-
-[[gnss]]
-name = "Our receiver"
-position_noise = { value = "3 cm", status = "assumed", source = "maker's web page" }
-vertical_position_noise = { value = "5 cm", status = "assumed", source = "maker's web page" }
-interval = { value = "0.2 s", status = "confirmed", source = "manual" }
-"""
-_BIASES = {"Biases of your design": "design", "Biases 0": "zero", "In-run biases of data sheets": "in-run"}
+EXAMPLE = Path(__file__).with_name("sensors.toml").read_text("utf-8")
+_BIASES: dict[str, Biases] = {
+    "Biases of your design": "design",
+    "Biases 0": "zero",
+    "In-run biases of data sheets": "in-run",
+}
 
 
 class SearchPanel(Question):
     """IMUs with the design's receiver, or all pairs; the filter, and the user's own sensors."""
 
     words = param.String(label="Filter")
-    own: bool = declared(
-        param.Selector(objects={"Your receiver": True, "All receivers": False}, default=True, label="Receiver")
-    )
-    biases: Biases = declared(param.Selector(objects=_BIASES, default="design", label="Residual biases"))
+    own = chosen(True, {"Your receiver": True, "All receivers": False}, "Receiver")
+    biases: Biases = chosen("design", _BIASES, "Residual biases")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -9,7 +9,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import to_csv
-from app.declared import declared
+from app.declared import chosen
 from app.document.bars import effects_html
 from app.document.blocks import Answer
 from app.document.closing import Way, value_ways
@@ -34,13 +34,12 @@ from nav_model.explore.solve import solve
 class SolvedPanel(Question):
     """The solved values on the left, the ranking of one figure's inputs on the right."""
 
-    figure: str = declared(
-        param.Selector(objects={label_of(name): name for name in FIGURES}, label="Quantity to improve")
-    )
+    figure = chosen("quadratic_phase", {label_of(name): name for name in FIGURES}, "Quantity to improve")
 
     def __init__(self, session: Session) -> None:
-        tightest = session.budget.verdict.tightest
-        super().__init__(session=session, figure=tightest.name if tightest else "quadratic_phase")
+        super().__init__(session=session)
+        if tightest := session.budget.verdict.tightest:
+            self.figure = tightest.name
         self._ways: tuple[Way, ...] = ()
         self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12))
         self._table.param.watch(self._take, "chosen")

@@ -11,7 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held
+from app.declared import declared, held, perhaps
 from app.document.blocks import Answer, Bullets
 from app.document.pane import html_of
 from app.document.wording import shortened
@@ -47,11 +47,7 @@ class Desk(param.Parameterized):
             class_=tuple, default=(), doc=f"Revisions in the order they were picked, at most {MAX_ITEMS}."
         )
     )
-    base: Revision | None = declared(
-        param.ClassSelector(
-            class_=Revision, default=None, doc="The revision that the design in force came from, if any."
-        )
-    )
+    base = perhaps(Revision, "The revision that the design in force came from, if any.")
     author = param.String(default="", doc="The name typed by whoever is at the desk.")
 
     def __init__(self, session: Session) -> None:

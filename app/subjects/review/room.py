@@ -11,7 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held
+from app.declared import declared, held, perhaps
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.wording import shortened
@@ -60,12 +60,7 @@ class ReviewRoom(View):
     """One review at a time, or the list of all."""
 
     desk = held(Desk)
-    review: Review | None = declared(
-        param.ClassSelector(
-            class_=Review, default=None, allow_None=True, instantiate=False, doc="The review at hand."
-        )
-    )
-
+    review = perhaps(Review, "The review at hand.")
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=_OPENING, instantiate=False))
 
     def __init__(self, desk: Desk) -> None:

@@ -15,7 +15,7 @@ import param
 from app.charts.kinds import AnyChart, Chart, DotChart, PictureChart
 from app.charts.legend import legend_html
 from app.charts.screen.pictures import picture_gallery
-from app.declared import declared, held
+from app.declared import chosen, held
 from app.document.pane import html_of
 from app.document.ranks_html import ranks_html
 from app.session import Session
@@ -72,8 +72,8 @@ class SarPage(View):
     """
 
     run = held(Run)
-    engine: Engine = declared(param.Selector(default="fast", objects=_ENGINES, label="Engine"))
-    runs: int = declared(param.Selector(default=_RUNS[0], objects=list(_RUNS), label="Runs"))
+    engine: Engine = chosen("fast", _ENGINES, "Engine")
+    runs = chosen(_RUNS[0], _RUNS, "Runs")
     seed = param.String(default="0", label="Seed")
 
     def __init__(self, session: Session) -> None:

@@ -12,7 +12,7 @@ import param
 from app.charts.kinds import PictureChart
 from app.charts.print.svg import to_svg
 from app.charts.screen.pictures import picture_gallery
-from app.declared import declared
+from app.declared import perhaps
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.view import View
@@ -22,7 +22,7 @@ from app.work.pool import elsewhere
 class PicturePanel(View):
     """The pictures of one chart under its title, with links; nothing while there is none."""
 
-    chart: PictureChart | None = declared(param.ClassSelector(class_=PictureChart, default=None, allow_None=True))
+    chart = perhaps(PictureChart, "What is shown; None: nothing yet.")
     stale = param.String(default="", doc="Mark beside the title, as HTML.")
 
     def __init__(self, title: str, key: str, *, pair: bool = False) -> None:

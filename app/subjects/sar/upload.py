@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import PictureChart
-from app.declared import declared, held
+from app.declared import chosen, declared, held
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
@@ -44,11 +44,7 @@ class UploadedPicture(View):
 
     run = held(Run)
     file: tuple[str, bytes] | None = declared(param.Parameter(default=None, doc="Name and content of the file."))
-    strategy: str = declared(
-        param.Selector(
-            default="2", objects={NAMES[key]: key for key in STRATEGY_KEYS[1:]}, label="Navigation error of"
-        )
-    )
+    strategy = chosen("2", {NAMES[key]: key for key in STRATEGY_KEYS[1:]}, "Navigation error of")
     half_width = param.String(default="50", label="Half width [m]")
 
     def __init__(self, session: Session, result: Callable[[], SarResult | None]) -> None:

@@ -16,7 +16,7 @@ import param
 
 from app.charts.legend import legend_html
 from app.charts.screen.timelines import Timelines
-from app.declared import declared, held
+from app.declared import chosen, held
 from app.document.blocks import Answer, Block
 from app.document.numbers import number as shown
 from app.document.pane import html_of
@@ -87,16 +87,14 @@ class SimulatePage(View):
     """Everything below the tab."""
 
     run = held(Run)
-    trajectory: str = declared(param.Selector(default="wandering", objects=_FLIGHTS, label="Trajectory"))
+    trajectory = chosen("wandering", _FLIGHTS, "Trajectory")
     runs = param.String(default="50", label="Runs")
     length = param.String(default="300", label="Length [s]")
     outages = param.String(default="200,300", label="Outages [s]")
     seed = param.String(default="1", label="Seed")
-    states: int = declared(
-        param.Selector(default=9, objects={f"{count} states": count for count in FILTER_STATES}, label="Filter")
-    )
+    states = chosen(9, {f"{count} states": count for count in FILTER_STATES}, "Filter")
     added = param.String(doc="What the study adds to the design, as a query.")
-    axis: str = declared(param.Selector(default="north", objects=_AXES, label="Axis of the ensemble"))
+    axis = chosen("north", _AXES, "Axis of the ensemble")
 
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())

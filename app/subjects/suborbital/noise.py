@@ -6,9 +6,8 @@ from collections.abc import Callable
 
 import panel as pn
 import panel_material_ui as pmui
-import param
 
-from app.declared import declared, held
+from app.declared import chosen, held
 from app.session import Session
 from app.subjects.suborbital.charts import Shown
 from app.ui.run_bar import RunBar
@@ -31,7 +30,7 @@ class NoisePanel(pn.viewable.Viewer):
     """
 
     run = held(Run)
-    runs: int = declared(param.Selector(objects=_RUNS, default=100, label="Runs"))
+    runs = chosen(100, _RUNS, "Runs")
 
     def __init__(self, session: Session, current: Callable[[], Shown | None]) -> None:
         super().__init__(run=session.new_run())

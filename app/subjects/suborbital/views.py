@@ -13,7 +13,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import Chart
-from app.declared import declared
+from app.declared import chosen, declared, perhaps
 from app.document.pane import html_of
 from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
 from app.subjects.suborbital.charts.shown import CHANNELS, SUM
@@ -99,26 +99,12 @@ class StudyViews(pn.viewable.Viewer):
     The parameters are what a person chooses to look at; ``more`` are the views that are not of charts and tables.
     """
 
-    case: str = declared(param.Selector(objects=CASES, default="all", label="Error source"))
-    channel: int = declared(
-        param.Selector(objects={name: i for i, name in enumerate(CHANNELS)}, default=2, label="Channel")
-    )
-    aided_sources: bool = declared(
-        param.Selector(
-            objects={"INS alone": False, "INS with star tracker": True}, default=False, label="Error sources of"
-        )
-    )
-    along_track: bool = declared(
-        param.Selector(
-            objects={"north and east": False, "down-range and cross-range": True},
-            default=False,
-            label="Horizontal axes",
-        )
-    )
+    case = chosen("all", CASES, "Error source")
+    channel = chosen(2, {name: i for i, name in enumerate(CHANNELS)}, "Channel")
+    aided_sources = chosen(False, {"INS alone": False, "INS with star tracker": True}, "Error sources of")
+    along_track = chosen(False, {"north and east": False, "down-range and cross-range": True}, "Horizontal axes")
     moment: int = declared(param.Integer(default=100, bounds=(0, 1500), step=_SPACING_S, label="Star frame at [s]"))
-    shown: Shown | None = declared(
-        param.ClassSelector(class_=Shown, doc="What is on the page; None before the first answer.")
-    )
+    shown = perhaps(Shown, "What is on the page; None before the first answer.")
 
     def __init__(self, noise: pn.viewable.Viewer, camera: pn.viewable.Viewer, inputs: pn.viewable.Viewer) -> None:
         super().__init__()

@@ -14,7 +14,7 @@ import param
 
 from app.charts.csv_text import csv_text
 from app.charts.screen.timelines import Timelines
-from app.declared import declared, held
+from app.declared import chosen, held
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.session import Session
@@ -64,7 +64,7 @@ class TrajectoryPage(View):
     """Everything below the tab. The flight is followed again whenever design or flight change."""
 
     run = held(Run)
-    flight: str = declared(param.Selector(default="strip", objects=_FLIGHTS, label="Flight"))
+    flight = chosen("strip", _FLIGHTS, "Flight")
     count = param.String(default="4", label="Lines")
     length = param.String(default="5000", label="Line length [m]")
     spacing = param.String(default="1000", label="Spacing [m]")
@@ -73,14 +73,8 @@ class TrajectoryPage(View):
     bank = param.String(default="25", label="Bank [°]")
     duration = param.String(default="500", label="Length [s]")
     outages = param.String(default="", label="Outages [s]")
-    states: int = declared(
-        param.Selector(default=9, objects={f"{count} states": count for count in FILTER_STATES}, label="Filter")
-    )
-    figure: str = declared(
-        param.Selector(
-            default="detrended_phase", objects={one.label: name for name, one in FIGURES.items()}, label="Quantity"
-        )
-    )
+    states = chosen(9, {f"{count} states": count for count in FILTER_STATES}, "Filter")
+    figure = chosen("detrended_phase", {one.label: name for name, one in FIGURES.items()}, "Quantity")
 
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())
