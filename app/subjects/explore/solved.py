@@ -37,9 +37,8 @@ class SolvedPanel(Question):
     figure = chosen("quadratic_phase", {label_of(name): name for name in FIGURES}, "Quantity to improve")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(session=session)
-        if tightest := session.budget.verdict.tightest:
-            self.figure = tightest.name
+        tightest = session.budget.verdict.tightest
+        super().__init__(session=session, figure=tightest.name if tightest else "quadratic_phase")
         self._ways: tuple[Way, ...] = ()
         self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12))
         self._table.param.watch(self._take, "chosen")
