@@ -103,28 +103,6 @@ def test_set_overrides(capsys):
     assert inputs["radar.autofocus_order"] == 2
 
 
-def test_the_worked_design_comes_out_of_the_command(capsys, stdin):
-    """theory.md section 2 and 3, through the whole product."""
-    stdin(
-        '[imu]\nvelocity_random_walk = "0.05 m/s/√h"\nangle_random_walk = "0.5 °/√h"\n'
-        '[gnss]\nposition_noise = "1 m"\nrate = "1 Hz"\n[flight]\ngravity = "9.80665 m/s²"\n'.encode()
-    )
-    plain = _evaluate(capsys, "-", "--times", "10,20,50,100")
-    steady = plain["steady_state"]
-    assert steady["position_sigma_m"]["horizontal"] == pytest.approx(0.474565, abs=5e-7)
-    assert steady["position_sigma_m"]["vertical"] == pytest.approx(0.202052, abs=5e-7)
-    assert steady["velocity_sigma_m_s"]["horizontal"] == pytest.approx(0.0654609, abs=5e-8)
-    assert steady["velocity_sigma_m_s"]["vertical"] == pytest.approx(0.00583273, abs=5e-9)
-    assert math.degrees(steady["tilt_sigma_rad"]) == pytest.approx(0.0351388, abs=5e-8)
-    assert plain["coast"]["position_sigma_m"]["horizontal"] == pytest.approx(
-        [1.313629, 2.805036, 12.063485, 48.014141],
-        abs=6e-7,  # the page cut the third, 12.0634855, where the others are rounded
-    )
-    assert plain["coast"]["position_sigma_m"]["vertical"] == pytest.approx(
-        [0.247235, 0.299363, 0.488001, 0.882712], abs=5e-7
-    )
-
-
 @pytest.mark.parametrize(
     ("designs", "code"),
     [
@@ -142,17 +120,6 @@ def test_check_exit_codes(capsys, designs, code):
         assert len(lines) >= 2
         assert ("DOES NOT CLOSE" in lines[-1]) == (path == MEMS)
     assert err.count("\n") == designs.count("nowhere.toml")
-
-
-def test_check_says_each_requirement_once(capsys):
-    assert main(["check", TACTICAL]) == 0
-    out = capsys.readouterr().out
-    for name in (
-        "quadratic_phase", "along_track_quadratic_phase", "detrended_phase", "horizontal_position",
-        "vertical_position", "coast_horizontal_position",
-    ):  # fmt: skip
-        assert sum(f"met     {name} " in line for line in out.splitlines()) == 1
-    assert "(limit 45°" in out
 
 
 @pytest.mark.parametrize(("kind", "names"), [("imu", ["STIM300", "LN-200"]), ("radar", ["F-SAR X", "UAVSAR"])])

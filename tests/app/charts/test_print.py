@@ -186,14 +186,6 @@ def test_no_curve_at_all_still_makes_a_chart():
     assert "first" in texts(to_svg(plain_chart(lines=nothing, y_log=True)))
 
 
-def test_a_last_row_with_one_bar_alone_stays_inside_the_frame():
-    svg = ET.fromstring(to_svg(BarChart("k", "T", "x [°]", "plain", "hatched", _BARS, math.nan, math.nan)))
-    bottom = max(float(y) for y in re.findall(r"[ML] [\d.]+ ([\d.]+)", svg.find(".//*[@id='patch_2']/*").get("d")))
-    text = next(t for t in svg.iter(f"{SVG}text") if "".join(t.itertext()).strip() == "two")
-    place = text.get("y") or re.findall(r"[\d.]+", text.get("transform"))[1]
-    assert float(place) + 5 < bottom  # the label's line, and half a row of the bar under it
-
-
 def test_dots_name_rows_and_all_they_show():
     legend = {"formula, 1σ", "runs, rms", "runs, 5 to 95 %", "limit (scaled to 1σ)"}
     assert {"one", "two", "phase [°]", *legend} <= set(texts(to_svg(dots())))

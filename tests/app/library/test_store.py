@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE
 
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library
@@ -139,18 +140,6 @@ def _check_history(library: Library, design: str, writers: int, count: int) -> N
         assert own == [str(i) for i in range(count)]
 
 
-def test_threads_lose_no_revision(library: Library, mems: Budget, at_once: Callable[..., None]) -> None:
-    design = library.save(mems, "Ann").design
-    told: list[int] = []
-
-    def write(name: str) -> None:
-        told.append(_save_stubbornly(library, design, mems, name, 10))
-
-    at_once(write, *(f"writer {i}" for i in range(4)))
-    _check_history(library, design, 4, 10)
-    assert sum(told) > 0, "the writers never met: the test shows nothing"
-
-
 @pytest.mark.long
 def test_processes_lose_no_revision(tmp_path: Path, mems: Budget) -> None:
     path = tmp_path / "library.db"
@@ -162,7 +151,7 @@ def test_processes_lose_no_revision(tmp_path: Path, mems: Budget) -> None:
     for process in processes:
         process.start()
     for process in processes:
-        process.join(60)
+        process.join(PATIENCE)
         assert process.exitcode == 0
     _check_history(library, design, 2, 15)
     library.close()

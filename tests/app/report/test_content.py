@@ -15,7 +15,6 @@ from app.document.display import Display
 from app.report.content import report_of
 from nav_model.base.units import format_quantity
 from nav_model.budget import analyse
-from nav_model.design import Design
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.equations import EQUATIONS
 
@@ -99,12 +98,6 @@ def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, thr
     assert [report_of([b], NOW).chapters[0].verdict.tone for b in three] == ["good", "bad", "good"]
 
 
-def test_a_design_without_requirements_is_said_to_be_unchecked():
-    report = report_of([analyse(Design())], NOW)
-    assert report.chapters[0].verdict.word == "Not checked"
-    assert any("nothing was checked" in text for text in sayings(report))
-
-
 def test_every_mark_that_is_cited_has_its_equation(three):
     cited = set(re.findall(r"\[([TS]-\d+)\]", " ".join(sayings(report_of(three, NOW)))))
     assert cited <= {equation.mark for equation in EQUATIONS}
@@ -128,12 +121,6 @@ def test_a_value_that_is_not_the_presets_is_marked_and_loses_the_presets_standin
     rows = {row[0].text: row for row in table(report, "d-inputs-table").rows if len(row) > 1}
     assert (rows["Azimuth resolution"][1].text, rows["Azimuth resolution"][1].mark) == ("0.3 m", "changed")
     assert "0.2 m (confirmed)" in rows["Azimuth resolution"][2].text
-
-
-def test_a_slow_gnss_error_brings_its_caution(changed):
-    report = report_of([changed(gnss__correlated=True)], NOW)
-    assert any("slow GNSS error is on" in text for text in sayings(report))
-    assert not any("slow GNSS error is on" in text for text in sayings(report_of([changed()], NOW)))
 
 
 def test_steady_state_and_outage_stand_in_the_right_columns(mems):
@@ -242,11 +229,3 @@ def test_a_noted_origin_stands_in_the_table_of_inputs(mems):
     report = report_of([analyse(noted.replace({key: 2 * walk}))], NOW)
     row = next(row for row in table(report, "d-inputs-table").rows if row[0].text == "Angle random walk")
     assert row[1].mark != "noted"
-
-
-def test_only_an_absent_requirement_is_not_checked():
-    rows = table(report_of([analyse(Design())], NOW), "d-inputs-table").rows
-    absent = [(row[0].text, row[2].text) for row in rows if len(row) == 3 and row[1].text == "not given"]
-    limits = {str(limit.label) for limit in INPUTS["requirements"].values()}
-    assert {label for label, holds in absent if holds == "not checked"} <= limits
-    assert dict(absent)["Velocity noise"] == "no velocity"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pytest
 from app.document.html import to_html
 from app.report.comparison import difference_tables
 from app.report.content import report_of
-from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.timelines import position_knowledge
 from nav_model import analyse, read_design
@@ -38,17 +36,6 @@ def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: s
     for text in ("Detrended phase", "1 mm", "20 %", "random", "both", "survey, 2026-03"):
         assert text in row[0]
     assert "Contributors given in the design" not in before
-
-
-def test_check_says_the_value_with_it() -> None:
-    base = _BASE.replace({"requirements.detrended_phase": 1.0, "requirements.confidence": 1.0})
-    design = base.replace({}, contributors=read_contributors([_LEVER_ARM]))
-    size = 4 * math.pi * 1.2e-3 * design.radar.frequency / 299_792_458.0
-    found = []
-    for one in (base, design):
-        (line,) = (line for line in check_lines("x", analyse(one)) if " detrended_phase " in line)
-        found.append(float(re.search(r"detrended_phase ([\d.]+)", line)[1]))  # type: ignore[index]
-    assert found[1] == pytest.approx(math.degrees(math.hypot(math.radians(found[0]), size)), rel=0.01)
 
 
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])

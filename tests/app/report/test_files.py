@@ -159,11 +159,6 @@ def test_what_people_write_is_literal_in_the_pdf_and_inert_in_the_html(changed, 
     assert Page(html).text.count(" ".join(HOSTILE.split())) >= 5
 
 
-def test_a_report_says_the_same_twice(mems, mems_words, mems_html):
-    assert pdf_text(report_bytes([mems], ".pdf", NOW)) == mems_words
-    assert Page(report_bytes([mems], ".html", NOW).decode()).text == Page(mems_html).text
-
-
 def test_the_html_loads_nothing(hostile_html):
     html = hostile_html.decode()
     page = Page(html)

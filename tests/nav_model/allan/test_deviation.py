@@ -5,8 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from nav_model.allan.deviation import averaging_times, overlapping_allan_deviation
 
@@ -25,21 +23,6 @@ def test_equals_nbs14(compared, ratio_off):
     off = ratio_off(found.deviation, [2.922319e-01, 9.159953e-02, 3.241343e-02])
     compared(
         "Allan deviation of the 1000-point set",
-        "",
-        "published figure",
-        "NIST SP 1065, NBS14",
-        off,
-        1e-6,
-        "largest ratio − 1",
-    )
-
-
-def test_equals_nbs14_short_set(compared, ratio_off):
-    short = np.array([892.0, 809.0, 823.0, 798.0, 671.0, 644.0, 883.0, 903.0, 677.0])
-    found = overlapping_allan_deviation(short, 1.0, np.array([1.0, 2.0]))
-    off = ratio_off(found.deviation, [91.22945, 85.95287])
-    compared(
-        "Allan deviation of the nine-point set",
         "",
         "published figure",
         "NIST SP 1065, NBS14",
@@ -84,21 +67,6 @@ def test_limits_cover_white_noise():
     assert np.all(inside <= 0.985 * 400)
 
 
-@settings(max_examples=25)
-@given(
-    scale=st.floats(1e-6, 1e6),
-    offset=st.floats(-10.0, 10.0),
-    interval_s=st.floats(1e-3, 10.0),
-    seed=st.integers(0, 99),
-)
-def test_scales_with_the_signal_and_ignores_its_mean(scale: float, offset: float, interval_s: float, seed: int):
-    signal = np.random.default_rng(seed).standard_normal(600)
-    plain = overlapping_allan_deviation(signal, 1.0)
-    other = overlapping_allan_deviation(scale * (signal + offset), interval_s)
-    np.testing.assert_allclose(other.deviation, scale * plain.deviation, rtol=1e-9)
-    np.testing.assert_allclose(other.tau_s, plain.tau_s * interval_s)
-
-
 def test_default_times_are_whole_samples_up_to_a_quarter():
     taus = averaging_times(100_000, 0.01)
     np.testing.assert_allclose(taus / 0.01, np.round(taus / 0.01), atol=1e-6)
@@ -110,16 +78,3 @@ def test_default_times_are_whole_samples_up_to_a_quarter():
 def test_impossible_averaging_time_is_refused(tau: float):
     with pytest.raises(ValueError, match="tau_s"):
         overlapping_allan_deviation(np.arange(1000.0), 0.01, np.array([tau]))
-
-
-def test_equals_allantools():
-    """Deviations and pairs of a walk with an offset a million times its steps, and of white noise."""
-    import allantools
-
-    noise = np.random.default_rng(7).standard_normal(5000)
-    for signal in (noise, 1e6 + np.cumsum(noise)):
-        found = overlapping_allan_deviation(signal, 0.01)
-        factors = np.round(found.tau_s / 0.01)
-        _, theirs, _, pairs = allantools.oadev(signal - signal.mean(), rate=1.0, data_type="freq", taus=factors)
-        np.testing.assert_allclose(found.deviation, theirs, rtol=1e-12)
-        np.testing.assert_array_equal(found.pairs, pairs)

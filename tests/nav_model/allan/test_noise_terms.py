@@ -90,14 +90,6 @@ def test_cosine_variances_equal_the_exact_transform(term: int, tolerance: float,
     )
 
 
-def test_cosine_coefficients_of_walk_and_white_noise_are_independent():
-    for term in (1, 3):
-        matrix = dct(dct(covariance(term), norm="ortho", axis=0), norm="ortho", axis=1)[1:, 1:]
-        scale = np.sqrt(np.diag(matrix))
-        correlation = matrix / scale[:, None] / scale[None, :] - np.eye(SAMPLES - 1)
-        assert np.max(np.abs(correlation)) < 1e-6
-
-
 def test_cosine_variance_of_quantization_but_for_the_ends():
     exact = np.diag(dct(dct(covariance(0), norm="ortho", axis=0), norm="ortho", axis=1))[1:]
     index = np.arange(1.0, SAMPLES)

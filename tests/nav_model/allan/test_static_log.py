@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nav_model.allan.deviation import overlapping_allan_deviation
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import read_log
 from nav_model.allan.noise_terms import TERMS
@@ -95,7 +94,7 @@ RUNS = {
 }
 
 
-@pytest.mark.parametrize("run", RUNS)
+@pytest.mark.parametrize("run", [2, pytest.param(6, marks=pytest.mark.slow)])
 def test_adis16405_random_walks(shared_data: Path, run: int):
     log = read_log(shared_data / f"static_adis16405_run{run}_100hz_10000s.npz")
     axes = to_json(analyse_log(log))["axes"]
@@ -109,18 +108,6 @@ def test_adis16405_random_walks(shared_data: Path, run: int):
     for axis in axes[3:]:
         assert any(0.5 < line < 0.7 for line in axis["lines_hz"])
         assert any("vibration" in warning for warning in axis["warnings"])
-
-
-@pytest.mark.parametrize("run", RUNS)
-def test_adis16405_published_accelerometer_figures_are_readings_at_3_s(shared_data: Path, run: int):
-    """Where the published figures come from: sigma(3 s) times the root of 3 s, far above the white floor."""
-    log = read_log(shared_data / f"static_adis16405_run{run}_100hz_10000s.npz")
-    assert log.accelerometer is not None
-    for column, published in enumerate(RUNS[run][1]):
-        signal = np.ascontiguousarray(log.accelerometer[:, column])
-        at = overlapping_allan_deviation(signal, 0.01, np.array([0.1, 3.0])).deviation
-        assert 60.0 * at[1] * np.sqrt(3.0) == pytest.approx(published, rel=0.03)
-        assert 60.0 * at[0] * np.sqrt(0.1) < 0.85 * published
 
 
 def test_disturbed_ring_laser_log_gives_no_angle_random_walk(shared_data: Path):

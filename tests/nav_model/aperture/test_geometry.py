@@ -13,7 +13,6 @@ from nav_model.aperture.geometry import (
     aperture_time,
     cell_length,
     line_of_sight_weights,
-    phase_to_metres,
 )
 
 
@@ -60,40 +59,6 @@ def test_window_widths_are_roots_of_the_transforms(window, pattern, printed, com
     assert WINDOW_WIDTH[window] == pytest.approx(printed, abs=5e-5)
 
 
-def test_the_pages_other_taylor_windows():
-    """The pattern written here is the page's: its other two rows come out as well."""
-    assert _width(_taylor(35, 4)) == pytest.approx(1.1842, abs=5e-5)
-    assert _width(_taylor(30, 4)) == pytest.approx(1.1247, abs=5e-5)
-
-
-POSITIVE = st.floats(1e-2, 1e4)
-
-
-@given(POSITIVE, POSITIVE, POSITIVE, POSITIVE, st.sampled_from(sorted(WINDOW_WIDTH)))
-def test_aperture_and_cell_are_inverse_to_each_other(wavelength, slant_range, speed, resolution, window):
-    t = aperture_time(wavelength, slant_range, speed, resolution, window)
-    assert float(t) == pytest.approx(
-        WINDOW_WIDTH[window] * wavelength * slant_range / (2 * resolution * speed), rel=1e-14
-    )
-    cell = cell_length(wavelength, slant_range, speed, t)
-    assert float(cell) * WINDOW_WIDTH[window] == pytest.approx(resolution, rel=1e-13)
-
-
-def test_aperture_resolves_two_scatterers_by_exact_ranges():
-    """Two points one cell apart are one cycle of exact two-way phase apart over the aperture."""
-    wavelength, slant_range, speed, resolution = 0.0312, 7000.0, 90.0, 0.5
-    t = float(aperture_time(wavelength, slant_range, speed, resolution, "uniform"))
-    cell = float(cell_length(wavelength, slant_range, speed, t))
-    x = speed * t / 2
-    ahead, behind = (math.hypot(slant_range, end - cell) - math.hypot(slant_range, end) for end in (x, -x))
-    assert abs(ahead - behind) * 2 / wavelength == pytest.approx(1, rel=1e-3)
-
-
-def test_unknown_window():
-    with pytest.raises(KeyError):
-        aperture_time(0.03, 1e4, 100, 1, "hann")
-
-
 def test_mathworks_example_of_the_presets_page(compared):
     """10 GHz, 10 km, 100 m/s, 1 m: 1.4990 s with k = 1."""
     t = aperture_time(299792458 / 10e9, 10e3, 100.0, 1.0, "uniform") / WINDOW_WIDTH["uniform"]
@@ -116,12 +81,6 @@ def test_line_of_sight(angle, sigma_y, sigma_z):
     level, upright = line_of_sight_weights(angle)
     assert level * sigma_y**2 + upright * sigma_z**2 == pytest.approx(expected, rel=1e-13, abs=1e-300)
     assert level + upright == pytest.approx(1, rel=1e-15)
-
-
-def test_limits_in_metres():
-    """[S-4]: pi/4 = lambda/16, pi/2 = lambda/8, pi = lambda/4."""
-    for phase, part in ((math.pi / 4, 16), (math.pi / 2, 8), (math.pi, 4)):
-        assert float(phase_to_metres(phase, 0.24)) == pytest.approx(0.24 / part, rel=1e-15)
 
 
 @pytest.mark.parametrize("squint", [-0.7, 0.4])

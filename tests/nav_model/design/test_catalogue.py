@@ -88,22 +88,6 @@ def test_inertial_units(name):
     assert not {"gyro_bias", "accelerometer_bias"} & set(entry.values)  # data-sheet biases fill nothing
 
 
-@pytest.mark.parametrize(
-    ("name", "key", "exact"),
-    [
-        ("MPU-9250", "velocity_random_walk", 300e-6 * 9.80665),
-        ("MPU-9250", "angle_random_walk", 0.01 * math.pi / 180),
-        ("Xsens MTi-1", "velocity_random_walk", 120e-6 * 9.80665),
-        ("HG1125", "velocity_random_walk", 0.18 * 0.3048 / 60),
-        ("HG1700", "velocity_random_walk", 0.065 * 0.3048 / 60),
-        ("Sagem Primus 200", "velocity_random_walk", 60e-6 * 9.80665),
-        ("LN-200", "angle_random_walk", 0.07 * math.pi / 180 / 60),
-    ],
-)
-def test_random_walks_are_converted_exactly(name, key, exact):
-    assert catalogue("imu")[name].values[key].value == pytest.approx(exact, rel=1e-15)
-
-
 @pytest.mark.parametrize("name", RADARS)
 def test_radars(name):
     entry = catalogue("radar")[name]

@@ -23,13 +23,6 @@ QUANTITIES = [
     for name, declaration in inputs.items()
     if isinstance(declaration, BaseQuantity)
 ]
-NOISES = [
-    "imu.velocity_random_walk", "imu.angle_random_walk", "imu.vibration_factor", "imu.rate",
-    "gnss.position_noise", "gnss.vertical_position_noise", "gnss.interval", "gnss.correlated_noise",
-    "gnss.correlation_time", "flight.speed", "flight.gravity", "coast.duration", "radar.frequency",
-    "radar.slant_range", "radar.azimuth_resolution", "radar.aperture_time", "requirements.confidence",
-    *(f"requirements.{n}" for n in INPUTS["requirements"] if n not in {"confidence", "steady_state"}),
-]  # fmt: skip
 
 
 def test_the_contracts_inputs_exist():
@@ -68,14 +61,6 @@ def test_what_is_no_number_or_out_of_bounds_is_refused_by_key(key, bad):
         Design({key: bad})
     assert caught.value.key == key
     assert str(caught.value).startswith(key)
-
-
-@pytest.mark.parametrize("key", NOISES)
-@pytest.mark.parametrize("bad", [0.0, -1.0, 5e-324])
-def test_what_must_be_positive_is(key, bad):
-    with pytest.raises(InputError) as caught:
-        Design({key: bad})
-    assert caught.value.key == key
 
 
 @pytest.mark.parametrize("key", ["imu.accelerometer_bias", "imu.gyro_bias", "coast.before_aperture"])
@@ -133,13 +118,6 @@ def test_replace_changes_one_value_and_leaves_the_original(key):
     assert back == base
     assert hash(back) == hash(base)
     assert back.content_hash == base.content_hash
-
-
-def test_replace_refuses_what_the_constructor_refuses():
-    for changes in ({"imu.bogus": 1.0}, {"imu.rate": math.nan}, {"radar.window": "hann"}):
-        with pytest.raises(InputError):
-            Design().replace(changes)
-    assert Design().replace({"name": "b"}).name == "b"
 
 
 WRITTEN_TWICE = """

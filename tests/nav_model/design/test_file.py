@@ -83,10 +83,6 @@ def test_examples_survive(path):
     assert design.description
 
 
-def test_there_are_three_examples():
-    assert len(EXAMPLES) >= 3
-
-
 @pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values])
 def test_an_inertial_preset_fills_its_random_walks_and_nothing_else(name):
     design = parse_design(f'[imu]\npreset = "{name}"')

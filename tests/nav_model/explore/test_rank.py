@@ -14,7 +14,7 @@ from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.explore.margins import quantity
-from nav_model.explore.rank import SENSORS, Sensitivity, log_derivatives, rank, sentence, silent, stated
+from nav_model.explore.rank import SENSORS, log_derivatives, rank, silent, stated
 
 
 def _sigma(design, key, value, figure):
@@ -117,17 +117,6 @@ def test_slopes_are_the_shares_of_the_closed_form(closed_design):
         assert list(budget[name].values()) == pytest.approx(list(slopes), rel=1e-12)
 
 
-@settings(max_examples=20)
-@given(data=st.data())
-def test_the_three_noises_account_for_all_of_a_settled_figure(data, designs):
-    """Variance is homogeneous of degree one in the three variances, prior and posterior too."""
-    design = data.draw(designs).replace({"gnss.velocity_noise": None})
-    keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
-    found = log_derivatives(design, keys, ("horizontal_position", "horizontal_velocity", "tilt"))
-    for slopes in found.values():
-        assert slopes.sum() == pytest.approx(1, abs=1e-10)
-
-
 def test_sorted_and_halvings_are_exact(open_design):
     found = rank(open_design, "quadratic_phase")
     assert [abs(item.slope) for item in found] == sorted((abs(item.slope) for item in found), reverse=True)
@@ -139,13 +128,6 @@ def test_sorted_and_halvings_are_exact(open_design):
             assert item.halved == pytest.approx(half / now - 1, rel=1e-9, abs=1e-13)
     assert "imu.gyro_bias" in silent(open_design)
     assert "imu.gyro_bias" not in {item.key for item in found}
-
-
-def test_words():
-    down = Sensitivity("imu.angle_random_walk", "Angle random walk", 0.8, -0.31, 0.9)
-    assert sentence(down, "Quadratic phase") == "Halving the angle random walk cuts the quadratic phase by 31 %."
-    up = Sensitivity("flight.speed", "Speed", -2.0, 3.0, -0.75)
-    assert sentence(up, "Quadratic phase") == "Doubling the speed cuts the quadratic phase by 75 %."
 
 
 def test_unknown_figure(open_design):

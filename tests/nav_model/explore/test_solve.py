@@ -131,31 +131,6 @@ def test_nothing_is_offered_below_what_can_be_bought(open_design):
     assert 0.2 < factor.together.value < 1
 
 
-def test_round_trip_through_the_limit(closed_design):
-    """Set the limit to what a design has: the solved value is the design's own."""
-    for key in ("imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "gnss.interval"):
-        sigma = analyse(closed_design).steady_state.prior.position_horizontal
-        tight = closed_design.replace(
-            {"requirements.horizontal_position": sigma, "requirements.quadratic_phase": None,
-             "requirements.detrended_phase": None, "requirements.coast_horizontal_position": None,
-             "requirements.vertical_position": None}
-        )  # fmt: skip
-        solution = next(s for s in solve(tight) if s.key == key)
-        assert solution.together.value == pytest.approx(solution.current, rel=1e-8)
-        assert solution.together.margin == pytest.approx(0, abs=1e-9)
-
-
-def test_quadratic_phase_of_a_bias_free_aperture_in_closed_form(open_design):
-    """With a coast requirement alone, the largest duration solves [T-17]; with T the aperture scales [S-5]."""
-    answers = {s.key: s for s in solve(open_design)}
-    aperture = answers["radar.aperture_time"].together
-    assert aperture.outcome == "limited"
-    resolution = resolution_for(open_design, aperture.value)
-    by_resolution = open_design.replace({"radar.azimuth_resolution": resolution})
-    assert analyse(by_resolution).sar.aperture_time == pytest.approx(aperture.value, rel=1e-12)
-    assert analyse(by_resolution).verdict.tightest.margin == pytest.approx(0, abs=1e-9)
-
-
 @given(st.floats(-0.9, 0.9), st.floats(0.1, 2.0), st.sampled_from(["uniform", "hamming", "taylor"]))
 def test_the_resolution_of_an_aperture_is_the_one_it_was_made_for(squint, resolution, window):
     design = Design({"radar.squint_angle": squint, "radar.azimuth_resolution": resolution, "radar.window": window})

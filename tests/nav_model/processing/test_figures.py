@@ -224,30 +224,6 @@ def test_each_verdict_names_its_processing_and_the_chosen_one_decides(named):
     assert math.fsum(line["share"] for line in lines) == pytest.approx(1, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("name", "description", "digest"),
-    [
-        (
-            "A",
-            "A tactical-grade MEMS unit with a code receiver under an X-band radar at 0.2 m: does not close. Gyro "
-            "noise, through the tilt at the last fix, dominates; a better GNSS alone does not help.",
-            "601b014bc6e42c3d17884bc2ccb63e1aa33a04b6c9d2bf677941a067f3c90a36",
-        ),
-        (
-            "C",
-            "A fibre-optic tactical unit with carrier-phase fixes at 10 Hz and 0.3 m resolution: closes at one sigma "
-            "against the usual quadratic-phase limit.",
-            "e85f501272540d9ce2781034d7cd5f01d613767ad56a2997693efe59283c431c",
-        ),
-    ],
-)
-def test_a_design_of_before_is_the_same_design(named, name, description, digest):
-    """Described as it was when the product did not know post-processing, and with that version's hash."""
-    design = named[name].replace({"description": description})
-    assert design.content_hash == digest
-    assert design.replace({"processing.mode": "post-processed"}).content_hash != digest
-
-
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_turn_that_counts_is_told_with_its_size(named, order):
     """A long aperture at short range turns the line of sight far; the words say the ratios of the figures."""

@@ -12,7 +12,7 @@ from app.session import Session
 from app.subjects.budget.contributors import Contributors, contributors_html
 from nav_model import Design, analyse
 from nav_model.budget.allocation import allocate
-from nav_model.design.file import format_contributors, parse_contributors
+from nav_model.design.file import parse_contributors
 
 _TEXT = '[[contributors]]\nname = "lever <arm>"\nvalue = "1 mm"\nenters = "detrended_phase"\nowner = "mechanics"\n'
 _DESIGN = Design({"requirements.detrended_phase": 0.4, "requirements.tilt": 0.01})
@@ -87,9 +87,3 @@ def test_a_comparison_lists_contributors_that_differ() -> None:
     assert "not given" in row[0]
     assert "Contributor clock" not in said
     assert "The designs have the same inputs." not in said
-
-
-def test_the_text_of_the_box_reads_back() -> None:
-    own = parse_contributors(_TEXT)
-    assert parse_contributors(format_contributors(own)) == own
-    assert format_contributors(()) == ""

@@ -197,15 +197,6 @@ def test_a_design_without_requirement_is_not_checked_anywhere() -> None:
     assert check_lines("-", budget) == ["-: closes (the design has no requirement, so nothing was checked)"]
 
 
-def test_the_verdict_says_when_its_one_requirement_is_met() -> None:
-    limits = {f"requirements.{name}": None for name in (
-        "quadratic_phase", "detrended_phase", "horizontal_position", "coast_horizontal_position")}  # fmt: skip
-    design = read_design(EXAMPLES / "mems_x_band.toml").replace({**limits, "requirements.tilt": 1.0})
-    said = verdict_of(analyse(design))
-    assert (said.word, said.tone) == ("✓ Closes", "good")
-    assert said.sentences[0] == "At 1σ in real time, its one requirement is met."
-
-
 def test_page_and_report_say_the_same(mems: Budget) -> None:
     page, strip = requirements(mems), verdict_strip(mems)
     chapter = report_of([mems]).chapters[0]

@@ -32,18 +32,6 @@ def test_solve_says_what_would_help(capsys):
     assert row["what_would"]["imu.angle_random_walk"] == pytest.approx(1.0481455368629689e-05, rel=1e-9)
 
 
-def test_own_sensors(tmp_path, capsys):
-    own = tmp_path / "own.toml"
-    own.write_text(
-        '[[imu]]\nname = "Ours"\n'
-        'angle_random_walk = { value = "0.01 °/√h", status = "confirmed", source = "bench" }\n'
-        'velocity_random_walk = { value = "0.01 m/s/√h", status = "confirmed", source = "bench" }\n',
-        encoding="utf-8",
-    )
-    assert main(["explore", "search", DESIGN, "--imus", str(own)]) == 0
-    assert "Ours" in {row["imu"] for row in json.loads(capsys.readouterr().out)["candidates"]}
-
-
 @pytest.mark.parametrize("name", ['=HYPERLINK("http://evil.example")', "+1+1", "-1+1", "@SUM(A1)"])
 def test_a_name_from_a_catalogue_is_no_formula(tmp_path, capsys, name):
     own = tmp_path / "own.toml"

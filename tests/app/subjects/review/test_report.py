@@ -11,13 +11,11 @@ from pathlib import Path
 import pypdf
 import pytest
 
-from app.document.pane import html_of
 from app.library.place import library, use_library
 from app.library.reviews import Review, add_comment, decide, open_review, sign
 from app.library.store import Library
 from app.report import report_bytes
 from app.report.comparison import difference_tables
-from app.subjects.review.compare import comparison_link
 from app.subjects.review.report import audit_sections, audit_table, front_page, status_table
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
@@ -106,16 +104,6 @@ def test_six_designs_stand_in_one_table_with_the_smallest_marked(budgets: list[B
     best = min(budget.sar.quadratic for budget in six)
     assert [cell.mark == "best" for cell in quadratic[1:]] == [budget.sar.quadratic == best for budget in six]
     assert "0.15" in " ".join(cell.text for row in inputs.rows for cell in row)
-
-
-def test_a_table_on_the_page_is_escaped(signed: Review) -> None:
-    shown = "".join(html_of(block) for section in audit_sections(signed) for block in section.blocks)
-    assert "<script" not in shown
-    assert "&lt;script&gt;" in shown
-
-
-def test_a_comparison_link_names_the_revisions(signed: Review) -> None:
-    assert comparison_link(signed.revisions) == "?compare=" + ",".join(item.key for item in signed.items)
 
 
 def test_the_library_is_opened_only_when_asked_for_and_a_failure_is_not_final(tmp_path: Path) -> None:
