@@ -1,30 +1,40 @@
-"""Every numbered equation of the product and its symbols: tables of data.
+"""Every numbered equation of the product and its symbols, read from `equations.toml` and `symbols.toml`.
 
-Each equation is written once, in Typst's math notation; the PDF sets it and the HTML carries it as MathML. The letter
-of a mark says which file has it: T `navigation`, S `radar`, P `processing`, B `suborbital`.
+Each equation is written once, in Typst's math notation; the PDF sets it and the HTML carries it as MathML.
 """
 
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Collection
+from importlib.resources import files
+from typing import Any
 
 from nav_model.equations.entry import Equation, Symbol
-from nav_model.equations.navigation import NAVIGATION
-from nav_model.equations.processing import PROCESSING
-from nav_model.equations.radar import RADAR
-from nav_model.equations.suborbital import SUBORBITAL
-from nav_model.equations.symbols import SYMBOLS, SYMBOLS_OF_CITED
 
 _CITED = re.compile(r"\[([TSBP]-\d+)\]")
 _ONLY_WHERE_CITED = ("T-14", "T-16", "S-4", "S-7")
 
-ALL_EQUATIONS: tuple[Equation, ...] = (*NAVIGATION, *RADAR, *PROCESSING, *SUBORBITAL)
 
-EQUATIONS: tuple[Equation, ...] = tuple(e for e in (*NAVIGATION, *RADAR) if e.mark not in _ONLY_WHERE_CITED)
+def table_of(name: str) -> dict[str, Any]:
+    """A data file of this package."""
+    return tomllib.loads(files(__name__).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+
+
+ALL_EQUATIONS: tuple[Equation, ...] = tuple(Equation(**row) for row in table_of("equations")["equation"])
+
+EQUATIONS: tuple[Equation, ...] = tuple(
+    e for e in ALL_EQUATIONS if e.mark[0] in "TS" and e.mark not in _ONLY_WHERE_CITED
+)
 """Those of every report; the others are in a report that cites them."""
 
-ALL_SYMBOLS: tuple[Symbol, ...] = (*SYMBOLS, *SYMBOLS_OF_CITED)
+ALL_SYMBOLS: tuple[Symbol, ...] = tuple(
+    Symbol(**row | {"marks": tuple(row.get("marks", ()))}) for row in table_of("symbols")["symbol"]
+)
+
+SYMBOLS: tuple[Symbol, ...] = tuple(symbol for symbol in ALL_SYMBOLS if not symbol.marks)
+"""Those of every report."""
 
 
 def with_cited(marks: Collection[str]) -> tuple[tuple[Equation, ...], tuple[Symbol, ...]]:
@@ -37,5 +47,5 @@ def with_cited(marks: Collection[str]) -> tuple[tuple[Equation, ...], tuple[Symb
         wanted |= found
         found = {mark for e in ALL_EQUATIONS if e.mark in wanted for mark in _CITED.findall(e.says)}
     equations = tuple(equation for equation in ALL_EQUATIONS if equation.mark in wanted)
-    more = tuple(symbol for symbol in SYMBOLS_OF_CITED if not set(symbol.marks).isdisjoint(wanted))
-    return equations, (*SYMBOLS, *more)
+    symbols = tuple(symbol for symbol in ALL_SYMBOLS if not symbol.marks or not wanted.isdisjoint(symbol.marks))
+    return equations, symbols

@@ -19,12 +19,15 @@ class Equation:
         The equation in Typst's math notation, which every renderer typesets.
     says : str
         What it means, in a sentence or two; may cite other marks.
+    source : str
+        The work that has it, or what our own derivation follows.
     """
 
     mark: str
     title: str
     math: str
     says: str
+    source: str = ""
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ from nav_model.base.units import format_quantity
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.file import parse_design
-from nav_model.equations import EQUATIONS
-from nav_model.equations.symbols import SYMBOLS
+from nav_model.equations import EQUATIONS, SYMBOLS
 
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)

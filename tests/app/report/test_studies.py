@@ -21,7 +21,7 @@ from app.subjects.suborbital.charts import Finding, Shown
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.file import read_design
-from nav_model.equations.symbols import SYMBOLS
+from nav_model.equations import SYMBOLS
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
 from nav_model.sar.pictures import point_pictures
