@@ -141,19 +141,15 @@ def left_out(imus: Mapping[str, Entry], biases: Biases = "design") -> dict[str, 
 def _lacks(entry: Entry, biases: Biases) -> str:
     missing = [name for name in _NEEDED if name not in entry.values]
     if biases == "in-run":
-        missing += [f"in-run {name}" for name in _BIASES if name not in _in_run(entry)]
+        missing += [f"in-run {name}" for name in _BIASES if name not in entry.in_run]
     return " and ".join(name.replace("_", " ") for name in missing)
-
-
-def _in_run(imu: Entry) -> dict[str, SourcedValue]:
-    return {name: item for name, item in imu.extra.items() if item.kind == "in-run"}
 
 
 def _filling(imu: Entry, receiver: Entry | None, biases: Biases) -> Iterator[tuple[str, SourcedValue]]:
     """Dotted keys of the inputs that a pair fills, and with what."""
     yield from ((f"imu.{name}", item) for name, item in imu.values.items())
     if biases == "in-run":
-        yield from ((f"imu.{name}", item) for name, item in _in_run(imu).items())
+        yield from ((f"imu.{name}", item) for name, item in imu.in_run.items())
     if receiver is not None:
         yield from ((f"gnss.{name}", item) for name, item in receiver.values.items())
 

@@ -71,7 +71,7 @@ def test_answer_first_and_a_solved_value_is_one_press_away(visit: Visit) -> None
 
 
 def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
-    page = _open(visit, "Trade two inputs")
+    page = _open(visit, "Trade-off map")
     page.wait_for_function(f"() => ({_SOURCE})('map design').x")
     catalogue = page.evaluate(_SOURCE, "map catalogue")
     said = dict(zip(catalogue["unit"], catalogue["said"], strict=True))
@@ -93,7 +93,7 @@ def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
 def test_imus_that_pass_with_my_receiver_come_first_and_one_is_taken_by_keyboard(
     visit: Visit, tmp_path: Path, accessible: Check
 ) -> None:
-    page = _open(visit, "Which sensors")
+    page = _open(visit, "Sensors that pass")
     expect(page.get_by_role("status").first).to_contain_text("IMUs pass with your receiver")
     imus = page.get_by_role("region", name="IMUs with your receiver")
     expect(imus.get_by_role("rowheader").first).to_have_text("LN-100")
@@ -142,9 +142,9 @@ def test_a_sweep_is_run_taken_away_and_nothing_axe_minds(visit: Visit, accessibl
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Table: Parquet").click()
     assert Path(str(waiting.value.path())).read_bytes().startswith(b"PAR1")
-    for question in ("How sure", "What would close it", "Sweep"):
+    for question in ("Probability", "What would close it", "Sweep"):
         page.get_by_role("button", name=question, exact=True).click()
-        if question == "How sure":
+        if question == "Probability":
             page.get_by_role("button", name="Assume").click()
             expect(page.get_by_role("status").first).to_contain_text("Probability of closing:")
         accessible(page, question, every=True)
@@ -154,7 +154,7 @@ def test_a_sweep_is_run_taken_away_and_nothing_axe_minds(visit: Visit, accessibl
 
 @pytest.mark.slow
 def test_nothing_overflows_a_phone(visit: Visit, fits: Check) -> None:
-    page = _open(visit, "Which sensors", width=390, height=844)
+    page = _open(visit, "Sensors that pass", width=390, height=844)
     fits(page, 390)
 
 

@@ -36,7 +36,7 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(
     slider.focus()
     for _ in range(3):
         page.keyboard.press("ArrowRight")
-    expect(status).to_contain_text("Linearised from the last exact run")
+    expect(status).to_contain_text("Linearised from the last full simulation")
     expect(gyros).not_to_contain_text("26.7 km")
     page.get_by_role("button", name="Run full simulation").click()
     expect(page.get_by_role("button", name="Cancel")).to_be_enabled()
@@ -47,12 +47,14 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(
     box.press("Enter")
     expect(page.get_by_text("is not a unit of angular rate")).to_be_visible()
 
+    page.get_by_role("button", name="Sources", exact=True).click()
     page.get_by_role("button", name="Published values").press("Enter")
     table = page.get_by_role("region", name="Accelerometer errors")
     table.get_by_role("button", name="INS height [m]").click()
     expect(table.get_by_role("rowheader")).to_have_text(
         ["accelerometer instability", "accelerometer total", "accelerometer bias"]
     )
+    page.get_by_role("button", name="Attitude", exact=True).click()
     page.get_by_role("button", name="Stars", exact=True).click()
     expect(page.get_by_role("heading", name="Star frame at 100 s")).to_be_visible()
     page.get_by_role("slider", name=re.compile("Star frame at")).focus()
@@ -101,6 +103,7 @@ def test_a_study_is_saved_changed_opened_and_shared(visit: Visit, tmp_path: Path
     page.get_by_role("button", name="Link to study").click()
     expect(page).to_have_url(re.compile(r"study\.gyros\.bias=7"))
 
+    page.get_by_role("button", name="Sensors", exact=True).click()
     page.get_by_role("button", name="Camera noise", exact=True).click()
     expect(page.get_by_role("heading", name="Final position error from noise")).to_be_visible()
     accessible(page, "camera noise")

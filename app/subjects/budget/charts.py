@@ -154,7 +154,7 @@ def _ideal_response(window: str) -> tuple[Array, Array]:
 
 
 def response_chart(budget: Budget) -> Chart:
-    """Azimuth impulse response: without error, with the 1σ quadratic, with quadratic and cubic."""
+    """Azimuth impulse response: without error, with the 1σ quadratic error, with this and cubic."""
     sar, random = budget.sar, budget.spectral.random
     response = (budget.smoothed or sar).impulse_response
     width = ""
@@ -162,7 +162,7 @@ def response_chart(budget: Budget) -> Chart:
     if response is not None:
         width = f"width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')}"
         said = (
-            f"1σ quadratic, {budget.verdict.processing}: {width} "
+            f"With 1σ quadratic error, {budget.verdict.processing}: {width} "
             f"({number(float(response.half_power_extent_cells))} cells), "
             f"PSLR {decibels(float(response.pslr_fixed_db))}, "
             f"ISLR {decibels(float(response.islr_fixed_db))} (outside the error-free main lobe, whole line), "
@@ -197,7 +197,7 @@ def response_curves(budget: Budget) -> Chart:
             )
             for key, label, values, style in zip(
                 ("ideal", "quadratic", "cubic"),
-                ("no error", "1σ quadratic", "with cubic"),
+                ("no error", "with 1σ quadratic error", "and cubic"),
                 (ideal, *spread),
                 ("reference", "quadratic", "with cubic"),
                 strict=True,

@@ -24,6 +24,7 @@ from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
+from app.subjects.budget.biases import bias_choices, bias_in_force
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.contributors import Contributors
 from app.subjects.budget.key_figures import key_figures
@@ -46,6 +47,7 @@ from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
 
 _KEY = '<span class="quiet fine">red: limit · faint: compared</span>'
+_QUIET = ".switch { border: 0; justify-content: end; } button { font-size: 12px; padding: 1px 8px; }"
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
 _OVER = {
@@ -76,7 +78,13 @@ class BudgetPage(View):
             sizing_mode=None,
         )  # fmt: skip
         self._mode.param.watch(self._choose, "value")
-        self._strip = AnswerStrip(verdict_strip(budget, self._display), self._mode, self._close)
+        self._biases = VerdictSwitch(
+            label="Residual biases", sizing_mode=None, margin=(0, 4, 6, 4), stylesheets=[_QUIET]
+        )
+        self._biases.param.watch(self._choose_biases, "value")
+        self._offer_biases()
+        switches = pn.Column(self._mode, self._biases)
+        self._strip = AnswerStrip(verdict_strip(budget, self._display), switches, self._close)
         self._ways: tuple[Way, ...] = ()
         self._ways_of: Budget | None = None
         self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
@@ -138,6 +146,7 @@ class BudgetPage(View):
             self._hold()
         self._strip.show(verdict_strip(budget, self._display), _invalid(self.session.invalid))
         self._offer_modes(both=False)
+        self._offer_biases()
         self._lines = self._timelines(budget)
         with validate(False):  # computed here, so it needs no check at each step
             self._stack.feed(self._lines)
@@ -156,6 +165,16 @@ class BudgetPage(View):
         changes = {"processing.mode": event.new}
         if event.new != self.session.budget.verdict.processing and self.session.change(changes):
             self._offer_modes()  # no figures come of it: back to the one in force
+
+    def _choose_biases(self, event: Any) -> None:
+        choices, written = bias_choices(self.session.design)
+        if event.new in choices:
+            self.session.change(choices[event.new], written)
+
+    def _offer_biases(self) -> None:
+        design = self.session.design
+        names = {name: name for name in bias_choices(design)[0]}
+        self._biases.param.update(options=names, value=bias_in_force(design))
 
     @param.depends("session.invalid", watch=True)
     def _warn(self) -> None:

@@ -31,9 +31,9 @@ from nav_model.budget import Budget
 
 QUESTIONS: Mapping[str, type[Question]] = {
     "What would close it": SolvedPanel,
-    "Which sensors": SearchPanel,
-    "Trade two inputs": MapPanel,
-    "How sure": UncertaintyPanel,
+    "Sensors that pass": SearchPanel,
+    "Trade-off map": MapPanel,
+    "Probability": UncertaintyPanel,
     "Sweep": SweepPanel,
 }
 
@@ -86,7 +86,7 @@ class ExplorePage(View):
         self._strip.show(replace(answer, sentences=(*answer.sentences, *said)))
 
     def go_to(self, place: str) -> None:
-        """Ask the question whose name begins like the end of an address, such as "which" of "#explore-which"."""
+        """Ask the question whose name begins like the end of an address, such as "sensors" of "#explore-sensors"."""
         place = place.lower().replace(" ", "-")
         name = next((name for name in QUESTIONS if name.lower().replace(" ", "-").startswith(place)), None)
         if name:

@@ -44,6 +44,7 @@ MOST_DESIGNS = 200_000
 MOST_SECONDS = 600.0
 _MOST_INPUTS = 4
 _COMING = "<p class='quiet'>The designs, those that just pass first, appear here with the first sweep.</p>"
+_COMING_MAP = "<p class='quiet'>A map of the worst requirement over the first two inputs appears here.</p>"
 _ELSEWHERE = "Use fewer points, or download the sweep file and run “navbudget sweep FILE -o OUT.csv”."
 
 
@@ -73,7 +74,7 @@ class SweepPanel(Question):
         self.bar = RunBar(self.run, self.start, "Run sweep")
         self._table = SortableTable(html=_COMING, sizing_mode="stretch_width", margin=(0, 12), stylesheets=[WHOLE])
         self._table.param.watch(self._take, "chosen")
-        self._head = html_pane("<p class='quiet'>The map of the sweep appears here.</p>", margin=(6, 10, 0, 10))
+        self._head = html_pane(_COMING_MAP, margin=(6, 10, 0, 10))
         self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
 
     def __panel__(self) -> pn.Column:
@@ -88,9 +89,9 @@ class SweepPanel(Question):
 
         scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
         setup = pn.Column(
-            self._rows,
-            self._count,
             self.bar,
+            self._count,
+            self._rows,
             pn.FlexBox(
                 taken("Table: CSV", "sweep.csv", to_csv),
                 taken("Table: Parquet", "sweep.parquet", to_parquet),
@@ -185,7 +186,8 @@ class SweepPanel(Question):
     def _answer(self) -> None:
         swept: Swept | None = self.run.result
         if swept is None:
-            self.answer = Answer("Sweep", "open", ("Choose inputs and ranges, then run every combination.",))
+            hint = "An example is set: press Run sweep, or choose other inputs and ranges."
+            self.answer = Answer("Sweep", "open", (hint,))
         else:
             stale = self._plan is None or self._plan.identity != swept.plan.identity
             self.answer = sweep_answer(swept.plan, swept.columns, stale)

@@ -60,7 +60,7 @@ def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
         if not check.met:
             helps = ", ".join(_phrase(budget.design, found) for found in remedies(solutions, check.name))
             said.append(f"{check.label} alone would be met by {helps or 'no single input'}.")
-    return (*said, "Change two inputs together: see “Trade two inputs”.")
+    return (*said, "Change two inputs together: see “Trade-off map”.")
 
 
 def _name(key: str) -> str:

@@ -49,7 +49,7 @@ _ASSUMED = 1.3  # factor of one standard deviation that the button puts on the n
 _AS_SET, _TYPICAL, _UNIFORM, _LOG = "Fixed", "Typical ×/÷", "Uniform", "Log-uniform"
 _LABELS = {_TYPICAL: ("typical", "factor (1σ)"), _UNIFORM: ("lowest", "highest"), _LOG: ("lowest", "highest")}
 _EXAMPLE = f"An example: every noise typical ×/÷ {_ASSUMED}. Choose a distribution for any input."
-_COMPUTING = Answer("How sure", "open", ("Computing …",))
+_COMPUTING = Answer("Probability", "open", ("Computing …",))
 _KNOWLEDGE = (
     "10 × 1024 quasi-random samples (scrambled Sobol points) through the formulas of the budget, inputs independent; "
     "95 % confidence interval from the ten, never narrower than three designs in all."

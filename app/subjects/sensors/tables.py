@@ -27,7 +27,7 @@ def origin_answer(design: Design) -> Answer:
         mark = f" {source.mark}" if source.tone == "warn" else ""
         origin = source.text.partition(":")[0]
         said.append(f"{label} {value}: {origin}{mark}.")
-    return Answer("Noise of the design", "open", tuple(said))
+    return Answer("Sensor noise", "open", tuple(said))
 
 
 def origin_table(design: Design) -> Table:

@@ -54,16 +54,17 @@ def _size(error: Array) -> float:
 
 def _exactness(shown: Shown) -> str:
     if not shown.exact:
-        return "Linearised from the last exact run [B-4]."
+        return "Linearised from the last full simulation [B-4]."
     if shown.gap is None:
-        return "Exact run."
+        return "From the full simulation."
     gap = shown.gap
     k = gap.names.index("all")
     pure, aided = (
         f"{_metres(float(metres[k]))} ({percent(float(share[k]))})"
         for metres, share in ((gap.pure_m, gap.pure_share), (gap.aided_m, gap.aided_share))
     )
-    return f"Exact run. The linear answer before was off by {pure} (INS alone) and {aided} (with tracker)."
+    was = f"{pure} (INS alone) and {aided} (with tracker)"
+    return f"From the full simulation. The linear answer before was off by {was}."
 
 
 def _figures(shown: Shown, settings: Settings) -> KeyFigures:

@@ -163,7 +163,7 @@ def gap_table(shown: Shown) -> NumberTable:
     last = (
         "the last two columns appear once sliders have moved and the study was recomputed"
         if gap is None
-        else "the last two columns: the moved curves before this exact run"
+        else "the last two columns: the moved curves before this full simulation"
     )
 
     def after(k: int) -> tuple[Entry, Entry]:
@@ -179,8 +179,9 @@ def gap_table(shown: Shown) -> NumberTable:
              float(plain.aided_m[k]), float(100 * plain.aided_share[k]), *after(k))
             for k in rows
         ),
-        f"Distance at the end of the flight from the last exact run, and its share of the error. S p alone [B-4] is "
-        f"{said}. The page never shows S p alone: its curves start at the exact run and only move by S; {last}.",
+        "Distance at the end of the flight from the last full simulation, and its share of the error. "
+        f"S p alone [B-4] is {said}. The page never shows S p alone: its curves start at the full simulation "
+        f"and only move by S; {last}.",
     )  # fmt: skip
 
 

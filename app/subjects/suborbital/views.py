@@ -75,19 +75,27 @@ VIEWS: tuple[View, ...] = (
     View("Errors", (_of(errors.aided_chart), _of(errors.source_chart)),
          chooses=("channel", "case", "aided_sources", "along_track")),
     View("Vertical-channel instability", (errors.growth_chart,), chooses=("case", "channel")),
-    View("Sources", tables=(source_table, gap_table)),
+    View("Error sources", tables=(source_table, gap_table)),
     View("Published values", tables=tuple(map(_paper, range(4)))),
     View("Sensor errors", tuple(_of(partial(_sensor, kind)) for kind in (0, 1)), chooses=("axis",)),
     View("White noise", (_of(sensors.noise_chart),), (noise_table,), chooses=("channel", "noise")),
-    View("Attitude", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
+    View("Attitude errors", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
          ("case",)),
     View("Stars", (attitude.star_chart, attitude.star_count_chart), (star_table,), ("moment",)),
-    View("Flight", (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart)),
+    View("Flight path", (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart)),
     View("Gravity", (flight.gravity_chart,), (gravity_table,)),
 )  # fmt: skip
 """In their order on the page."""
 
 CAMERA_NOISE, INPUTS = "Camera noise", "Inputs"
+_GROUPS = {
+    "Position": ("Errors", "Vertical-channel instability"),
+    "Sources": ("Error sources", "Published values"),
+    "Sensors": ("Sensor errors", "White noise", CAMERA_NOISE),
+    "Attitude": ("Attitude errors", "Stars"),
+    "Flight": ("Flight path", "Gravity"),
+    INPUTS: (INPUTS,),
+}
 
 _COMING = "<p>The charts and tables of this view appear here with the first study.</p>"
 CASES = {SUM: "all"} | {name: name for name in (*CLASSES, *SOURCES, GRAVITY_ROW) if name != "all"}
@@ -111,10 +119,9 @@ class StudyViews(pn.viewable.Viewer):
         self._parts: dict[str, Follower[Shown]] = {}  # of the views opened so far
         self._coming = html_pane(_COMING)
         self._noise = noise
-        first, *others = VIEWS
-        makes: dict[str, Callable[[], Any]] = {first.name: partial(self._place, first), CAMERA_NOISE: lambda: camera}
-        makes |= {view.name: partial(self._place, view) for view in others} | {INPUTS: lambda: inputs}
-        self.views = NamedViews("What to see", makes)
+        makes: dict[str, Callable[[], Any]] = {view.name: partial(self._place, view) for view in VIEWS}
+        makes |= {CAMERA_NOISE: lambda: camera, INPUTS: lambda: inputs}
+        self.views = NamedViews("What to see", makes, _GROUPS)
         self.views.param.watch(lambda _: self._draw(), "chosen")
 
     def __panel__(self) -> NamedViews:

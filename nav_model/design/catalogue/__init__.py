@@ -70,6 +70,11 @@ class Entry:
     extra: Mapping[str, SourcedValue]
     offer: Mapping[str, SourcedValue]
 
+    @property
+    def in_run(self) -> Mapping[str, SourcedValue]:
+        """Those of `extra` that may serve as residual biases."""
+        return {name: item for name, item in self.extra.items() if item.kind == "in-run"}
+
 
 OFFERED: dict[str, dict[str, float]] = {
     "price": {},

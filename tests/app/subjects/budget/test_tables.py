@@ -277,7 +277,7 @@ def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) ->
     """The response of a smoothed quadratic phase is not that of real time [S-5]."""
     smoothed = changed(processing__mode="post-processed")
     for budget, said, mark in ((mems, "real time", "[S-5]"), (smoothed, "post-processed", "[P-5]")):
-        assert response_chart(budget).knowledge.startswith(f"1σ quadratic, {said}: width")
+        assert response_chart(budget).knowledge.startswith(f"With 1σ quadratic error, {said}: width")
         rows = {row[0].text: row[2].text for row in image_table(budget, "d").rows}
         assert rows["Response width"] == f"[S-3], {mark}"
         assert rows["Quadratic phase, 1σ"] == mark

@@ -61,7 +61,7 @@ def _ask(explore: ExplorePage, name: str) -> Any:
 
 
 def _search(explore: ExplorePage) -> Any:
-    return _ask(explore, "Which sensors")
+    return _ask(explore, "Sensors that pass")
 
 
 def _open(explore: ExplorePage, content: bytes) -> str:
@@ -83,10 +83,10 @@ def test_only_the_question_in_view_is_made_and_worked_out(explore: ExplorePage) 
 
 
 def test_an_address_names_a_question(explore: ExplorePage) -> None:
-    explore.go_to("which")
-    assert explore.views.chosen == "Which sensors"
+    explore.go_to("sensors")
+    assert explore.views.chosen == "Sensors that pass"
     explore.go_to("nothing-of-the-kind")
-    assert explore.views.chosen == "Which sensors"
+    assert explore.views.chosen == "Sensors that pass"
 
 
 def test_a_solved_value_is_taken_and_then_the_design_closes_at_its_limit(explore: ExplorePage) -> None:
@@ -190,17 +190,16 @@ def test_a_range_is_what_the_command_takes() -> None:
 
 def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
     async def asked() -> Any:
-        sure = _ask(explore, "How sure")
+        sure = _ask(explore, "Probability")
         await soon(lambda: "An example" in " ".join(sure.answer.sentences), "the example of an empty page")
         next(row for row in sure.rows if row.key == "imu.angle_random_walk").set("Uniform", "0.02", "0.06")
-        await soon(lambda: "Probability" in sure.answer.word, "the probability")
+        await soon(lambda: "of closing: 40.1" in sure.answer.word, "the probability")
         return sure
 
     sure = asyncio.run(asked())
     found = uncertain_verdict(first_design(), {"imu.angle_random_walk": read_uncertain(
         "imu.angle_random_walk", "0.02 °/√h .. 0.06 °/√h")})  # fmt: skip
     assert sure.run.result.closes == found.closes
-    assert "Probability of closing: 40.1 %" in sure.answer.word
     bars = sure._chart.figure.plot  # the bins right of zero hold the probability
     assert bars.yaxis[0].axis_label == "designs in a bin [%]"
     edges, shares = found.histogram
@@ -212,8 +211,8 @@ def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
 def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePage) -> None:
     async def asked() -> str:
         _search(explore).biases = "zero"
-        _ask(explore, "Trade two inputs").y = "gnss.interval"
-        sure = _ask(explore, "How sure")
+        _ask(explore, "Trade-off map").y = "gnss.interval"
+        sure = _ask(explore, "Probability")
         for key, text in (("imu.vibration_factor", "1.0 .. 8.0 log"), ("gnss.position_noise", "1 m */ 1.5")):
             next(row for row in sure.rows if row.key == key).take(text)
         sure.run.cancel()
@@ -225,13 +224,13 @@ def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePag
 
     async def reloaded() -> None:
         page = ExplorePage(again)
-        assert page.views.chosen == "How sure"
+        assert page.views.chosen == "Probability"
         assert {row.key: row.text for row in page.question.rows if row.text} == {
             "imu.vibration_factor": "1.0 .. 8.0 log", "gnss.position_noise": "1 m */ 1.5"
         }  # fmt: skip
         page.question.run.cancel()
         assert _search(page).biases == "zero"
-        assert _ask(page, "Trade two inputs").y == "gnss.interval"
+        assert _ask(page, "Trade-off map").y == "gnss.interval"
 
     asyncio.run(reloaded())
 

@@ -74,7 +74,7 @@ def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
     k = after.study.case("gyro total")
     change = after.study.pure.position_m[k, -1] - before.study.pure.position_m[k, -1]
     assert np.linalg.norm(change) > 10_000
-    assert "Linearised from the last exact run" in here._strip._text.object
+    assert "Linearised from the last full simulation" in here._strip._text.object
     # and back: the exact answer again
     here.inputs.put("gyros.bias", DEFAULTS["gyros.bias"])
     assert here.study.shown.exact

@@ -1,0 +1,37 @@
+"""Residual biases that the strip of the Budget page names, and one press to change them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from app.session import Session
+from app.subjects.budget.page import BudgetPage
+from nav_model.design.file import read_design
+
+_EXAMPLES = Path(__file__).parents[4] / "examples"
+
+
+def test_the_strip_names_the_biases_and_one_press_changes_them() -> None:
+    session = Session(read_design(_EXAMPLES / "mems_x_band.toml"))
+    page = BudgetPage(session)
+    session.param.watch(lambda event: page.show(event.new), "budget")
+    biases = page._biases
+    assert list(biases.options) == ["Residual biases 0", "in-run of data sheet"]
+    assert biases.value == "Residual biases 0"
+    assert not any(session.design[key] for key in ("imu.accelerometer_bias", "imu.gyro_bias"))
+
+    biases.value = "in-run of data sheet"  # of a STIM300: 0.05 mg and 0.5 °/h
+    assert session.design["imu.accelerometer_bias"] == pytest.approx(0.05e-3 * 9.80665)
+    assert session.design["imu.gyro_bias"] == pytest.approx(math.radians(0.5) / 3600)
+
+    session.change({"imu.accelerometer_bias": 1e-3 * 9.80665})
+    assert biases.value == "1 mg and 0.5 °/h"
+    biases.value = "Residual biases 0"
+    assert session.design["imu.accelerometer_bias"] == session.design["imu.gyro_bias"] == 0
+    session.undo()
+    assert biases.value == "1 mg and 0.5 °/h"
+    session.change({"imu.preset": None, "imu.gyro_bias": 0.0})
+    assert list(biases.options) == ["Residual biases 0", "1 mg"]
