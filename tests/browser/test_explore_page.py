@@ -102,7 +102,7 @@ def test_imus_that_pass_with_my_receiver_come_first_and_one_is_taken_by_keyboard
     page.get_by_label("Filter").fill("ln-100 closes")
     imus.get_by_role("button", name="LN-100").press("Enter")
     expect(page.get_by_text("The design now has LN-100.")).to_be_visible()
-    expect(page.get_by_label("Angle random walk").first).to_have_value("0.001 °/√h")
+    expect(page.get_by_role("textbox", name="Angle random walk", exact=True).first).to_have_value("0.001 °/√h")
 
     own = tmp_path / "own.toml"
     own.write_text(
