@@ -249,8 +249,19 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
         if self._faults > _MOST_FAULTS:
             self._refuse("fault after fault")
 
+    def on_close(self) -> None:
+        """As Bokeh; and let go of half a message."""
+        self._drop_receiver()
+        super().on_close()
+
+    def _drop_receiver(self) -> None:
+        """Free what came of a message at once: a receiver refers to itself, and garbage waits for a quiet moment."""
+        if self.receiver is not None:
+            vars(self.receiver).clear()
+            self.receiver = None
+
     def _refuse(self, reason: str) -> None:
-        self.receiver = None  # and what it has of a message; the browser may go on sending
+        self._drop_receiver()  # the browser may go on sending
         event("page closed", logging.WARNING, reason=reason, peer=self.request.remote_ip)
         self.close(1008, reason)
 
