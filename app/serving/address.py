@@ -24,6 +24,7 @@ _BACKLOG = 128  # visitors that may wait to be let in
 _STEP_BACK = 0.015  # seconds: another process needs less, unless it is busy
 _ANOTHER = 0.5  # seconds without being asked to accept, after which it is for another visitor
 _MOST_WAITING = 500  # connections that have asked for nothing yet, or for no page; each may hold 130 kB
+_AT_ONCE = 8  # connections accepted before open pages have their turn
 _REST = 0.5  # seconds without accepting when no file can be opened
 _QUIET = 60.0  # seconds in which that is logged once
 
@@ -58,6 +59,7 @@ class SharedSocket(socket.socket):
         self._row = row
         self._began = self._asked = self._logged = -_QUIET
         self._waiting: list[ref[socket.socket]] = []
+        self._in_a_row = 0
         self._most = min(_MOST_WAITING, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // 4)
 
     def accept(self) -> tuple[socket.socket, Any]:
@@ -69,9 +71,13 @@ class SharedSocket(socket.socket):
             self._asked = now
             if now - self._began < _STEP_BACK:
                 raise BlockingIOError
+        self._in_a_row += 1
         try:
+            if self._in_a_row > _AT_ONCE:
+                raise BlockingIOError
             accepted, peer = super().accept()
         except OSError as error:
+            self._in_a_row = 0
             if error.errno not in (errno.EMFILE, errno.ENFILE):
                 raise
             self._rest()

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import json
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from weakref import ref
 
 import pytest
+from bokeh.protocol import Protocol
+from bokeh.protocol.receiver import Receiver
 from bokeh.util.serialization import make_id
 from open_page import Tab
 from tornado.websocket import WebSocketClosedError
 from waiting import PATIENCE
 
 from app.serving.allowance import Allowance
+from app.serving.handlers import LimitedWSHandler
 
 _MOST = 1_000_000  # bytes of a message, as the server below is told
 _SENT = 60_000_000  # by a flood that nobody stops
@@ -60,6 +65,26 @@ def test_values_side_by_side_are_summed_and_so_are_arrays() -> None:
 )
 def test_only_what_pages_send_is_taken(message: Any) -> None:
     assert Allowance(_MOST).against(message)
+
+
+def test_half_a_message_is_freed_without_waiting_for_a_collection() -> None:
+    """Garbage waits for a quiet moment, and a flood leaves none."""
+    handler = LimitedWSHandler.__new__(LimitedWSHandler)
+    handler.receiver = Receiver(Protocol())
+
+    async def half() -> None:
+        for text in ({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": 2}, {}, {"events": []}, {"id": "1"}):
+            await handler.receiver.consume(json.dumps(text))
+        await handler.receiver.consume(bytes(1000))
+
+    asyncio.run(half())
+    part = ref(handler.receiver._partial)
+    gc.disable()
+    try:
+        handler._drop_receiver()
+        assert part() is None
+    finally:
+        gc.enable()
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,9 @@ from typing import Any
 from open_page import Tab
 from waiting import PATIENCE, until
 
+from app.serving.address import SharedSocket
+from app.serving.board import Board, Row
+
 _CODE = """
 import resource, sys
 import app.serving.server as server
@@ -83,3 +86,22 @@ def test_a_server_without_a_file_left_waits_and_says_so_once(serving: Any, tmp_p
 def test_headers_that_do_not_come_end_the_connection(serving: Any) -> None:
     with serving(program=("-c", _CODE.format(files=1024, slowest=0.2))) as served, _half(served) as half:
         assert half.recv(100) == b""
+
+
+def test_open_pages_have_their_turn_while_connections_come_without_end() -> None:
+    """A loop that accepts while somebody waits would serve nobody else."""
+    with (
+        ExitStack() as held,
+        SharedSocket(socket.create_server(("127.0.0.1", 0), backlog=100), Row(Board())) as listening,
+    ):
+        listening.setblocking(False)
+        for _ in range(50):
+            held.enter_context(socket.create_connection(listening.getsockname(), timeout=PATIENCE))
+        turns = [0]
+        while sum(turns) < 50:
+            try:
+                held.enter_context(listening.accept()[0])
+                turns[-1] += 1
+            except BlockingIOError:
+                turns.append(0)
+        assert max(turns) < 10
