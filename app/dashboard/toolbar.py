@@ -19,6 +19,7 @@ from app.report import report_bytes
 from app.report.studies import study_sections
 from app.session import Session
 from app.subjects import SUBJECTS
+from app.ui.view import View
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -32,7 +33,7 @@ class Say(Protocol):
     def __call__(self, text: str, severity: str = "error", *, markup: bool = False) -> None: ...
 
 
-class Toolbar(pn.viewable.Viewer):
+class Toolbar(View):
     """Actions on the design as a whole.
 
     Parameters
@@ -50,7 +51,7 @@ class Toolbar(pn.viewable.Viewer):
         self._say, self._examples = say, examples
         self._choice = ReportChoice(session)
         self._report = session.new_run()
-        self.bar = Bar(
+        self._view = self.bar = Bar(
             self._do,
             titles=[subject.title for subject in SUBJECTS],
             most=MAX_BYTES,
@@ -65,9 +66,6 @@ class Toolbar(pn.viewable.Viewer):
             margin=0,
         )
         self.bar.param.watch(self._written, ["named", "description"])
-
-    def __panel__(self) -> Bar:
-        return self.bar
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""

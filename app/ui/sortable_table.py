@@ -5,9 +5,12 @@ A row is chosen by its radio button, or by a button in it, where the table has a
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
+import panel as pn
 import param
 
 from app.ui.theme import SHEET
@@ -31,3 +34,14 @@ class SortableTable(PlainScript):
     _stylesheets: ClassVar[list[str]] = [SHEET, Path(__file__).with_suffix(".css").read_text("utf-8")]
 
     _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+
+    def __init__(self, take: Callable[[str], object] | None = None, **params: Any) -> None:
+        """take: called with the value of a button that is pressed, again if it is pressed again; may be async."""
+        super().__init__(**{"sizing_mode": "stretch_width", **params})
+        self._take = take
+        self.param.watch(self._pressed, "chosen")
+
+    def _pressed(self, event: Any) -> None:
+        if event.new and self._take is not None:
+            self.chosen = ""
+            pn.state.execute(partial(self._take, event.new), schedule=False)

@@ -87,8 +87,7 @@ class BudgetPage(View):
         self._strip = AnswerStrip(verdict_strip(budget, self._display), switches, self._close)
         self._ways: tuple[Way, ...] = ()
         self._ways_of: Budget | None = None
-        self._table = SortableTable(sizing_mode="stretch_width", margin=(4, 14))
-        self._table.param.watch(self._take, "chosen")
+        self._table = SortableTable(self._take, margin=(4, 14))
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
         self._tiles = html_pane("", margin=0)
         self._lines = self._timelines(budget)
@@ -245,14 +244,11 @@ class BudgetPage(View):
             self._ways, self._ways_of = found, budget
             self._table.html = html_of(ways_block(budget, found))
 
-    def _take(self, event: Any) -> None:
-        if not event.new:
-            return
-        self._table.chosen = ""
-        way = next((way for way in self._ways if way.text == event.new), None)
+    def _take(self, text: str) -> None:
+        way = next((way for way in self._ways if way.text == text), None)
         if way is not None and self._ways_of is self.session.budget:
             self.session.change(way.changes, way.written)
-            self._toggle_ways(event)
+            self._toggle_ways(None)
 
     # --- below the first screen ------------------------------------------------------------------------------
 

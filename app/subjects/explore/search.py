@@ -27,7 +27,7 @@ from app.ui.html_pane import html_pane
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.study_settings import StudySettings
 from app.ui.theme import SWITCH
-from app.upstream.file_input import LimitedFileInput
+from app.ui.upload import upload
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue
@@ -63,13 +63,11 @@ class SearchPanel(Question):
         self._found: tuple[Candidate, ...] = ()
         self._said = html_pane("", margin=(0, 14))
         self._left_out = html_pane("", margin=(0, 14))
-        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 14), stylesheets=[WHOLE])
-        self._table.param.watch(self._take, "chosen")
-        self._file = LimitedFileInput(
-            lambda reason: self._say(f"Not opened: {reason}."), label="Add your own sensors (TOML)",
-            accept=".toml", variant="text", max_file_size=MAX_BYTES, margin=(6, 8),
+        self._table = SortableTable(self._take, margin=(0, 14), stylesheets=[WHOLE])
+        self._file = upload(
+            "Add your own sensors (TOML)", ".toml", MAX_BYTES, self._opened,
+            lambda reason: self._say(f"Not opened: {reason}."), icon=None, variant="text", margin=(6, 8),
         )  # fmt: skip
-        self._file.param.watch(self._opened, "value")
         self._settings = StudySettings(session, "search", self, ("own", "biases"), lambda: None)
 
     def __panel__(self) -> pn.Column:
@@ -129,9 +127,8 @@ class SearchPanel(Question):
         shown = [row for row, text in zip(self._found, texts, strict=True) if all(word in text for word in words)]
         self._table.html = html_of(search_table(shown, self.own)) if self._found else ""
 
-    def _take(self, event: param.parameterized.Event) -> None:
-        row = next((row for row in self._found if row.pair == event.new), None)
-        self._table.chosen = ""  # so that the same row can be pressed again
+    def _take(self, pair: str) -> None:
+        row = next((row for row in self._found if row.pair == pair), None)
         if row is None:
             return
         changes = dict(row.changes)
@@ -141,11 +138,9 @@ class SearchPanel(Question):
         what = row.imu if self.own else row.pair
         self._say(f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo.")
 
-    def _opened(self, event: param.parameterized.Event) -> None:
-        if not event.new:
-            return
+    def _opened(self, _: str, content: bytes) -> None:
         try:
-            text = event.new.decode("utf-8-sig")
+            text = content.decode("utf-8-sig")
             self._add(read_offers(text))
             self._text, self._keep.disabled = text, False
         except UnicodeDecodeError as error:

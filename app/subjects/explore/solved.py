@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import panel as pn
 import panel_material_ui as pmui
 import param
@@ -40,8 +38,7 @@ class SolvedPanel(Question):
         tightest = session.budget.verdict.tightest
         super().__init__(session=session, figure=tightest.name if tightest else "quadratic_phase")
         self._ways: tuple[Way, ...] = ()
-        self._table = SortableTable(sizing_mode="stretch_width", margin=(0, 12))
-        self._table.param.watch(self._take, "chosen")
+        self._table = SortableTable(self._take, margin=(0, 12))
         self._each = html_pane("")
         self._head, self._ranking = html_pane("", margin=(6, 10, 0, 10)), html_pane("", margin=(0, 10, 6, 10))
         self._ranking.sizing_mode = "stretch_both"
@@ -75,10 +72,9 @@ class SolvedPanel(Question):
         self._table.html = said
         self._each.say(each)
 
-    def _take(self, event: Any) -> None:
+    def _take(self, text: str) -> None:
         """Apply the largest value of the chosen input to the design."""
-        self._table.chosen = ""  # so that the same one can be pressed again
-        way = next((way for way in self._ways if way.text == event.new), None)
+        way = next((way for way in self._ways if way.text == text), None)
         if way is not None:
             problem = self.session.change(way.changes, way.written)
             if problem:

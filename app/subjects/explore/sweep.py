@@ -72,8 +72,7 @@ class SweepPanel(Question):
         self._rows = pn.Column(*self.rows)
         self._count = html_pane("", margin=(4, 10))
         self.bar = RunBar(self.run, self.start, "Run sweep")
-        self._table = SortableTable(html=_COMING, sizing_mode="stretch_width", margin=(0, 12), stylesheets=[WHOLE])
-        self._table.param.watch(self._take, "chosen")
+        self._table = SortableTable(self._take, html=_COMING, margin=(0, 12), stylesheets=[WHOLE])
         self._head = html_pane(_COMING_MAP, margin=(6, 10, 0, 10))
         self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
 
@@ -192,15 +191,12 @@ class SweepPanel(Question):
             stale = self._plan is None or self._plan.identity != swept.plan.identity
             self.answer = sweep_answer(swept.plan, swept.columns, stale)
 
-    def _take(self, event: param.parameterized.Event) -> None:
+    def _take(self, row: str) -> None:
         """Put the design of a row in force."""
-        self._table.chosen = ""
         swept: Swept | None = self.run.result
-        if event.new and swept is not None:
+        if swept is not None:
             changes: dict[str, Any] = {}
-            for axis, place in zip(
-                swept.plan.axes, swept.plan.indices(int(event.new), int(event.new) + 1), strict=True
-            ):
+            for axis, place in zip(swept.plan.axes, swept.plan.indices(int(row), int(row) + 1), strict=True):
                 changes |= axis.changes[int(place[0])]
             problem = self.session.change(changes)
             if problem:

@@ -23,8 +23,8 @@ from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
+from app.ui.upload import upload
 from app.ui.view import View
-from app.upstream.file_input import LimitedFileInput
 from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
 
@@ -61,10 +61,9 @@ class LibraryView(View):
         self._asked: object = None
         self._listed: _Listing | InputError | None = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
-        self._bring = LimitedFileInput(
-            lambda why: self.desk.say(f"Not imported. {why}", wrong=True),
-            label="Import (zip)", accept=".zip", max_file_size=MAX_ARCHIVE,
-            variant="text", margin=(6, 6),
+        self._bring = upload(
+            "Import (zip)", ".zip", MAX_ARCHIVE, self._brought,
+            lambda why: self.desk.say(f"Not imported. {why}", wrong=True), icon=None, variant="text", margin=(6, 6),
         )  # fmt: skip
         self._compare = button("Compare", compare, variant="contained")
         self._actions = [
@@ -94,7 +93,6 @@ class LibraryView(View):
         self._say_picked()
         for field in (self._search, self._tag, self._archived):
             field.param.watch(self._look_again, "value")
-        self._bring.param.watch(self._brought, "value")
         self._based()
 
     async def _look_again(self, _: Any) -> None:
@@ -293,11 +291,9 @@ class LibraryView(View):
 
         return await self.desk.ask(work) or b""
 
-    async def _brought(self, event: Any) -> None:
-        if not event.new:
-            return
+    async def _brought(self, _: str, content: bytes) -> None:
         author = self.desk.who or "not stated"
-        done = await self.desk.ask(lambda place: import_archive(place, event.new, author))
+        done = await self.desk.ask(lambda place: import_archive(place, content, author))
         if done is not None:
             await self.refresh()
             self.desk.say(

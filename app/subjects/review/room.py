@@ -75,7 +75,7 @@ class ReviewRoom(View):
         self._subject = pmui.Select(label="Comment on", options=_SUBJECTS, value="", width=240, **LOOK)
         self._comment = pmui.TextAreaInput(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
         self._slide = html_pane("")
-        self._all = SortableTable(visible=self.param.review.rx.is_(None), sizing_mode="stretch_width", margin=(4, 10))
+        self._all = SortableTable(self._pressed, visible=self.param.review.rx.is_(None), margin=(4, 10))
         self._table = DecisionTable(self._decided, visible=False, sizing_mode="stretch_width", margin=(4, 10))
         self._comments, self._record = html_pane(_EMPTY), html_pane("")
         self._folded = Folded([("Record: every decision, frozen designs, signature", lambda: self._record)])
@@ -130,7 +130,6 @@ class ReviewRoom(View):
             self._all,
         )
         self._choice.param.watch(self._chosen, "value")
-        self._all.param.watch(self._pressed, "chosen")
         self._about.param.watch(self._turned, "value")
 
     # --- which review ----------------------------------------------------------------------------------
@@ -175,11 +174,9 @@ class ReviewRoom(View):
         self._wanted = ""
         await self.refresh()
 
-    async def _pressed(self, event: param.parameterized.Event) -> None:
-        if event.new:
-            self.desk.say("")
-            self._all.chosen = ""
-            await self.open(event.new)
+    async def _pressed(self, review: str) -> None:
+        self.desk.say("")
+        await self.open(review)
 
     async def _begin(self) -> None:
         keys = [revision.key for revision in self.desk.picked]

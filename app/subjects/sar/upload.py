@@ -21,8 +21,8 @@ from app.subjects.sar.run import SarResult
 from app.ui.fields import number
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
+from app.ui.upload import upload
 from app.ui.view import View
-from app.upstream.file_input import LimitedFileInput
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.errors import InputError
@@ -51,12 +51,7 @@ class UploadedPicture(View):
         super().__init__(run=session.new_run())
         self._session = session
         self._result = result
-        self._input = LimitedFileInput(
-            self._refused,
-            label="Open a phase history", accept=".npz", icon="upload_file", max_file_size=MOST_BYTES,
-            variant="outlined", **_LOOK,
-        )  # fmt: skip
-        self._input.param.watch(self._opened, "value")
+        self._input = upload("Open a phase history", ".npz", MOST_BYTES, self._opened, self._refused, **_LOOK)
         self._bar = RunBar(
             self.run,
             self.form,
@@ -97,9 +92,8 @@ class UploadedPicture(View):
         if self.file is not None:
             self.form()
 
-    def _opened(self, event: Any) -> None:
-        if event.new:
-            self.file = (str(self._input.filename or "file"), event.new)
+    def _opened(self, name: str, content: bytes) -> None:
+        self.file = (name, content)
 
     def _refused(self, why: str) -> None:
         self._bar.message = f"Not formed. {why}"

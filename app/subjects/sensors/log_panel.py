@@ -34,8 +34,8 @@ from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.theme import FULL_HEIGHT
+from app.ui.upload import upload
 from app.ui.view import View
-from app.upstream.file_input import LimitedFileInput
 from app.work.alone import run_alone
 from app.work.run import Run
 from nav_model.allan.adoption import (
@@ -96,21 +96,15 @@ class LogPanel(pn.viewable.Viewer):
             label="The log was taken", width=250, margin=(8, 6),
             options={"at rest: noise parameters": "rest", "in motion: vibration factor": "motion"}, value="rest",
         )  # fmt: skip
-        self.file = LimitedFileInput(
-            lambda reason: self._say(f"Not uploaded: {reason}."),
-            label="Choose a log",
-            uploaded_label="Choose another log",
-            accept=".csv,.txt,.tsv,.dat,.log,.npz",
-            max_file_size=UPLOAD_LIMITS.file_bytes,
-            variant="contained",
-            margin=(12, 6, 8, 6),
-            disabled=self.run.param.running,
-        )
+        self.file = upload(
+            "Choose a log", ".csv,.txt,.tsv,.dat,.log,.npz", UPLOAD_LIMITS.file_bytes, self.take,
+            lambda reason: self._say(f"Not uploaded: {reason}."), forget=True, uploaded_label="Choose another log",
+            icon=None, variant="contained", margin=(12, 6, 8, 6), disabled=self.run.param.running,
+        )  # fmt: skip
         self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14), styles=_IN_SIGHT)
         self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self.boxes.values())
         self.bar.start.disabled = True
         self._said = html_pane(_TITLE + _HELP, margin=(10, 14, 0, 14))
-        self.file.param.watch(self._uploaded, "value")
         self.static = StaticResult(session, self._adopt)
         self.moving = MotionResult(session, self._adopt)
         if pn.state.curdoc:
@@ -121,15 +115,7 @@ class LogPanel(pn.viewable.Viewer):
 
     # --- taking a log in ----------------------------------------------------------------------------------
 
-    async def _uploaded(self, event: param.parameterized.Event) -> None:
-        if not event.new:
-            return
-        name = str(self.file.filename or "log")
-        content: bytes = event.new
-        self.file.clear()  # the copy on disk is enough
-        await self.take(content, name)
-
-    async def take(self, content: bytes, name: str) -> None:
+    async def take(self, name: str, content: bytes) -> None:
         """Keep an uploaded log for as long as the session lasts, and analyse it."""
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="navbudget-")

@@ -46,9 +46,7 @@ class SensorsPage(View):
         super().__init__(session=session)
         self._origins = block_pane(origin_table(session.design), margin=(4, 14))
         self.log = LogPanel(session)
-        self.tables = {
-            kind: SortableTable(sizing_mode="stretch_width", margin=(0, 14), stylesheets=[WHOLE]) for kind in _KINDS
-        }
+        self.tables = {kind: SortableTable(margin=(0, 14), stylesheets=[WHOLE]) for kind in _KINDS}
         self._shown: dict[Kind, str | None] = {}
         self._mark()
 

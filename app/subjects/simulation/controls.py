@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-import panel as pn
 import param
 
 from app.declared import declared
@@ -12,6 +11,7 @@ from app.document.blocks import Text
 from app.document.pane import html_of
 from app.ui.html_pane import html_pane
 from app.ui.input_sheet import Group, InputSheet, Row, SheetInput, text_row
+from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, SimulationInputs, read_study_inputs
 
@@ -52,7 +52,7 @@ class StudyInput(SheetInput):
         return None
 
 
-class StudyControls(pn.viewable.Viewer):
+class StudyControls(View):
     """The sheet; `texts` has the current values, which a line shows while it is folded."""
 
     texts: dict[str, str] = declared(
@@ -62,7 +62,7 @@ class StudyControls(pn.viewable.Viewer):
     def __init__(self) -> None:
         super().__init__()
         own = [StudyInput(self, key) for key in STUDY_KEYS]
-        self.sheet = InputSheet(
+        self._view = self.sheet = InputSheet(
             [
                 Group(part.title, [each for each in own if each.key.startswith(f"{part.section}.")])
                 for part in STUDY_PARTS
@@ -70,9 +70,6 @@ class StudyControls(pn.viewable.Viewer):
             explained=True,
         )
         self.given = html_pane("", margin=(0, 10))
-
-    def __panel__(self) -> InputSheet:
-        return self.sheet
 
     @property
     def inputs(self) -> SimulationInputs:

@@ -45,8 +45,8 @@ from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
 from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
+from app.ui.upload import upload
 from app.ui.view import View
-from app.upstream.file_input import LimitedFileInput
 from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -156,12 +156,10 @@ class SimulatePage(View):
 
     def _fields(self) -> tuple[Any, ...]:
         choices, names = self.param, pmui.TextInput.from_param
-        self._upload = LimitedFileInput(
-            lambda why: self._say(f"Not used. {why}"),
-            label="Trajectory file", accept=".csv", icon="upload_file", max_file_size=_UPLOAD, variant="outlined",
-            visible=choices.trajectory.rx() == "file", margin=(2, 4),
+        self._upload = upload(
+            "Trajectory file", ".csv", _UPLOAD, self._uploaded, lambda why: self._say(f"Not used. {why}"),
+            visible=choices.trajectory.rx() == "file",
         )  # fmt: skip
-        self._upload.param.watch(self._uploaded, "value")
         return (
             pmui.Select.from_param(choices.trajectory, width=180, **_LOOK),
             self._upload,
@@ -317,14 +315,11 @@ class SimulatePage(View):
     def _say(self, text: str) -> None:
         self._bar.message = text
 
-    async def _uploaded(self, event: Any) -> None:
-        if not event.new:
-            return
-        name = str(self._upload.filename or "file")
+    async def _uploaded(self, name: str, content: bytes) -> None:
         # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
         files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory")
         try:
-            flight = await elsewhere(files.parse_trajectory, event.new, name)
+            flight = await elsewhere(files.parse_trajectory, content, name)
         except InputError as error:
             self._say(f"Not used. {error}")
         else:

@@ -18,7 +18,8 @@ from app.subjects.suborbital.controls import StudyInput
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.input_sheet import Group, InputSheet
-from app.upstream.file_input import LimitedFileInput
+from app.ui.upload import upload
+from app.ui.view import View
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -39,7 +40,7 @@ _FILE_HELP = (
 )
 
 
-class InputPanel(pn.viewable.Viewer):
+class InputPanel(View):
     """Settings and trajectory in force, and the column that changes them."""
 
     session = held(Session)
@@ -58,9 +59,6 @@ class InputPanel(pn.viewable.Viewer):
         self.notice = pmui.Alert(object="", severity="error", closeable=True, visible=False, margin=(4, 14))
         self._view = self._layout()
         self._follow_link()
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     @param.depends("session.study_link", watch=True)
     def _follow_link(self) -> None:
@@ -104,11 +102,10 @@ class InputPanel(pn.viewable.Viewer):
         self._imu.object = f"<p>{said}</p>"
 
     def _sources(self) -> list[pn.viewable.Viewable]:
-        self.file = LimitedFileInput(
-            lambda reason: self.say(f"Not opened: {reason}."), label="Open study", accept=".toml",
-            icon="folder_open", max_file_size=MAX_STUDY, **_LOOK,
+        self.file = upload(
+            "Open study", ".toml", MAX_STUDY, self.open, lambda reason: self.say(f"Not opened: {reason}."),
+            forget=True, icon="folder_open", **_LOOK,
         )  # fmt: skip
-        self.file.param.watch(self._opened, "value")
         name, now = "suborbital-study.toml", lambda: format_study(self.settings, self.trajectory)
         save = download("Save study", name, now, icon="save", **_LOOK)
 
@@ -128,11 +125,10 @@ class InputPanel(pn.viewable.Viewer):
         self.say(f"The design's IMU was not used. {problem}" if problem else "")
 
     def _flight_file(self) -> pn.viewable.Viewable:
-        self.trajectory_file = LimitedFileInput(
-            lambda reason: self.say(f"Trajectory not taken: {reason}."), label="Trajectory from a file",
-            accept=".csv", icon="upload_file", max_file_size=BOUNDS.most_bytes, **_LOOK,
+        self.trajectory_file = upload(
+            "Trajectory from a file", ".csv", BOUNDS.most_bytes, self._uploaded,
+            lambda reason: self.say(f"Trajectory not taken: {reason}."), forget=True, **_LOOK,
         )  # fmt: skip
-        self.trajectory_file.param.watch(self._uploaded, "value")
         reset = pmui.Button(
             label="Reset to reference flight", visible=self.param.trajectory.rx.is_not(None),
             on_click=lambda _: self.param.update(trajectory=None), **_LOOK,
@@ -163,14 +159,7 @@ class InputPanel(pn.viewable.Viewer):
         self._say_imu()
         self.sheet.follow()
 
-    async def _opened(self, event: Any) -> None:
-        if not event.new:
-            return
-        content, name = event.new, str(self.file.filename or "file")
-        self.file.clear()  # so that the same file can be opened again
-        await self.open(content, name)
-
-    async def open(self, content: bytes, name: str) -> None:
+    async def open(self, name: str, content: bytes) -> None:
         """Put a study file in force, whole or not at all; a trajectory in it may have megabytes."""
         try:
             study = await elsewhere(parse_study, content, name)
@@ -194,11 +183,8 @@ class InputPanel(pn.viewable.Viewer):
             flown = " The trajectory is not in it: save the study to share that." if self.trajectory else ""
             self.say(said + flown, "info")
 
-    def _uploaded(self, event: Any) -> None:
-        if event.new:
-            content, name = event.new, str(self.trajectory_file.filename or "file")
-            self.trajectory_file.clear()
-            self.trajectory = (name, content)
+    def _uploaded(self, name: str, content: bytes) -> None:
+        self.trajectory = (name, content)
 
     def refuse(self, flown: Trajectory, reason: str) -> None:
         """Go back to the trajectory flown before and say why."""

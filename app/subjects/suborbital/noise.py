@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import panel as pn
 import panel_material_ui as pmui
 
 from app.declared import chosen, held
 from app.session import Session
 from app.subjects.suborbital.charts import Shown
 from app.ui.run_bar import RunBar
+from app.ui.view import View
 from app.work.alone import run_alone
 from app.work.run import Run
 from nav_model.suborbital.noise_ensemble import NoiseEnsemble, fly_noise
@@ -19,7 +19,7 @@ from nav_model.suborbital.study import Study
 _RUNS = [50, 100, 200, 500, 1000]
 
 
-class NoisePanel(pn.viewable.Viewer):
+class NoisePanel(View):
     """How many runs, start and cancel. The result of `run` is a study and the ensemble flown with it.
 
     Parameters
@@ -36,11 +36,8 @@ class NoisePanel(pn.viewable.Viewer):
         super().__init__(run=session.new_run())
         self._current = current
         runs = pmui.Select.from_param(self.param.runs, width=110, margin=(10, 6, 4, 6))
-        self.bar = RunBar(self.run, self.start, "Run the ensemble", runs)
+        self._view = self.bar = RunBar(self.run, self.start, "Run the ensemble", runs)
         self.bar.cancel.label = "Cancel the ensemble"
-
-    def __panel__(self) -> RunBar:
-        return self.bar
 
     def ensemble_of(self, study: Study) -> NoiseEnsemble | None:
         """The ensemble, if it was flown with this very study."""

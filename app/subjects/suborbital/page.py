@@ -27,6 +27,7 @@ from app.ui.downloads import download
 from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
+from app.ui.view import View
 from app.work.alone import RunLost
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -39,7 +40,7 @@ from nav_model.suborbital.survey_json import gap_json, noise_json, survey_json
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
 
 
-class SuborbitalPage(pn.viewable.Viewer):
+class SuborbitalPage(View):
     """Everything below the tab. The first run starts when the page is opened, unless its result is in the cache.
 
     The result of `exact` is the last exact run; `renewal` makes the matrices that other frames or periods need.
@@ -73,9 +74,6 @@ class SuborbitalPage(pn.viewable.Viewer):
         self._view = screen_of_views(pn.Column(self._strip, self.inputs.notice, self._tiles), self.study, tools)
         if pn.state.curdoc and not self._recall():
             self.run()
-
-    def __panel__(self) -> pn.Column:
-        return self._view
 
     def show(self, budget: Budget) -> None:
         """Follow the design's inertial unit, where the study takes it."""

@@ -36,6 +36,7 @@ from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW
+from app.ui.view import View as Page
 from nav_model.suborbital.errors import CLASSES, SOURCES
 from nav_model.suborbital.study import GRAVITY_ROW
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
@@ -101,7 +102,7 @@ _COMING = "<p>The charts and tables of this view appear here with the first stud
 CASES = {SUM: "all"} | {name: name for name in (*CLASSES, *SOURCES, GRAVITY_ROW) if name != "all"}
 
 
-class StudyViews(pn.viewable.Viewer):
+class StudyViews(Page):
     """A switch and the view chosen, made when it is first opened, then fed while it is in view.
 
     The parameters are what a person chooses to look at; ``more`` are the views that are not of charts and tables.
@@ -121,11 +122,8 @@ class StudyViews(pn.viewable.Viewer):
         self._noise = noise
         makes: dict[str, Callable[[], Any]] = {view.name: partial(self._place, view) for view in VIEWS}
         makes |= {CAMERA_NOISE: lambda: camera, INPUTS: lambda: inputs}
-        self.views = NamedViews("What to see", makes, _GROUPS)
+        self._view = self.views = NamedViews("What to see", makes, _GROUPS)
         self.views.param.watch(lambda _: self._draw(), "chosen")
-
-    def __panel__(self) -> NamedViews:
-        return self.views
 
     @property
     def looks(self) -> dict[str, Any]:
@@ -191,7 +189,7 @@ class StudyViews(pn.viewable.Viewer):
 
 
 def _table(parts: Follower[Shown], build: Callable[[Shown], NumberTable]) -> SortableTable:
-    table = SortableTable(sizing_mode="stretch_width", margin=(4, 12))
+    table = SortableTable(margin=(4, 12))
     parts.also(lambda shown: setattr(table, "html", html_of(build(shown).block(sortable=True))))
     return table
 

@@ -18,6 +18,7 @@ from app.session import Session
 from app.subjects.theory.record import INDEPENDENT, Comparison, Difference, record
 from app.ui.anchored_text import AnchoredText
 from app.ui.answer_strip import AnswerStrip
+from app.ui.view import View
 from nav_model.budget import Budget
 from nav_model.equations import ALL_EQUATIONS, ALL_SYMBOLS
 from nav_model.equations.literature import METHODS, WORKS, source_of
@@ -41,7 +42,7 @@ _POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text('utf-8')}</style>"
 
 
-class TheoryPage(pn.viewable.Viewer):
+class TheoryPage(View):
     """Everything below the tab; the same for every design."""
 
     text = held(AnchoredText)
@@ -49,10 +50,7 @@ class TheoryPage(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(text=AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14)))
         strip = pn.Column(AnswerStrip(validation_answer()), margin=(8, 10, 0, 10))
-        self.view = pn.Column(strip, self.text)
-
-    def __panel__(self) -> pn.Column:
-        return self.view
+        self._view = pn.Column(strip, self.text)
 
     def show(self, budget: Budget) -> None:
         """Nothing here depends on the design."""

@@ -33,8 +33,8 @@ from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
 from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
+from app.ui.upload import upload
 from app.ui.view import View
-from app.upstream.file_input import LimitedFileInput
 from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -137,12 +137,10 @@ class TrajectoryPage(View):
         choices, text = self.param, pmui.TextInput.from_param
         chosen = choices.flight.rx
         strip, file = chosen() == "strip", chosen() == "file"
-        self._upload = LimitedFileInput(
-            lambda why: self._say(f"Not used. {why}"),
-            label="GPX, KML, CSV or SBET file", accept=",".join(_KINDS), icon="upload_file", max_file_size=_UPLOAD,
-            variant="outlined", visible=file, margin=(2, 4),
+        self._upload = upload(
+            "GPX, KML, CSV or SBET file", ",".join(_KINDS), _UPLOAD, self._uploaded,
+            lambda why: self._say(f"Not used. {why}"), visible=file,
         )  # fmt: skip
-        self._upload.param.watch(self._uploaded, "value")
         own = {"placeholder": "design's"}
         return (
             pmui.Select.from_param(choices.figure, width=160, **_LOOK),
@@ -250,14 +248,11 @@ class TrajectoryPage(View):
     def _say(self, text: str) -> None:
         self._bar.message = text
 
-    def _uploaded(self, event: Any) -> None:
-        if not event.new:
-            return
-        name = str(self._upload.filename or "file")
+    def _uploaded(self, name: str, content: bytes) -> None:
         if not name.lower().endswith(_KINDS):
             self._say(f"Not used. {name} is not a GPX, KML, CSV or SBET (.out) file.")
             return
-        self._file = File(name, event.new)
+        self._file = File(name, content)
         self.start()
 
 

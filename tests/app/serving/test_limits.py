@@ -135,5 +135,5 @@ def test_oversized_requests_do_not_stop_the_server(visitor: Any) -> None:
 def test_every_upload_is_bounded_where_it_arrives() -> None:
     """The widget's own limit is checked in the browser alone, which a hostile one leaves out."""
     sources = {path: path.read_text() for path in (Path(__file__).parents[3] / "app").rglob("*.py")}
-    assert sum("LimitedFileInput(" in text for text in sources.values()) >= 7
+    assert sum("upload(" in text for text in sources.values()) >= 7
     assert not [name for name, text in sources.items() if re.search(r"\bFileInput\(|FileDropper\(", text)]

@@ -53,7 +53,7 @@ def sensors() -> Iterator[SensorsPage]:
 def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     panel = sensors.log
     session = panel.session
-    asyncio.run(panel.take(log(), "bench.csv"))
+    asyncio.run(panel.take("bench.csv", log()))
     assert "does not give the rate" in panel.run.message  # asked for, the upload is kept
     assert panel.boxes["rate"].error_state  # where it is to be mended
     assert "does not give the rate" in panel.boxes["rate"].helper_text
@@ -86,9 +86,9 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
 def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
-    asyncio.run(panel.take(log(), "good.csv"))
+    asyncio.run(panel.take("good.csv", log()))
     shown = panel.static.head.object
-    asyncio.run(panel.take(log().replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2), "bad.csv"))
+    asyncio.run(panel.take("bad.csv", log().replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2)))
     assert "bad.csv" in panel.run.message
     assert "&lt;script&gt;" not in panel.static.head.object
     assert "&lt;script&gt;" in panel.bar.state.object
@@ -99,12 +99,12 @@ def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
 def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
-    asyncio.run(panel.take(log(), "one.csv"))
+    asyncio.run(panel.take("one.csv", log()))
     plots = [pane.object for pane in panel.static._view.select(pn.pane.Bokeh)]
     assert len(plots) == 3
     curves = [curve for plot in plots for curve in plot.select({"type": ColumnDataSource})]
     old = [dict(curve.data) for curve in curves]
-    asyncio.run(panel.take(log(9000, 2.0), "two.csv"))
+    asyncio.run(panel.take("two.csv", log(9000, 2.0)))
     assert [pane.object for pane in panel.static._view.select(pn.pane.Bokeh)] == plots
     assert all(not np.array_equal(curve.data["x"], was["x"]) for curve, was in zip(curves, old, strict=True))
 
@@ -114,7 +114,7 @@ def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
     session = panel.session
     session.change({"imu.angle_random_walk": ARW, "imu.velocity_random_walk": VRW})
     panel.boxes["rate"].value, panel.motion.value = "100", "motion"
-    asyncio.run(panel.take(log(factor=3.0), "drive.csv"))
+    asyncio.run(panel.take("drive.csv", log(factor=3.0)))
     assert "as white noise" in panel.moving.head.object
     panel.moving.use.clicks += 1
     assert session.design.imu.vibration_factor == pytest.approx(3.0, rel=0.05)
@@ -168,7 +168,7 @@ def test_origin_says_catalogue_hand_or_log():
 def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
-    asyncio.run(panel.take(log(), "bench.csv"))
+    asyncio.run(panel.take("bench.csv", log()))
     analysis = panel.static.analysis
     assert analysis is not None
     for quantity, truth in (("gyro", 0.3 * 60.0), ("accelerometer", VRW / 9.80665e-6)):

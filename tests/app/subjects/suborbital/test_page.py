@@ -244,7 +244,7 @@ def test_a_study_is_saved_opened_and_linked_without_loss(here: SuborbitalPage, s
     other = SuborbitalPage(Session(first_design()))
 
     async def opened() -> bool:
-        await other.inputs.open(text, "mine.toml")
+        await other.inputs.open("mine.toml", text)
         running = other.exact.running
         other.exact.cancel()
         return running
@@ -261,7 +261,7 @@ def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPa
         (b'study = "suborbital"\n[gyros]\nbias = "5 kg"\n', "gyros.bias: &#x27;kg&#x27; is not a unit"),
         (b'[imu]\npreset = "LN-200"\n', "study: is missing"),
     ):
-        asyncio.run(here.inputs.open(content, "mine.toml"))
+        asyncio.run(here.inputs.open("mine.toml", content))
         assert said in here.inputs.notice.object
         assert here.inputs.notice.visible
         assert here.inputs.settings is before

@@ -156,7 +156,6 @@ def test_bad_fields_and_other_files_are_refused_by_name(session: Session) -> Non
     assert "outages: " in after(page, lambda: page.param.update(count="2", outages="soon"))
     page._upload.filename = "song.mp3"
     page._upload.value = b"abc"
-    page._uploaded(type("Event", (), {"new": b"abc"}))
     assert "song.mp3 is not a GPX, KML, CSV or SBET" in page._bar.message
     assert page._file is None
     with pytest.raises(InputError, match=r"Length: .* too long for this page"):
