@@ -7,7 +7,7 @@ returns the message to show.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,8 +20,8 @@ from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
-from nav_model.design.contributors import Contributor
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
+from nav_model.design.own import Own
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.table import Table
 
@@ -166,11 +166,11 @@ class Session(param.Parameterized):
         changes: Mapping[str, Value],
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
-        contributors: Iterable[Contributor] | None = None,
+        own: Own | None = None,
     ) -> InputError | None:
         """Apply changes, as `Design.replace` takes them; returns the error message, if any."""
         return self._adopt(
-            lambda: self.design.replace(changes, written, origins, contributors), frozenset(changes), self.lineage
+            lambda: self.design.replace(changes, written, origins, own), frozenset(changes), self.lineage
         )
 
     def adopt(self, design: Design) -> InputError | None:

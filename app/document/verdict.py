@@ -10,10 +10,9 @@ from app.document.display import ONE_SIGMA, SI, Display
 from app.document.numbers import percent, show_in, signed_percent, whole_percent
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES, UNSCALED
 from nav_model.budget.result import Check, Verdict
+from nav_model.budget.verdict import required
 from nav_model.design import Design
-from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -48,29 +47,30 @@ def judged(verdict: Verdict) -> str:
 
 def check_words(design: Design, check: Check) -> CheckWords:
     """A check of a design's budget in words."""
-    value = requirement_quantity(design, check.name, check.value)
-    limit = requirement_quantity(design, check.name, check.limit, given=True)
-    figure = f"{_FIGURES.get(check.basis, check.basis)} {check.equation}"
+    value, limit = check_quantity(design, check, check.value), check_quantity(design, check, check.limit, given=True)
+    figure = f"{_FIGURES.get(check.basis, check.basis)} {check.equation}".strip()
+    if check.confidence not in (None, design.requirements.confidence):
+        figure += f", at {check.confidence:g}σ"
     return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
 
 
 def shown_check(design: Design, check: Check, display: Display = ONE_SIGMA) -> tuple[str, str]:
     """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it."""
-    pair = "horizontal" in check.name
-    factor = 1.0 if check.name in UNSCALED else display.factor(pair=pair) / design.requirements.confidence
+    pair = "horizontal" in check.on
+    factor = display.factor(pair=pair) / check.confidence if check.confidence else 1.0
 
     def said(value: float, *, given: bool = False) -> str:
         if display.units == SI and check.dimension != "level":
             return display.in_si(value, check.dimension, given=given)
-        return requirement_quantity(design, check.name, value, given=given)
+        return check_quantity(design, check, value, given=given)
 
     return said(factor * check.value), said(factor * check.limit, given=True)
 
 
 def shown_at(design: Design, check: Check, display: Display) -> str:
     """The spread of a value and a limit that are not at the multiple asked for, as in " at 95 %"; else nothing."""
-    told = display.named(pair="horizontal" in check.name)
-    plain = check.name in UNSCALED or told == f"{design.requirements.confidence:g}σ"
+    told = display.named(pair="horizontal" in check.on)
+    plain = check.confidence is None or told == f"{check.confidence:g}σ"
     return "" if plain else f" at {told}"
 
 
@@ -79,15 +79,14 @@ def met_cell(check: Check) -> Cell:
     return Cell("✓ met", tone="good") if check.met else Cell("✗ not met", tone="bad")
 
 
-def requirement_quantity(design: Design, check: str, value: float, *, given: bool = False) -> str:
+def check_quantity(design: Design, check: Check, value: float, *, given: bool = False) -> str:
     """A value [SI] of a check in the unit its requirement is written in.
 
     The along-track phase has the unit of the quadratic phase, whose limit applies to it.
     """
-    key = f"requirements.{FIGURES[check]}"
-    if declaration_of(key).dimension == "level" and value <= NOTHING:
+    if check.dimension == "level" and value <= NOTHING:
         return "none"
-    return show_in(value, design.unit(key), declaration_of(key).dimension, given=given)
+    return show_in(value, required(design)[check.name].unit, check.dimension, given=given)
 
 
 def verdict_of(budget: Budget) -> Answer:

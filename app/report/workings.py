@@ -24,7 +24,6 @@ from nav_model.base.traced import Traced, Workings
 from nav_model.budget.contributors import Part, entering, parts_of, random_and_systematic
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import (
-    COASTING,
     IMAGING,
     PLACING,
     SETTLED,
@@ -43,6 +42,7 @@ from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.verdict import label_of, limit_on
 from nav_model.design import Design
+from nav_model.design.contributors import COASTING
 from nav_model.processing.geolocation import circular_error, ground_covariance
 
 _PLAIN = {

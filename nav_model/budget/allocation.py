@@ -15,13 +15,11 @@ from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
-from nav_model.budget.contributors import entering
+from nav_model.budget.contributors import entering, turned
 from nav_model.budget.result import Budget, Check
-from nav_model.budget.verdict import confidence_of
+from nav_model.design.own import Allotment
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.paired_echo import NOTHING
-
-SPLITS = ("equal", "shares", "cheapest")
 
 
 @dataclass(frozen=True)
@@ -78,11 +76,21 @@ def check_of(budget: Budget, requirement: str | None = None) -> Check:
     return checks[requirement]
 
 
+def locks_of(budget: Budget, check: Check) -> dict[str, float]:
+    """Locks of the design for a requirement, SI; a length along the line of sight is a phase where that is one."""
+    plan = budget.design.allocation or Allotment()
+    return {
+        lock.name: turned(lock.value, lock.dimension, check.dimension, budget.sar.wavelength)
+        for lock in plan.locks
+        if lock.requirement == check.name
+    }
+
+
 def allocate(
     budget: Budget,
     requirement: str | None = None,
-    split: str = "shares",
-    reserve: float = 0.2,
+    split: str | None = None,
+    reserve: float | None = None,
     locks: Mapping[str, float] | None = None,
 ) -> Allocation:
     """Split a requirement's limit among the sources that are above zero.
@@ -92,15 +100,15 @@ def allocate(
     budget : Budget
     requirement : str, optional
         Name of a check of the budget's verdict; by default the tightest.
-    split : str
-        How what the locks leave is split. "equal": every entry has the same value. "shares": all have the same ratio
-        to their estimates, so that they keep their shares among each other. "cheapest": the sum over the free
-        entries of the squared relative change, ((allocated - estimated) / estimated)², is as small as it can be; an
-        entry that this takes below zero is zero.
-    reserve : float
-        Part of the limit that is not allocated, from 0 to less than 1.
+    split : str, optional
+        How what the locks leave is split; by default as the design says, or by shares. "equal": every entry has the
+        same value. "shares": all have the same ratio to their estimates, so that they keep their shares among each
+        other. "cheapest": the sum over the free entries of the squared relative change,
+        ((allocated - estimated) / estimated)², is as small as it can be; an entry that this takes below zero is zero.
+    reserve : float, optional
+        Part of the limit that is not allocated, from 0 to less than 1; by default that of the design, or 0.2.
     locks : mapping, optional
-        Source -> its allocated value, SI, at the confidence of the limit.
+        Source -> its allocated value, SI, at the confidence of the limit; by default those of the design.
 
     Raises
     ------
@@ -108,11 +116,10 @@ def allocate(
         As `check_of`, and for a reserve out of bounds, an unknown split, and a lock of an unknown source or of a
         value that is not above zero.
     """
-    check, locked = check_of(budget, requirement), dict(locks or {})
-    if split not in SPLITS:
-        raise InputError("split", not_a_choice(split, SPLITS), split)
-    if not 0 <= reserve < 1:
-        raise InputError("reserve", f"{reserve:g} is not allowed. Give 0 % or more and less than 100 %.", reserve)
+    check, plan = check_of(budget, requirement), budget.design.allocation or Allotment()
+    split, reserve = split or plan.split, plan.reserve if reserve is None else reserve
+    Allotment(split, reserve)  # which refuses what is not allowed
+    locked = locks_of(budget, check) if locks is None else dict(locks)
     sizes, systematic = _sizes(budget, check)
     for source, value in locked.items():
         if source not in sizes:
@@ -152,7 +159,7 @@ def _sizes(budget: Budget, check: Check) -> tuple[dict[str, float], frozenset[st
     parts = entering(budget.steady_state.own, check.name, post_processed=post)
     systematic = frozenset(part.name for part in parts if part.systematic)
     root = check.sigma - sum(float(part.size) for part in parts if part.systematic)
-    factor = confidence_of(budget.design, check.name)
+    factor = check.confidence or 1.0
     sizes = {
         source: factor * (share * check.sigma if source in systematic else math.sqrt(share * root * check.sigma))
         for source, share in check.shares.items()

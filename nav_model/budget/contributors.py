@@ -33,7 +33,7 @@ class Part:
 
 Shares = Mapping[str, float]
 Parts = Mapping[str, tuple[Part, ...]]
-"""Figure -> what enters it."""
+"""Figure, or limit of the user's own -> what enters it."""
 
 NONE: Parts = FrozenMapping({})
 
@@ -52,20 +52,29 @@ class Composed:
 
 
 def parts_of(design: Design, wavelength: Any) -> Parts:
-    """What enters each figure of a design, with the wavelength [m] that turns lengths into phases."""
+    """What enters each figure of a design, with the wavelength [m] that turns lengths into phases.
+
+    A limit on a figure has what enters that figure; a limit on a contributor has the contributor alone, unturned.
+    """
     found: dict[str, tuple[Part, ...]] = {}
+    alone: dict[str, tuple[Part, ...]] = {}
     for one in design.contributors:
         if one.counted:
-            size = size_of(one, wavelength)
-            part = Part(one.name, size, one.kind == SYSTEMATIC, one.processing)
+            part = Part(one.name, size_of(one, wavelength), one.kind == SYSTEMATIC, one.processing)
             found[one.enters] = (*found.get(one.enters, ()), part)
-    return FrozenMapping(found)
+            alone[one.name] = (Part(one.name, one.counted, one.kind == SYSTEMATIC, one.processing),)
+    of_limits = {limit.name: (alone | found).get(limit.on, ()) for limit in design.limits}
+    return FrozenMapping(found | of_limits)
 
 
 def size_of(one: Contributor, wavelength: Any) -> Any:
     """1σ of the figure that a contributor enters, SI, with its allowance."""
-    turned = one.dimension == "length" and ENTERED[one.enters] == "angle"
-    return 4 * math.pi / wavelength * one.counted if turned else one.counted
+    return turned(one.counted, one.dimension, ENTERED[one.enters], wavelength)
+
+
+def turned(value: Any, dimension: str, into: str, wavelength: Any) -> Any:
+    """A value in a figure of the dimension `into`: a length along the line of sight as a phase where that is one."""
+    return 4 * math.pi / wavelength * value if (dimension, into) == ("length", "angle") else value
 
 
 def entering(parts: Parts, figure: str, *, post_processed: bool) -> tuple[Part, ...]:

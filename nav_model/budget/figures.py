@@ -25,6 +25,8 @@ from nav_model.base.arrays import Array, as_numbers
 from nav_model.budget.contributors import NONE, all_with_contributors
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
+from nav_model.design.contributors import COASTING, IN_OUTAGE
+from nav_model.design.own import Limit
 from nav_model.processing.flight import Channel
 from nav_model.processing.geolocation import (
     NINETY,
@@ -38,14 +40,10 @@ from nav_model.processing.geolocation import (
 from nav_model.processing.smoother import smoothed_error
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
-COASTING = ("coast_horizontal_position", "coast_vertical_position")
 IMAGING = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase")
 PLACING = ("azimuth_shift", "range_shift", "ce90", "le90")
 PERCENTAGES = ("ce90", "le90")
 """Figures that hold a percentage already."""
-
-UNSCALED = (*PERCENTAGES, *LEVELS)
-"""Figures that a design's confidence does not multiply."""
 
 FIGURES: Mapping[str, str] = MappingProxyType(
     {
@@ -93,6 +91,37 @@ def outage(
     )
     bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
     return refined.horizontal + bias_a**2 + bias_w**2, refined.vertical + bias_a**2
+
+
+def free_growth(x: Inputs, closed: Sawtooth, time: Array) -> dict[str, Array]:
+    """Variances in an outage: positions, and the figures of `IN_OUTAGE`, with the residual biases. [T-9], [T-10]"""
+    level = growth.horizontal_growth(closed.horizontal, x.sigma_a, x.sigma_w, x.g, time)
+    upright = growth.vertical_growth(closed.vertical, x.sigma_a, time)
+    bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
+    drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
+    return {
+        "position_horizontal": level.position + bias_a**2 + bias_w**2,
+        "position_vertical": upright.position + bias_a**2,
+        "coast_horizontal_velocity": level.velocity + drift_a**2 + drift_w**2,
+        "coast_vertical_velocity": upright.velocity + drift_a**2,
+        "coast_tilt": level.tilt + (x.bias_w * time) ** 2,
+        "coast_heading": steady.yaw_variance(x.sigma_w, time),
+    }
+
+
+def in_outage(limit: Limit) -> bool:
+    """Whether a limit is on a value that has a time of its own in the outage."""
+    return limit.on in IN_OUTAGE or limit.at is not None
+
+
+def _limited(x: Inputs, limit: Limit, found: Mapping[str, Array]) -> Array:
+    """What a limit of the user's own limits, without contributors; zero where that is one of them."""
+    if not in_outage(limit):
+        return found[limit.on] if limit.on in found else np.asarray(0.0)
+    time = x.duration if limit.at is None else np.asarray(limit.at)
+    if limit.on in COASTING:
+        return np.sqrt(outage(x, sampled(x).posterior, time)[COASTING.index(limit.on)])
+    return np.sqrt(free_growth(x, settled(x), time)[limit.on])
 
 
 def phase_sources(x: Inputs, start: Horizontal) -> Mapping[str, phase.PhaseVariances]:
@@ -328,7 +357,8 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     ----------
     x : Inputs
     names : collection of str
-        Keys of `FIGURES`, or `INITIAL_TILT` [rad] of real time; others are not computed.
+        Keys of `FIGURES`, names of the user's own limits, or `INITIAL_TILT` [rad] of real time; others are not
+        computed.
 
     Returns
     -------
@@ -336,7 +366,11 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
         Name -> array of the inputs' broadcast shape, or of a smaller shape that broadcasts to it. Phase figures
         are NaN where the aperture is longer than a design may have.
     """
-    return all_with_contributors(_of_model(x, names), x.own, post_processed=x.post_processed)
+    limits = [limit for limit in x.limits if limit.name in names]
+    found = _of_model(x, {*names, *(limit.on for limit in limits if not in_outage(limit))})
+    own = {limit.name: _limited(x, limit, found) for limit in limits}
+    wanted = {name: value for name, value in found.items() if name in names} | own
+    return all_with_contributors(wanted, x.own, post_processed=x.post_processed)
 
 
 def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
@@ -368,13 +402,15 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
 
 
 SHARED = (*SETTLED, *COASTING, *PLACING, "along_track_quadratic_phase", INITIAL_TILT)
-"""What `real_time_figures` finds: the phase and the image's place have shares elsewhere."""
+"""What `real_time_figures` finds, beside limits in the outage: the phase and the image's place have shares
+elsewhere."""
 
 
 def real_time_figures(x: Inputs) -> dict[str, Array]:
     """Figures of `SHARED` in real time without contributors, one sigma, whatever the processing; ``initial tilt``
     [rad] of [S-5]."""
-    return figures(replace(x, post_processed=False, steady_state="closed", own=NONE), SHARED)
+    own = (limit.name for limit in x.limits if in_outage(limit))
+    return figures(replace(x, post_processed=False, steady_state="closed", own=NONE), (*SHARED, *own))
 
 
 def sigmas(moment: Sawtooth) -> dict[str, Array]:

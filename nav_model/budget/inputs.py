@@ -19,6 +19,7 @@ from nav_model.budget.contributors import NONE, Parts, parts_of
 from nav_model.budget.fast import fast_sources, rectified
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
+from nav_model.design.own import Limit
 from nav_model.design.parts import INPUTS, Radar
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.fast_motion import Fast
@@ -75,6 +76,7 @@ class Inputs:
     fast: Mapping[str, Fast]
     rectified: Array | None
     own: Parts
+    limits: tuple[Limit, ...]
 
     @property
     def bias(self) -> Array:
@@ -191,4 +193,5 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         fast=fast_sources(design, value, wavelength, aperture),
         rectified=rectified(design, value),
         own=parts_of(design, wavelength) if design.contributors else NONE,
+        limits=design.limits,
     )

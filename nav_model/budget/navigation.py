@@ -17,11 +17,12 @@ from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.errors import InputError, shown
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import composed, entering
-from nav_model.budget.figures import COASTING, SETTLED, channels, outage, sigmas
+from nav_model.budget.figures import SETTLED, channels, free_growth, in_outage, outage, sigmas
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.result import Outage, Sigmas, SteadyState
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.design.contributors import COASTING
 from nav_model.processing.flight import Channel, Flight, axis_of, values_of
 
 COAST_POINTS = 300
@@ -80,41 +81,45 @@ def _sigmas(moment: Sawtooth) -> Sigmas:
     return Sigmas(*map(float, sigmas(moment).values()))
 
 
-def outage_of(x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array, shares: Mapping[str, Shares]) -> Outage:
-    """Errors `time` [s] after the last fix; `posterior` is the filter there, `shares` are those of `COASTING`."""
-    a, w, g = x.sigma_a, x.sigma_w, x.g
-    p, v = closed
+def outage_of(
+    x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array, sized: Mapping[str, tuple[float, Shares]]
+) -> Outage:
+    """Errors `time` [s] after the last fix; `posterior` is the filter there, `sized` has value and shares of
+    `COASTING` and of limits in the outage."""
     duration = float(x.duration)
-    level = growth.horizontal_growth(p, a, w, g, time)
-    upright = growth.vertical_growth(v, a, time)
+    free = {name: np.sqrt(variance) for name, variance in free_growth(x, closed, time).items()}
     refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, np.append(time, duration)))
-    bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, g, time)
-    drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, g, time)
-    perfect = growth.perfect_start(a, w, g, time)
+    perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, time)
     curves = {
         "time": time,
-        "position_horizontal": np.sqrt(level.position + bias_a**2 + bias_w**2),
-        "position_vertical": np.sqrt(upright.position + bias_a**2),
-        "velocity_horizontal": np.sqrt(level.velocity + drift_a**2 + drift_w**2),
-        "velocity_vertical": np.sqrt(upright.velocity + drift_a**2),
-        "tilt": np.sqrt(level.tilt + (x.bias_w * time) ** 2),
-        "yaw_growth": np.sqrt(steady.yaw_variance(w, time)),
+        "position_horizontal": free["position_horizontal"],
+        "position_vertical": free["position_vertical"],
+        "velocity_horizontal": free["coast_horizontal_velocity"],
+        "velocity_vertical": free["coast_vertical_velocity"],
+        "tilt": free["coast_tilt"],
+        "yaw_growth": free["coast_heading"],
         "refined_horizontal": refined_horizontal[:-1],
         "refined_vertical": refined_vertical[:-1],
         "perfect_start_horizontal": np.sqrt(perfect[0]),
         "perfect_start_vertical": np.sqrt(perfect[1]),
-        "initial_tilt": np.sqrt(growth.initial_tilt(p.p33, g, time)),
+        "initial_tilt": np.sqrt(growth.initial_tilt(closed.horizontal.p33, x.g, time)),
     }
     level_end, upright_end = (
-        composed(float(curve[-1]), shares[name], entering(x.own, name, post_processed=False))
+        composed(float(curve[-1]), sized[name][1], entering(x.own, name, post_processed=False))
         for name, curve in zip(COASTING, (refined_horizontal, refined_vertical), strict=True)
     )
+    limited = {
+        limit.name: composed(*sized[limit.name], entering(x.own, limit.name, post_processed=False))
+        for limit in x.limits
+        if in_outage(limit)
+    }
     return Outage(
         duration=duration,
         end_refined_horizontal=level_end.sigma,
         end_refined_vertical=upright_end.sigma,
         shares_horizontal=level_end.shares,
         shares_vertical=upright_end.shares,
+        limited=FrozenMapping(limited),
         **curves,
     )
 

@@ -12,7 +12,7 @@ import numpy as np
 from nav_model.aperture.impulse_response import ImpulseResponse
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.contributors import Parts, entering, with_contributors
+from nav_model.budget.contributors import Composed, Parts, entering, with_contributors
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
@@ -83,7 +83,8 @@ class Outage:
 
     ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
     quadrature; ``refined_*`` is [T-17] with the same biases. ``shares_horizontal`` and ``shares_vertical``
-    split the variance of position at the end of ``duration``.
+    split the variance of position at the end of ``duration``. ``limited`` has what limits of the user's own limit in
+    the outage.
     """
 
     duration: float
@@ -103,6 +104,7 @@ class Outage:
     end_refined_vertical: float
     shares_horizontal: Shares
     shares_vertical: Shares
+    limited: Mapping[str, Composed]
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
@@ -270,14 +272,17 @@ class Check:
     """One requirement compared with its figure.
 
     ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
-    over, 1 - value/limit, negative when the requirement is not met. ``basis`` says which of the model's
+    over, 1 - value/limit, negative when the requirement is not met. ``confidence`` is None where it does not count,
+    ``on`` the figure that is limited, mostly ``name``. ``basis`` says which of the model's
     results was taken (prior, refined, closed form ...), ``equation`` where it comes from. ``shares`` are those of the
     budget's lines in the variance, ``tilt_shares`` those of the noises in an initial tilt.
     """
 
     name: str
+    on: str
     label: str
     dimension: str
+    confidence: float | None
     value: float
     sigma: float
     limit: float

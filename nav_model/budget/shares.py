@@ -65,8 +65,8 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
         one[:] = value
     sizes = table.real[:, -1, -1]
     slopes = np.hstack([table.imag[:, -1, : len(seen)], table.imag[:, :-1, -1]])
-    parts = np.maximum(slopes / (sizes[:, None] * _STEP), 0)
-    # The values are so far apart that rounding hides every slope: the shares are unknown.
+    parts = np.maximum(slopes / (np.where(sizes, sizes, 1.0)[:, None] * _STEP), 0)
+    # A figure of zero, or values so far apart that rounding hides every slope: the shares are unknown.
     parts[~np.any(parts > 0, axis=1)] = 1.0
     return {
         figure: (size, _normalised(dict(zip((*seen, *beside), row, strict=True))))

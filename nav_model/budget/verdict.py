@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from nav_model.budget.contributors import Parts, composed, entering
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.contributors import Parts, composed, entering, with_contributors
 from nav_model.budget.fast import LEVELS
-from nav_model.budget.figures import FIGURES, PLACING, UNSCALED
+from nav_model.budget.figures import FIGURES, PLACING
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
+from nav_model.design.contributors import ENTERED, IN_OUTAGE, UNSCALED
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -26,9 +30,46 @@ class _Figure:
     shares: Shares
 
 
-def checked(design: Design) -> tuple[str, ...]:
-    """Names of the checks of a design's requirements, in the order of its verdict; without computing the figures."""
-    return tuple(name for name, key in FIGURES.items() if design[f"requirements.{key}"] is not None)
+@dataclass(frozen=True)
+class Required:
+    """A requirement in force: the value it is `on`, its limit in SI with the unit it is shown in, and its confidence,
+    None where that does not multiply."""
+
+    on: str
+    limit: float
+    dimension: str
+    unit: str
+    confidence: float | None
+
+    @property
+    def at_one_sigma(self) -> float:
+        """The limit that one sigma has to meet."""
+        return self.limit / (self.confidence or 1.0)
+
+
+def required(design: Design) -> dict[str, Required]:
+    """Name of each check of a design -> its requirement, in the order of the verdict, without computing figures."""
+    usual: float = design.requirements.confidence
+    found = {}
+    for name, key in FIGURES.items():
+        if (limit := getattr(design.requirements, key)) is not None:
+            unit, factor = design.unit(f"requirements.{key}"), _factor(name, usual)
+            found[name] = Required(name, limit, limit_on(name).dimension, unit, factor)
+    figures = {one.name: one.enters for one in design.contributors}
+    for own in design.limits:
+        factor = _factor(figures.get(own.on, own.on), own.confidence or usual)
+        unit = own.unit or DIMENSIONS[own.dimension].default_unit
+        found[own.name] = Required(own.on, own.value, own.dimension, unit, factor)
+    return found
+
+
+def _factor(figure: str, confidence: float) -> float | None:
+    return None if figure in UNSCALED else confidence
+
+
+def confidence_of(design: Design, figure: str) -> float:
+    """The design's factor on a figure's one sigma before it is compared with a limit."""
+    return _factor(figure, design.requirements.confidence) or 1.0
 
 
 def limit_on(name: str) -> BaseQuantity[float | None]:
@@ -39,13 +80,12 @@ def limit_on(name: str) -> BaseQuantity[float | None]:
 
 
 def label_of(name: str) -> str:
-    """A figure's label: that of its requirement, but for one that limits two figures."""
-    return "Along-track quadratic phase" if name == "along_track_quadratic_phase" else str(limit_on(name).label)
-
-
-def confidence_of(design: Design, name: str) -> float:
-    """Factor on a figure's one sigma before it is compared with its limit."""
-    return 1.0 if name in UNSCALED else design.requirements.confidence
+    """A figure's label: that of its requirement, but for one that limits two figures; a name of the user's own."""
+    if name == "along_track_quadratic_phase":
+        return "Along-track quadratic phase"
+    if name in IN_OUTAGE:
+        return IN_OUTAGE[name][1]
+    return str(limit_on(name).label) if name in FIGURES else name
 
 
 def judge(
@@ -63,22 +103,23 @@ def judge(
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
     the along-track term [S-2] as well, which has its own check because other sensors cause it.
     """
-    wanted = checked(design)
     figures = _figures(design, steady_state, coast, sar) | _levels(spectral, steady_state.own)
     if smoothed is not None:
         figures |= _smoothed(smoothed)
     figures |= _placed(placement, figures["quadratic_phase"].basis)
+    figures |= _of_limits(design, figures, coast, steady_state.own, post_processed=smoothed is not None)
     checks = []
-    for name in wanted:
-        figure = figures[name]
-        limit = getattr(design.requirements, FIGURES[name])
-        value = confidence_of(design, name) * figure.sigma
+    for name, one in required(design).items():
+        figure, limit = figures[name], one.limit
+        value = (one.confidence or 1.0) * figure.sigma
         margin = 1 - value / limit
         checks.append(
             Check(
                 name=name,
+                on=one.on,
                 label=label_of(name),
-                dimension=limit_on(name).dimension,
+                dimension=one.dimension,
+                confidence=one.confidence,
                 value=value,
                 sigma=figure.sigma,
                 limit=limit,
@@ -119,6 +160,25 @@ def _levels(spectral: Spectral, own: Parts) -> dict[str, _Figure]:
     for name, mark in zip(LEVELS, ("[P-9]", "[P-11]"), strict=True):
         whole = composed(spectral.levels[name], spectral.shares[name], own.get(name, ()))
         found[name] = _Figure(whole.sigma, "lines and spectra", mark, whole.shares)
+    return found
+
+
+def _of_limits(
+    design: Design, figures: Mapping[str, _Figure], coast: Outage, own: Parts, *, post_processed: bool
+) -> dict[str, _Figure]:
+    """What limits of the user's own limit."""
+    found = {}
+    for limit in design.limits:
+        if whole := coast.limited.get(limit.name):
+            when = "at its end" if limit.at is None else f"after {limit.at:g} s"
+            mark = "[T-17]" if limit.on not in IN_OUTAGE else "[T-5]" if limit.on == "coast_heading" else "[T-9]"
+            found[limit.name] = _Figure(whole.sigma, f"in the outage, {when}", mark, whole.shares)
+        elif limit.on in ENTERED:
+            found[limit.name] = figures[limit.on]
+        else:
+            size = with_contributors(0.0, entering(own, limit.name, post_processed=post_processed))
+            alone = FrozenMapping({limit.on: 1.0})
+            found[limit.name] = _Figure(float(size), "contributor with its allowance", "", alone)
     return found
 
 

@@ -9,13 +9,14 @@ beside this one, gathered in `nav_model.design.parts`. The file reader (`nav_mod
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
 from nav_model.base.errors import InputError, shown
 from nav_model.base.frozen import FrozenMapping
-from nav_model.design.contributors import Contributor, checked
+from nav_model.design.contributors import Contributor
 from nav_model.design.declaration import BaseQuantity
+from nav_model.design.own import Allotment, Limit, Own
 from nav_model.design.parts import (
     INPUTS,
     LATER,
@@ -37,6 +38,8 @@ from nav_model.design.parts import (
     all_keys,
     declaration_of,
 )
+
+_NOTHING = Own()
 
 Value = float | int | bool | str | tuple[tuple[Any, ...], ...] | None
 
@@ -64,8 +67,8 @@ class Design:
         Dotted key -> where the value came from, such as a log or a data sheet: one line.
     outdated : tuple of str
         Keys of a file or link of before that have no effect any more.
-    contributors : tuple of Contributor
-        Errors of the user's own that enter figures beside those of the model.
+    own : Own
+        Contributors, limits and an allocation of the user's own, beside the inputs.
 
     Two designs are equal when their values and texts are, whatever units they were written in and wherever the
     values came from: `written` and `origins` are not part of a design's identity, nor of its hash.
@@ -84,7 +87,7 @@ class Design:
     written: Mapping[str, str]
     origins: Mapping[str, str]
     outdated: tuple[str, ...]
-    contributors: tuple[Contributor, ...]
+    own: Own
     _values: dict[str, Value]
 
     def __init__(
@@ -93,20 +96,19 @@ class Design:
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
         outdated: tuple[str, ...] = (),
-        contributors: Iterable[Contributor] = (),
+        own: Own = _NOTHING,
     ) -> None:
         """Make a design from dotted keys in SI; a key not given takes its default.
 
         Raises
         ------
         InputError
-            For an unknown key, a value out of bounds, an origin that is not one line of text, two contributors of
-            one name or too many.
+            For an unknown key, a value out of bounds, an origin that is not one line of text.
         """
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
         parts = {part.section: part(**own) for part, own in _by_part(given)}
-        self.__dict__.update(outdated=outdated, contributors=checked(contributors))
+        self.__dict__.update(outdated=outdated, own=own)
         self._fill(dict(texts), parts, dict(written or {}), dict(origins or {}))
 
     def _fill(
@@ -125,7 +127,7 @@ class Design:
 
     def __reduce__(self) -> tuple[type[Design], tuple[Any, ...]]:
         """Unpickle through the constructor, so that the copy is checked and immutable too."""
-        return type(self), (self._values, dict(self.written), dict(self.origins), self.outdated, self.contributors)
+        return type(self), (self._values, dict(self.written), dict(self.origins), self.outdated, self.own)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a Design does not change; make another with replace()")
@@ -139,6 +141,21 @@ class Design:
     def description(self) -> str:
         """Free text."""
         return cast("str", self._values["description"])
+
+    @property
+    def contributors(self) -> tuple[Contributor, ...]:
+        """Errors of the user's own that enter figures beside those of the model."""
+        return self.own.contributors
+
+    @property
+    def limits(self) -> tuple[Limit, ...]:
+        """Requirements of the user's own, beside those of the inputs."""
+        return self.own.limits
+
+    @property
+    def allocation(self) -> Allotment | None:
+        """How limits are split among sources, where the design says so."""
+        return self.own.allocation
 
     def __getitem__(self, key: str) -> Value:
         """Value in SI under a dotted key."""
@@ -157,9 +174,9 @@ class Design:
         changes: Mapping[str, Value],
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
-        contributors: Iterable[Contributor] | None = None,
+        own: Own | None = None,
     ) -> Design:
-        """The design that differs in `changes` (dotted keys, SI), and in its contributors where they are given.
+        """The design that differs in `changes` (dotted keys, SI), and in what is its `own` where that is given.
 
         `written` updates the units remembered, `origins` where values came from; a value that changes loses the
         origin it had. Parts, units and origins in which nothing changes are the same objects.
@@ -183,8 +200,8 @@ class Design:
             held = {**held, **(origins or {})}
         new = Design.__new__(Design)
         new.__dict__.update(self.__dict__)
-        if contributors is not None:
-            new.__dict__["contributors"] = checked(contributors)
+        if own is not None:
+            new.__dict__["own"] = own
         new._fill({**self._values, **texts}, parts, units, held)
         return new
 
@@ -202,10 +219,10 @@ class Design:
         return declaration.unit if not written or ":" in written else written
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Design) and self._values == other._values and self.contributors == other.contributors
+        return isinstance(other, Design) and self._values == other._values and self.own == other.own
 
     def __hash__(self) -> int:
-        return hash((tuple(self._values.items()), self.contributors))
+        return hash((tuple(self._values.items()), self.own))
 
     def __repr__(self) -> str:
         return f"Design({self.name!r}, {self.content_hash[:12]})"
@@ -219,12 +236,7 @@ class Design:
             for key, value in self._values.items()
             if key not in LATER or value != declaration_of(key).default
         ]
-        for one in self.contributors:
-            sizes = f"{one.value.hex()} {one.dimension} {one.allowance.hex()}"
-            lines.append(
-                f"contributor={(one.name, one.enters, one.kind, one.processing, one.owner, one.source)} {sizes}"
-            )
-        return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+        return hashlib.sha256("\n".join(lines + self.own.identity()).encode()).hexdigest()
 
 
 def _frozen(given: Mapping[str, str]) -> FrozenMapping[str, str]:

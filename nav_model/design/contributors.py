@@ -5,10 +5,11 @@ A design has any number up to `MOST`; `nav_model.budget.contributors` adds them 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar, TypeVar
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, not_a_choice, shown
@@ -27,6 +28,16 @@ MOST = 100
 PHASES = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase")
 """Figures that a length along the line of sight may enter."""
 
+IN_OUTAGE: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "coast_horizontal_velocity": ("speed", "Horizontal velocity after the outage"),
+        "coast_vertical_velocity": ("speed", "Vertical velocity after the outage"),
+        "coast_tilt": ("angle", "Tilt after the outage"),
+        "coast_heading": ("angle", "Heading growth in the outage"),
+    }
+)
+"""Figure of the outage that only a limit of the user's own may limit -> its dimension and label."""
+
 ENTERED: Mapping[str, str] = MappingProxyType(
     {
         name: declaration.dimension
@@ -34,10 +45,15 @@ ENTERED: Mapping[str, str] = MappingProxyType(
         if isinstance(declaration, BaseQuantity) and declaration.dimension
     }
     | {"along_track_quadratic_phase": "angle"}
+    | {name: dimension for name, (dimension, _) in IN_OUTAGE.items()}
 )
-"""Figure that a contributor may enter -> its dimension."""
+"""Figure that a contributor may enter, or a limit of the user's own limit -> its dimension."""
 
-ALIKE = ("coast_horizontal_position", "coast_vertical_position", "paired_echo", "islr")
+COASTING = ("coast_horizontal_position", "coast_vertical_position")
+UNSCALED = ("ce90", "le90", "paired_echo", "islr")
+"""Figures that a confidence does not multiply: they are a percentage already, or a level."""
+
+ALIKE = (*COASTING, *IN_OUTAGE, "paired_echo", "islr")
 """Figures that are the same in both processings."""
 
 _SOURCES = frozenset(
@@ -55,8 +71,35 @@ _LARGEST = 1e9  # SI; no figure is limited there
 _LONGEST = 200  # characters of a text
 
 
+class Sized:
+    """What a user adds under a name with a size: `value` in SI, its `dimension`, and the `unit` it was written in.
+
+    `table` is the name of its tables in a design file.
+    """
+
+    table: ClassVar[str]
+    name: str
+    value: float
+    dimension: str
+    unit: str
+
+    @property
+    def where(self) -> str:
+        """How messages name it."""
+        return f"{self.table}[{shown(self.name)[1:-1]}]"
+
+    def show(self, digits: int | None = None) -> str:
+        """The value with its unit; without `digits` the shortest text that reads back to the same value."""
+        return format_quantity(
+            self.value, self.unit or DIMENSIONS[self.dimension].default_unit, self.dimension, digits
+        )
+
+
+_Named = TypeVar("_Named", bound=Sized)
+
+
 @dataclass(frozen=True)
-class Contributor:
+class Contributor(Sized):
     """One contributor.
 
     Attributes
@@ -81,6 +124,7 @@ class Contributor:
         Unit the value was written in; not part of what makes two contributors equal.
     """
 
+    table: ClassVar[str] = "contributors"
     name: str
     value: float
     enters: str
@@ -94,7 +138,7 @@ class Contributor:
 
     def __post_init__(self) -> None:
         for key in ("name", "owner", "source"):
-            _check_text(f"{self.where}.{key}", getattr(self, key))
+            check_text(f"{self.where}.{key}", getattr(self, key))
         if not self.name:
             raise InputError("contributors", "one has no name. Give each a name.")
         if self.name.casefold() in _SOURCES_FOLDED:
@@ -103,7 +147,9 @@ class Contributor:
             if getattr(self, key) not in options:
                 raise InputError(f"{self.where}.{key}", not_a_choice(getattr(self, key), options))
         if self.dimension not in dimensions_of(self.enters):
-            raise InputError(f"{self.where}.value", _misfit(f"a {self.dimension}", self.enters))
+            raise InputError(
+                f"{self.where}.value", _misfit(f"a {self.dimension}", self.enters, dimensions_of(self.enters))
+            )
         for key in ("value", "allowance"):
             number = getattr(self, key)
             if not 0 <= number <= _LARGEST:  # NaN lands here too
@@ -114,20 +160,9 @@ class Contributor:
             )
 
     @property
-    def where(self) -> str:
-        """How messages name it."""
-        return f"contributors[{self.name}]"
-
-    @property
     def counted(self) -> float:
         """The value with its allowance, SI."""
         return self.value * (1 + self.allowance)
-
-    def show(self, digits: int | None = None) -> str:
-        """The value with its unit; without `digits` the shortest text that reads back to the same value."""
-        return format_quantity(
-            self.value, self.unit or DIMENSIONS[self.dimension].default_unit, self.dimension, digits
-        )
 
     def record(self) -> dict[str, str]:
         """The contributor as a design file has it; `read_contributors` takes it back."""
@@ -154,79 +189,107 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     InputError
         Naming the contributor and the key that is wrong, what was given and what is allowed.
     """
-    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        raise InputError("contributors", "must be tables, [[contributors]]", tables)
-    return checked(_read(table, number) for number, table in enumerate(tables[: MOST + 1], 1))
+    return checked(_read(*given) for given in given_tables("contributors", tables, _KEYS, ("value", "enters")))
 
 
-def checked(contributors: Iterable[Contributor]) -> tuple[Contributor, ...]:
-    """The contributors, of which no two have one name.
+def checked(named: Iterable[_Named]) -> tuple[_Named, ...]:
+    """Contributors, or limits, of which no two have one name.
 
     Raises
     ------
     InputError
         If two have, or if there are more than `MOST`.
     """
-    found: dict[str, Contributor] = {}
-    for one in contributors:
+    found: dict[str, _Named] = {}
+    for one in named:
         if found.setdefault(one.name.casefold(), one) is not one:
-            raise InputError(one.where, "is the name of two contributors. Rename one.", one.name)
+            raise InputError(one.where, f"is the name of two {one.table}. Rename one.", one.name)
         if len(found) > MOST:
-            raise InputError("contributors", f"are too many. Give at most {MOST}.")
+            raise InputError(one.table, f"are too many. Give at most {MOST}.")
     return tuple(found.values())
 
 
-_KEYS = tuple(item.name for item in fields(Contributor) if item.name not in ("dimension", "unit"))
+_KEYS = ("name", "value", "enters", "kind", "processing", "allowance", "owner", "source")
 
 
-def _read(table: Mapping[str, Any], number: int) -> Contributor:
-    name = table.get("name")
-    if not isinstance(name, str) or not name.strip():
-        raise InputError(f"contributors[{number}].name", "Give a name as text in quotes.", name)
-    where = f"contributors[{shown(name.strip())[1:-1]}]"
-    for key, text in table.items():
-        if key not in _KEYS:
-            raise InputError(f"{where}.{key}", f"unknown key; a contributor has {', '.join(_KEYS)}", text)
-        if not isinstance(text, str):
-            raise InputError(f"{where}.{key}", f"{shown(text)} is not text in quotes", text)
-    for key in ("value", "enters"):
-        if key not in table:
-            raise InputError(f"{where}.{key}", "is missing")
-    texts = {key: text.strip() for key, text in table.items() if key not in ("value", "allowance")}
+def given_tables(
+    kind: str, tables: Any, keys: Collection[str], needed: Iterable[str]
+) -> Iterator[tuple[str, dict[str, str]]]:
+    """Of each table ``[[kind]]`` of a design file how messages name it, and its texts; up to one more than `MOST`.
+
+    Raises
+    ------
+    InputError
+        If something is no table, a name or a key that is `needed` is missing, a key is unknown or a value no text.
+    """
+    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+        raise InputError(kind, f"must be tables, [[{kind}]]", tables)
+    for number, table in enumerate(tables[: MOST + 1], 1):
+        name = table.get("name")
+        if not isinstance(name, str) or not name.strip():
+            raise InputError(f"{kind}[{number}].name", "Give a name as text in quotes.", name)
+        where = f"{kind}[{shown(name.strip())[1:-1]}]"
+        for key, text in table.items():
+            if key not in keys:
+                raise InputError(f"{where}.{key}", f"unknown key. Here go {', '.join(keys)}.", text)
+            if not isinstance(text, str) and type(text) not in (int, float):
+                raise InputError(f"{where}.{key}", f"{shown(text)} is not text in quotes", text)
+        for key in needed:
+            if key not in table:
+                raise InputError(f"{where}.{key}", "is missing")
+        yield where, {key: str(text).strip() for key, text in table.items()}
+
+
+def _read(where: str, texts: dict[str, str]) -> Contributor:
     if texts["enters"] not in ENTERED:
         raise InputError(f"{where}.enters", not_a_choice(texts["enters"], ENTERED), texts["enters"])
-    value, unit, dimension = read_size(f"{where}.value", table["value"], texts["enters"])
-    allowance = 0.0
-    if "allowance" in table:
-        try:
-            allowance = parse_quantity(table["allowance"], "ratio").value
-        except QuantityError as error:
-            raise InputError(f"{where}.allowance", 'Write for example "20 %".', table["allowance"]) from error
+    value, unit, dimension = read_size(f"{where}.value", texts.pop("value"), texts["enters"])
+    allowance = read_ratio(f"{where}.allowance", texts.pop("allowance", "0 %"))
     return Contributor(value=value, dimension=dimension, allowance=allowance, unit=unit, **texts)
 
 
-def read_size(where: str, text: str, enters: str) -> tuple[float, str, str]:
+def read_ratio(where: str, text: str) -> float:
+    """A ratio from a text such as "20 %".
+
+    Raises
+    ------
+    InputError
+        If it is none; `where` names what is wrong.
+    """
+    try:
+        return parse_quantity(text, "ratio").value
+    except QuantityError as error:
+        raise InputError(where, f'{shown(text)} is not a ratio. Write for example "20 %".', text) from error
+
+
+def read_size(
+    where: str, text: str, figure: str, dimensions: tuple[str, ...] | None = None
+) -> tuple[float, str, str]:
     """A size in a figure, or along the line of sight where that is a phase: its value in SI, unit and dimension.
+
+    `dimensions` are those allowed, by default `dimensions_of` the figure.
 
     Raises
     ------
     InputError
         If the unit does not fit; `where` names what is wrong.
     """
-    for dimension in dimensions_of(enters):
-        try:
+    allowed = dimensions or dimensions_of(figure)
+    for dimension in allowed:
+        with suppress(QuantityError):
             return *parse_quantity(text, dimension), dimension
-        except QuantityError:
-            continue
-    raise InputError(where, _misfit(shown(text), enters), text)
+    raise InputError(where, _misfit(shown(text), figure, allowed), text)
 
 
-def _misfit(what: str, enters: str) -> str:
-    examples = "5° or 1 mm" if enters in PHASES else DIMENSIONS[ENTERED[enters]].examples[0]
-    return f"{what} does not fit {enters}. Write for example {examples}."
+def _misfit(what: str, figure: str, allowed: tuple[str, ...]) -> str:
+    examples = " or ".join(
+        {"length": "1 mm", "angle": "5°"}.get(each, DIMENSIONS[each].examples[0]) for each in allowed
+    )
+    return f"{what} does not fit {figure}. Write for example {examples}."
 
 
-def _check_text(where: str, text: object) -> None:
+def check_text(where: str, text: object) -> None:
+    """Refuse what is not one printable line, or is too long a one."""
     if not isinstance(text, str) or len(text.splitlines()) > 1 or (text and not text.isprintable()):
         raise InputError(where, f"{shown(text)} is not a line of text", text)
     if len(text) > _LONGEST:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,9 @@ import tomli_w
 from nav_model.base.errors import InputError, shown
 from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
-from nav_model.design.contributors import Contributor, read_contributors
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
+from nav_model.design.own import OWN_KEYS, read_own
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
 from nav_model.design.table import Table
@@ -27,8 +27,6 @@ from nav_model.design.table import Table
 ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""
 MAX_BYTES = 250_000  # a design is two kilobytes; a quarter of a second is the most that any text of this size takes
-CONTRIBUTORS = "contributors"
-"""The tables of a design file that each hold a contributor of the user's own."""
 KEY_VALUE = 'KEY=VALUE, for example imu.angle_random_walk="0.3 °/√h"'
 """How a change on top of a file is written."""
 _MAX_TEXT = 10_000
@@ -151,9 +149,9 @@ def _drop(tables: dict[str, Any], section: str, name: str) -> None:
 def _build(tables: dict[str, Any]) -> Design:
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
-    contributors = read_contributors(tables.get(CONTRIBUTORS, []))
+    own = read_own(tables)
     for key, content in tables.items():
-        if key == CONTRIBUTORS:
+        if key in OWN_KEYS:
             continue
         if key in TOP_KEYS:
             values[key] = _text(key, content)
@@ -164,7 +162,7 @@ def _build(tables: dict[str, Any]) -> Design:
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
     outdated = tuple(key for key in OUTDATED if key.partition(".")[2] in tables.get(key.partition(".")[0], {}))
-    design = Design(values, written, outdated=outdated, contributors=contributors)
+    design = Design(values, written, outdated=outdated, own=own)
     origins = tables.get(ORIGINS) or noted_origins(design)
     if isinstance(origins, dict):
         origins = {key: origin for key, origin in origins.items() if key not in OUTDATED}
@@ -230,7 +228,7 @@ def _input_named(section: str, name: str) -> tuple[str, Input] | None:
 
 def _unknown(section: str) -> str:
     if not section:
-        sections = (f"[{name}]" for name in (*INPUTS, ORIGINS, f"[{CONTRIBUTORS}]"))
+        sections = (f"[{name}]" for name in (*INPUTS, ORIGINS, "[contributors]", "[limits]", "allocation"))
         return f"unknown key; allowed are {', '.join((*TOP_KEYS, *sections))}"
     preset = ["preset"] if f"{section}.preset" in PRESET_KEYS else []
     return f"unknown key; [{section}] has {', '.join((*preset, *INPUTS[section]))}"
@@ -260,28 +258,4 @@ def format_design(design: Design) -> str:
         tables[section] = table
     if design.origins:
         tables[ORIGINS] = dict(design.origins)
-    return tomli_w.dumps(tables | _contributor_tables(design.contributors))
-
-
-def format_contributors(contributors: Sequence[Contributor]) -> str:
-    """TOML text of contributors alone; empty for none."""
-    return tomli_w.dumps(_contributor_tables(contributors)).strip()
-
-
-def parse_contributors(text: str) -> tuple[Contributor, ...]:
-    """Contributors from a TOML text that has nothing else; none from an empty one.
-
-    Raises
-    ------
-    InputError
-        As `nav_model.design.contributors.read_contributors`.
-    """
-    tables = read_toml(text, CONTRIBUTORS, "a list of contributors", MAX_BYTES) if text.strip() else {}
-    for key in tables:
-        if key != CONTRIBUTORS:
-            raise InputError(key, "is no contributor. Begin each with a line [[contributors]].")
-    return read_contributors(tables.get(CONTRIBUTORS, []))
-
-
-def _contributor_tables(contributors: Sequence[Contributor]) -> dict[str, Any]:
-    return {CONTRIBUTORS: [one.record() for one in contributors]} if contributors else {}
+    return tomli_w.dumps(tables | design.own.tables())

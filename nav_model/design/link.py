@@ -2,8 +2,8 @@
 
 Only what differs from the defaults (or from the presets named) is written, under short names and in ASCII
 units: ``imu=LN-200&gn=3cm&f=1.3GHz``. Where a value came from follows under ``origin.`` and its short name:
-``origin.arw=datasheet``. Contributors are a list in JSON, each as a design file has it. Reading it gives an equal
-design with the same origins.
+``origin.arw=datasheet``. Contributors, limits and allocation are JSON of what a design file has. Reading it gives an
+equal design with the same origins.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from urllib.parse import parse_qsl, quote_plus, urlencode
 
 from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
-from nav_model.design.contributors import Contributor, read_contributors
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
+from nav_model.design.own import OWN_KEYS, read_own
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
@@ -31,7 +31,6 @@ SETTINGS = ("simulation", "sar", "explore", "search", "map", "uncertainty")
 """The studies and questions whose settings stand beside a design's inputs, their names behind a point:
 ``sar.runs=200``."""
 _ORIGIN_PREFIX = "origin."
-_CONTRIBUTORS = "contributors"
 _NONE = "none"
 _SHORT: dict[str, str] = {
     declaration.short: f"{section}.{name}"
@@ -54,9 +53,8 @@ def to_query(design: Design) -> str:
         if value != base[key] or type(value) is not type(base[key]):
             pairs.append((short, _to_text(key, value, design)))
     pairs += [(_ORIGIN_PREFIX + short, design.origins[key]) for short, key in _SHORT.items() if key in design.origins]
-    if design.contributors:
-        records = [one.record() for one in design.contributors]
-        pairs.append((_CONTRIBUTORS, json.dumps(records, ensure_ascii=False, separators=(",", ":"))))
+    for key, table in design.own.tables().items():
+        pairs.append((key, json.dumps(table, ensure_ascii=False, separators=(",", ":"))))
     return urlencode(pairs, safe="()/^-.:", quote_via=quote_plus)
 
 
@@ -108,7 +106,7 @@ def from_query(query: str) -> Design:
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     origins: dict[str, str] = {}
-    contributors: tuple[Contributor, ...] = ()
+    own: dict[str, Any] = {}
     names = [short for short, _ in pairs]
     for short in names:
         if names.count(short) > 1:
@@ -121,8 +119,8 @@ def from_query(query: str) -> Design:
     for short, text in pairs:
         if short in TOP_KEYS:
             values[short] = text
-        elif short == _CONTRIBUTORS:
-            contributors = _contributors(text)
+        elif short in OWN_KEYS:
+            own[short] = _tables(short, text)
         elif short.removeprefix(_ORIGIN_PREFIX) in _SHORT and short.startswith(_ORIGIN_PREFIX):
             origins[_SHORT[short.removeprefix(_ORIGIN_PREFIX)]] = text
         elif short not in _PRESET_SHORT and short.removeprefix(_ORIGIN_PREFIX) not in _OUTDATED:
@@ -130,16 +128,15 @@ def from_query(query: str) -> Design:
                 raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
             _read(_SHORT[short], text, values, written)
     outdated = tuple(_OUTDATED[short] for short in names if short in _OUTDATED)
-    design = Design(values, written, outdated=outdated, contributors=contributors)
+    design = Design(values, written, outdated=outdated, own=read_own(own))
     return design.replace({}, origins=origins or noted_origins(design))
 
 
-def _contributors(text: str) -> tuple[Contributor, ...]:
+def _tables(key: str, text: str) -> Any:
     try:
-        tables = json.loads(text)
+        return json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(_CONTRIBUTORS, "is not a list in JSON", text) from error
-    return read_contributors(tables)
+        raise InputError(key, "is not JSON", text) from error
 
 
 def _read(key: str, text: str, values: dict[str, Value], written: dict[str, str]) -> None:

@@ -10,9 +10,8 @@ import numpy as np
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget import verdict
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import Inputs, Replacement, inputs_of
-from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
@@ -23,8 +22,7 @@ ALL = "all requirements"
 
 def limits(design: Design) -> dict[str, float]:
     """Limit at one sigma [SI] of every figure with a requirement, in the order of the verdict."""
-    given = ((name, getattr(design.requirements, limit)) for name, limit in FIGURES.items())
-    return {name: limit / confidence_of(design, name) for name, limit in given if limit is not None}
+    return {name: one.at_one_sigma for name, one in verdict.required(design).items()}
 
 
 def ratios(design: Design, changes: Mapping[str, Replacement] | None = None) -> dict[str, Array]:

@@ -28,10 +28,11 @@ import numpy as np
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.base.processes import worker_pool
-from nav_model.budget.figures import FIGURES, UNSCALED, figures
+from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.verdict import limit_on
 from nav_model.design import Design, Value
+from nav_model.design.contributors import UNSCALED
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 from typing import Any
 
@@ -13,16 +12,17 @@ from app.console.arguments import design_arguments, paths_of, put_json, read_des
 from app.console.ending import one_line, refuse
 from app.document.sicd import sicd_xml
 from app.document.verdict import SAID, check_words
-from nav_model.base.errors import InputError, shown
-from nav_model.base.units import QuantityError, parse_quantity
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
-from nav_model.budget.allocation import SPLITS, allocate, check_of
+from nav_model.budget.allocation import allocate, check_of
+from nav_model.budget.contributors import turned
 from nav_model.budget.json import allocation_json, to_json
 from nav_model.budget.provenance import cautions
 from nav_model.budget.result import Check
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
-from nav_model.design.contributors import read_size
+from nav_model.design.contributors import read_ratio, read_size
+from nav_model.design.own import SPLITS, dimensions_limited
 
 
 def add_to(commands: Any) -> None:
@@ -47,14 +47,17 @@ def add_to(commands: Any) -> None:
     design_arguments(share_out, one=True)
     share_out.add_argument("--requirement", metavar="NAME", help="a requirement's name; by default the tightest")
     share_out.add_argument(
-        "--split", choices=SPLITS, default="shares", help="equal values, in proportion to today's, or least change"
+        "--split",
+        choices=SPLITS,
+        help="equal values, in proportion to today's, or least change; by default the design's, or shares",
     )
     share_out.add_argument(
-        "--reserve", default="20%", metavar="RATIO", help="part of the limit to keep, such as 20%%"
+        "--reserve", metavar="RATIO", help="part of the limit to keep, such as 20%%; by default the design's, or that"
     )
     share_out.add_argument(
-        "--lock", action="append", default=[], metavar="SOURCE=VALUE",
-        help='a source whose value is given, with its unit, at the confidence of the limit: "gyro noise=5 deg"',
+        "--lock", action="append", metavar="SOURCE=VALUE",
+        help="a source whose value is given, with its unit, at the confidence of the limit: "
+        '"gyro noise=5 deg"; in place of those of the design',
     )  # fmt: skip
     share_out.set_defaults(run=_allocate)
 
@@ -137,33 +140,28 @@ def _allocate(options: argparse.Namespace) -> int:
     budget = analyse(read_design(path, options.changes))
     try:
         check = check_of(budget, options.requirement)
-        locks: dict[str, float] = {}
-        for text in options.lock:
-            source, value = _lock(text, check, budget.sar.wavelength)
-            if source in locks:
-                raise InputError("lock", f"{source!r} is locked twice.", text)
-            locks[source] = value
-        found = allocate(budget, check.name, options.split, _ratio(options.reserve), locks)
+        locks = None if options.lock is None else _locks(options.lock, budget, check)
+        reserve = None if options.reserve is None else read_ratio("reserve", options.reserve)
+        found = allocate(budget, check.name, options.split, reserve, locks)
     except InputError as error:
-        raise (error.under(f"--{error.key}") if error.key in ("requirement", "reserve", "lock") else error) from error
+        option = error.key.removeprefix("allocation.")
+        raise (error.under(f"--{option}") if option in ("requirement", "reserve", "lock") else error) from error
     return put_json(lambda: allocation_json(found)) or int(not found.closes)
 
 
-def _lock(text: str, check: Check, wavelength: float) -> tuple[str, float]:
-    """A source and its value in SI; a length along the line of sight is a phase where the figure is one."""
-    source, equals, value = text.rpartition("=")
-    if not equals:
-        raise InputError("lock", f'{text!r} has no "=". Write SOURCE=VALUE, for example "gyro noise=5 deg".', text)
-    size, _, dimension = read_size("lock", value.strip(), check.name)
-    turned = dimension == "length" and check.dimension == "angle"
-    return source.strip(), 4 * math.pi / wavelength * size if turned else size
-
-
-def _ratio(text: str) -> float:
-    try:
-        return parse_quantity(text, "ratio").value
-    except QuantityError as error:
-        raise InputError("reserve", f"{shown(text)} is not a ratio. Write for example 20%.", text) from error
+def _locks(texts: list[str], budget: Budget, check: Check) -> dict[str, float]:
+    """Sources and their values in SI; a length along the line of sight is a phase where the figure is one."""
+    locks: dict[str, float] = {}
+    allowed = dimensions_limited(check.name, budget.design.limits)
+    for text in texts:
+        source, equals, value = text.rpartition("=")
+        if not equals:
+            raise InputError("lock", f'{text!r} has no "=". Write SOURCE=VALUE, such as "gyro noise=5 deg".', text)
+        if source.strip() in locks:
+            raise InputError("lock", f"{source.strip()!r} is locked twice.", text)
+        size, _, dimension = read_size("lock", value.strip(), check.label, allowed)
+        locks[source.strip()] = turned(size, dimension, check.dimension, budget.sar.wavelength)
+    return locks
 
 
 def _presets(options: argparse.Namespace) -> int:

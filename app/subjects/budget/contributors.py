@@ -1,108 +1,156 @@
-"""Contributors of the user's own on the Budget page: what they are, a box for them, and what each source may take."""
+"""Contributors and requirements of the user's own on the Budget page, and what each source may take of a limit."""
 
 from __future__ import annotations
 
-import math
 from html import escape
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 
 from app.declared import held
-from app.document.blocks import Cell, Column, Table, Text
-from app.document.numbers import NONE, decibels, show, signed_percent
+from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.budget.tables import contributor_table
+from app.subjects.budget.allocation import NOTHING, SPLIT_WORDS, entry_texts, outcome
 from app.ui.html_pane import html_pane
+from app.ui.row_editor import Field, RowEditor, Rows
 from app.ui.theme import PRINT_NOTHING
 from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.allocation import allocate
-from nav_model.budget.verdict import label_of, limit_on
-from nav_model.design.file import format_contributors, parse_contributors
+from nav_model.budget.allocation import allocate, check_of
+from nav_model.budget.verdict import label_of
+from nav_model.design.contributors import ENTERED, KINDS, PROCESSINGS
+from nav_model.design.own import Allotment, read_own
 
-_EXAMPLE = '[[contributors]]\nname = "lever arm"\nvalue = "1 mm"\nenters = "detrended_phase"'
+_FIGURES = tuple((name, label_of(name)) for name in ENTERED)
+_CONTRIBUTOR = (
+    Field("name", "Contributor", "lever arm", needed=True),
+    Field("value", "Value, 1σ", "1 mm", needed=True),
+    Field("enters", "Enters", choices=_FIGURES),
+    Field("kind", "Kind", choices=tuple((kind, kind) for kind in KINDS)),
+    Field("processing", "Processing", choices=tuple((mode, mode) for mode in PROCESSINGS)),
+    Field("allowance", "Allowance", "20 %"),
+    Field("owner", "Owner", "mechanics"),
+    Field("source", "Source", "survey, 2026-03"),
+)
+_ENTRY = (
+    Field("source", "Source", read=True),
+    Field("allocated", "Allocated", read=True),
+    Field("estimated", "Estimated", read=True),
+    Field("margin", "Margin", read=True),
+    Field("owner", "Owner", read=True),
+    Field("lock", "Locked at", "free"),
+)
+
+
+def _limit_fields(own: tuple[tuple[str, str], ...]) -> tuple[Field, ...]:
+    return (
+        Field("name", "Requirement", "heading after 30 s", needed=True),
+        Field("on", "Limits", choices=_FIGURES + own),
+        Field("limit", "Limit", "0.1°", needed=True),
+        Field("at", "After the last fix", "end of outage"),
+        Field("confidence", "Sigmas", "as the design"),
+    )
 
 
 class Contributors(View):
-    """The part that opens below the first screen; what is entered in the box becomes part of the design."""
+    """The part that opens below the first screen; what is entered becomes part of the design."""
 
     session = held(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
-        self._tables = html_pane("", margin=(4, 10))
-        self._said = html_pane("", margin=(0, 10))
-        self._box = pmui.TextAreaInput(
-            label="Contributors, as in a design file",
-            placeholder=_EXAMPLE,
-            rows=8,
-            max_length=50_000,
-            margin=(4, 10),
-            sizing_mode="stretch_width",
+        self._contributors = RowEditor(
+            _CONTRIBUTOR, lambda rows: self._enter("contributors", rows), noun="contributor", caption="Contributors"
         )
-        self._box.param.watch(self._enter, "value")
-        self._shown: Any = None
-        self._view = pn.Column(self._tables, pn.Column(self._box, self._said, stylesheets=[PRINT_NOTHING]))
+        self._limits = RowEditor(
+            _limit_fields(()), lambda rows: self._enter("limits", rows), noun="requirement",
+            caption="Requirements on other values",
+        )  # fmt: skip
+        self._requirement = pmui.Select(label="Requirement", sizing_mode="stretch_width")
+        self._split = pmui.Select(
+            label="Split", options={words.capitalize(): split for split, words in SPLIT_WORDS.items()},
+            sizing_mode="stretch_width",
+        )  # fmt: skip
+        self._reserve = pmui.TextInput(label="Reserve", sizing_mode="stretch_width", max_length=20)
+        self._entries = RowEditor(_ENTRY, self._lock, caption="Allocation")
+        self._outcome = html_pane("")
+        self._following = False
+        self._requirement.param.watch(lambda _: self._allocate(), "value")
+        for choice in (self._split, self._reserve):
+            choice.param.watch(lambda _: self._plan(), "value")
+        choices = pn.Row(self._requirement, self._split, self._reserve, stylesheets=[PRINT_NOTHING])
+        self._note = html_pane(
+            html_of(
+                Text(
+                    "Random contributors add in quadrature, systematic ones linearly, each with its allowance. A "
+                    "length along the line of sight enters a phase by 4π/λ. One of CE90 or LE90 is a 90 % value."
+                )
+            )
+        )
+        self._view = pn.Column(self._contributors, self._note, self._limits, choices, self._entries, self._outcome)
 
     def show(self, budget: Budget) -> None:
-        """Follow the current budget; the box changes only with the design's contributors."""
-        self._tables.say(contributors_html(budget))
-        if budget.design.contributors != self._shown:
-            self._shown = budget.design.contributors
-            self._said.say("")
-            self._box.value = format_contributors(self._shown)
-
-    def _enter(self, event: Any) -> None:
-        try:
-            contributors = parse_contributors(event.new)
-            refused = self.session.change({}, contributors=contributors)
-        except InputError as error:
-            refused = error
-        self._said.say(f"<p role='alert'>{escape(str(refused))}</p>" if refused else "")
-
-
-def contributors_html(budget: Budget) -> str:
-    """The design's contributors, and the allocation of its tightest requirement."""
-    none = Text("The design has no contributors. Enter them below, or in its file.")
-    own = contributor_table(budget, "d") if budget.design.contributors else none
-    return html_of(own, allocation_table(budget))
-
-
-def allocation_table(budget: Budget) -> Table | Text:
-    """What each source may take of the tightest limit, less 20 %, in proportion to today's shares."""
-    if budget.verdict.tightest is None:
-        return Text("The design has no requirement, so there is nothing to allocate.")
-    found = allocate(budget)
-    dimension = limit_on(found.requirement).dimension
-
-    def told(value: float) -> str:
-        return decibels(20 * math.log10(value)) if dimension == "level" else show(value, dimension)
-
-    rows = tuple(
-        (
-            Cell(entry.source),
-            Cell(told(entry.allocated)),
-            Cell(told(entry.estimated)),
-            Cell(NONE if entry.margin is None else signed_percent(entry.margin)),
-            Cell(entry.owner or NONE),
+        """Follow the current budget."""
+        own, plan = budget.design.own, budget.design.allocation or Allotment()
+        tables = own.tables()
+        names = tuple((one.name, f"Contributor {one.name}") for one in own.contributors)
+        self._contributors.rows = tables.get("contributors", [])
+        self._limits.param.update(
+            columns=[field._asdict() for field in _limit_fields(names)], rows=tables.get("limits", [])
         )
-        for entry in sorted(found.entries, key=lambda entry: -entry.estimated)
-    )
-    return Table(
-        "d-allocation",
-        f"Allocation of {label_of(found.requirement)}: {told(found.limit)}, less a reserve of 20 %",
-        (
-            Column("Source", width=1.5),
-            Column("Allocated", numeric=True),
-            Column("Estimated", numeric=True),
-            Column("Margin", numeric=True),
-            Column("Owner"),
-        ),
-        rows,
-        "In proportion to today's shares. Random entries combine in quadrature, systematic ones linearly. The "
-        "command allocate has other splits and locked entries.",
-    )
+        self._following = True
+        options = {check.label: check.name for check in budget.verdict.checks}
+        chosen = self._requirement.value
+        if chosen not in options.values():
+            chosen = budget.verdict.tightest.name if budget.verdict.tightest else None
+        self._requirement.param.update(options=options, value=chosen)
+        self._split.value, self._reserve.value = plan.split, str(plan.record()["reserve"])
+        self._following = False
+        self._allocate()
+
+    def _allocate(self) -> None:
+        """Show the allocation of the requirement that is chosen."""
+        budget = self.session.budget
+        if self._following:
+            return
+        said, rows = NOTHING, []
+        if budget.verdict.tightest is not None:
+            check = check_of(budget, self._requirement.value)
+            plan = budget.design.allocation or Allotment()
+            locks = {lock.name: lock.show() for lock in plan.locks if lock.requirement == check.name}
+            try:
+                found = allocate(budget, check.name)
+                rows = [row | {"lock": locks.get(row["source"], "")} for row in entry_texts(found, check.dimension)]
+                said = outcome(found, check, plan)
+            except InputError as error:
+                rows = [{"source": source, "lock": lock} for source, lock in locks.items()]
+                said = str(error)
+        self._entries.rows = rows
+        self._outcome.say(html_of(Text(said)))
+
+    def _enter(self, key: str, table: object) -> InputError | None:
+        """Put one of the tables of a design file in force."""
+        try:
+            return self.session.change({}, own=read_own(self.session.design.own.tables() | {key: table}))
+        except InputError as error:
+            return error
+
+    def _lock(self, rows: Rows) -> InputError | None:
+        shown = [row["source"] for row in self._entries.rows]
+        return self._plan({source: row["lock"] for source, row in zip(shown, rows, strict=True) if "lock" in row})
+
+    def _plan(self, locks: dict[str, str] | None = None) -> InputError | None:
+        """Put split, reserve and the `locks` of the requirement shown in force."""
+        if self._following:
+            return None
+        plan = self.session.design.allocation or Allotment()
+        kept = dict(plan.record().get("locks", {}))
+        if locks is not None:
+            kept[self._requirement.value] = locks
+        table = {"split": self._split.value, "reserve": self._reserve.value, "locks": kept}
+        refused = self._enter("allocation", table)
+        if locks is None and refused:
+            self._outcome.say(f"<p role='alert'>{escape(str(refused))}</p>")
+        return refused

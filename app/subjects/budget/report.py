@@ -6,6 +6,7 @@ from app.document.blocks import Section
 from app.document.chart_block import chart_block
 from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts, timelines
+from app.subjects.budget.allocation import allocation_table
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import (
     contributor_table,
@@ -31,12 +32,17 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
     response, regime = (chart_block(draw(budget), key) for draw in (charts.response_chart, charts.regime_chart))
     echoes = (echo_table(budget, key),) if budget.has_fast_sources else ()
     own = (contributor_table(budget, key),) if budget.design.contributors else ()
+    split: tuple[Section, ...] = ()
+    if budget.design.contributors or budget.design.allocation:
+        tables = tuple(allocation_table(budget, check, key) for check in budget.verdict.checks)
+        split = (Section(f"{key}-allocation", "Allocation", tables),) if tables else ()
     return (
         Section(
             f"{key}-requirements",
             "Requirements",
             (key_figures(budget, display), requirement_table(budget, key), *own),
         ),
+        *split,
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),
         Section(f"{key}-steady", "Steady state", (steady_table(budget, key, display),)),
         Section(f"{key}-growth", "Errors against time", (position, outage_table(budget, key), velocity, attitude)),

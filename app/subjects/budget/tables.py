@@ -9,8 +9,8 @@ import numpy as np
 
 from app.document.blocks import Cell, Row, Table, Text, numbers, table
 from app.document.display import ONE_SIGMA, Display
-from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show
-from app.document.verdict import SAID, check_words, met_cell, requirement_quantity
+from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show, show_in
+from app.document.verdict import SAID, check_words, met_cell
 from app.document.wording import best_of, printable
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import provenance, steady_marks
@@ -109,7 +109,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         pair, dimension = "horizontal" in requirement, declaration_of(f"requirements.{requirement}").dimension
         sigmas = (getattr(moment, field) for moment in moments)
         shown = (
-            requirement_quantity(budget.design, requirement, sigma)
+            show_in(sigma, budget.design.unit(f"requirements.{requirement}"), dimension)
             if display == ONE_SIGMA
             else display.show(sigma, dimension, pair=pair)
             for sigma in sigmas

@@ -36,7 +36,8 @@ class SolvedPanel(Question):
 
     def __init__(self, session: Session) -> None:
         tightest = session.budget.verdict.tightest
-        super().__init__(session=session, figure=tightest.name if tightest else "quadratic_phase")
+        limited = tightest.on if tightest else ""
+        super().__init__(session=session, figure=limited if limited in FIGURES else "quadratic_phase")
         self._ways: tuple[Way, ...] = ()
         self._table = SortableTable(self._take, margin=(0, 12))
         self._each = html_pane("")

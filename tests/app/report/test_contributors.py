@@ -14,6 +14,7 @@ from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.timelines import position_knowledge
 from nav_model import analyse, read_design
 from nav_model.design.contributors import read_contributors
+from nav_model.design.own import Own
 
 _BASE = read_design(Path("examples/mems_x_band.toml"))
 _LEVER_ARM = {
@@ -27,7 +28,7 @@ _OMITTED = "Lever arm, timing, atmosphere"
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
 def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: str) -> None:
     alone = _BASE.replace({"processing.mode": mode})
-    design = alone.replace({}, contributors=read_contributors([_LEVER_ARM]))
+    design = alone.replace({}, own=Own(read_contributors([_LEVER_ARM])))
     said, before = (to_html(report_of([analyse(one)])) for one in (design, alone))
     assert _OMITTED in before
     assert _OMITTED not in said
@@ -42,7 +43,7 @@ def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: s
 def test_a_comparison_has_them_in_errors_while_fixes_come_in(mode: str) -> None:
     alone = _BASE.replace({"processing.mode": mode})
     monument = {"name": "monument", "value": "3 m", "enters": "horizontal_position", "kind": "systematic"}
-    budgets = [analyse(alone), analyse(alone.replace({}, contributors=read_contributors([monument])))]
+    budgets = [analyse(alone), analyse(alone.replace({}, own=Own(read_contributors([monument]))))]
     _, figures, _ = difference_tables(budgets, ("D1", "D2"))
     (row,) = (row for row in figures.rows if row[0].text == "Horizontal position")
     assert [cell.mark for cell in row[1:]] == ["best", ""]
@@ -53,7 +54,7 @@ def test_a_comparison_has_them_in_errors_while_fixes_come_in(mode: str) -> None:
 def test_a_tile_has_them_in_both_moments_and_a_chart_says_that_its_curves_do_not() -> None:
     own = [{"name": name, "value": "3 m", "enters": name, "kind": "systematic"} for name in _POSITIONS]
     alone = analyse(_BASE.replace({"requirements.steady_state": "prior"}))
-    with_own = analyse(alone.design.replace({}, contributors=read_contributors(own)))
+    with_own = analyse(alone.design.replace({}, own=Own(read_contributors(own))))
     told = []
     for budget in (alone, with_own):
         (tile,) = (item for item in key_figures(budget).items if item.label == "Horizontal position")

@@ -23,6 +23,7 @@ from nav_model.base.traced import Traced, Workings
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design.contributors import Contributor
+from nav_model.design.own import Own
 
 EXAMPLES = Path("examples")
 CHANGED = {
@@ -92,7 +93,7 @@ def contributors() -> tuple[Contributor, ...]:
 def test_every_cell_is_written_with_the_value_of_the_budget(
     tmp_path: Path, name: str, own: tuple[Contributor, ...]
 ) -> None:
-    budget = analyse(read_design(EXAMPLES / f"{name}.toml").replace({}, contributors=own))
+    budget = analyse(read_design(EXAMPLES / f"{name}.toml").replace({}, own=Own(own)))
     path = write(tmp_path / "budget.xlsx", budget.design)
     book = openpyxl.load_workbook(path, data_only=True)
     formulas_too = openpyxl.load_workbook(path)
@@ -126,7 +127,7 @@ def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
 
 @pytest.mark.long
 def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None:
-    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0).replace({}, contributors=contributors())
+    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0).replace({}, own=Own(contributors()))
     path = write(tmp_path / "budget.xlsx", base)
     book = openpyxl.load_workbook(path)
     model = formulas.ExcelModel().loads(str(path)).finish()

@@ -12,8 +12,9 @@ import pytest
 from scipy.optimize import minimize
 
 from nav_model import Budget, Design, InputError, analyse
-from nav_model.budget.allocation import SPLITS, Allocation, allocate
+from nav_model.budget.allocation import Allocation, allocate
 from nav_model.design.contributors import Contributor
+from nav_model.design.own import SPLITS, Own
 
 _REQUIREMENTS = {
     "detrended_phase": 0.3, "quadratic_phase": 1.0, "ce90": 5.0, "horizontal_position": 1.0, "tilt": 1e-3,
@@ -37,7 +38,7 @@ def _budget(seed: int) -> Budget:
         Contributor("time tag", 10 ** draw.uniform(-2.5, -1), "detrended_phase", "angle", kind="systematic"),
         Contributor("datum", 10 ** draw.uniform(-2, 0), "ce90", "length", kind="systematic", allowance=0.2),
     )
-    return analyse(Design(changes, contributors=own))
+    return analyse(Design(changes, own=Own(own)))
 
 
 def _whole(found: Allocation) -> float:
@@ -139,10 +140,10 @@ def test_the_cheapest_is_that_of_a_numerical_optimiser(seed: int) -> None:
     [
         ("requirement", {"requirement": "yaw"}),
         ("requirement", {"requirement": "le90"}),
-        ("split", {"split": "fair"}),
-        ("reserve", {"reserve": 1.0}),
-        ("reserve", {"reserve": -0.1}),
-        ("reserve", {"reserve": math.nan}),
+        ("allocation.split", {"split": "fair"}),
+        ("allocation.reserve", {"reserve": 1.0}),
+        ("allocation.reserve", {"reserve": -0.1}),
+        ("allocation.reserve", {"reserve": math.nan}),
         ("lock", {"requirement": "tilt", "locks": {"lever arm": 1.0}}),
         ("lock", {"requirement": "tilt", "locks": {"gyro noise": 0.0}}),
         ("lock", {"requirement": "tilt", "locks": {"gyro noise": math.nan}}),

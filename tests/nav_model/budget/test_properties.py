@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from nav_model.budget.fast import LEVELS
-from nav_model.budget.figures import COASTING, FIGURES, SETTLED, figures
+from nav_model.budget.figures import FIGURES, SETTLED, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
+from nav_model.design.contributors import COASTING
 
 SMOOTHED = [name for name in FIGURES if name not in (*COASTING, *LEVELS)]
 

@@ -1,20 +1,24 @@
-"""Contributors on the Budget page: the box, the tables, and the comparison of designs."""
+"""Contributors on the Budget page: the tables that are filled in, the report, and the comparison of designs."""
 
 from __future__ import annotations
 
+import math
 import re
+from typing import Any
 
 import pytest
 
 from app.document.html import to_html
 from app.report.content import report_of
 from app.session import Session
-from app.subjects.budget.contributors import Contributors, contributors_html
+from app.subjects.budget.contributors import Contributors
 from nav_model import Design, analyse
 from nav_model.budget.allocation import allocate
-from nav_model.design.file import parse_contributors
+from nav_model.design.contributors import read_contributors
+from nav_model.design.own import Own, read_allocation, read_limits
 
-_TEXT = '[[contributors]]\nname = "lever <arm>"\nvalue = "1 mm"\nenters = "detrended_phase"\nowner = "mechanics"\n'
+_ROW = {"name": "lever <arm>", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics"}
+_LIMIT = {"name": "heading", "on": "coast_heading", "limit": "1°", "at": "30 s"}
 _DESIGN = Design({"requirements.detrended_phase": 0.4, "requirements.tilt": 0.01})
 
 
@@ -29,57 +33,86 @@ def part() -> Contributors:
 
 def test_what_is_entered_becomes_part_of_the_design_and_can_be_undone(part: Contributors) -> None:
     session, before = part.session, part.session.budget
-    part._box.value = _TEXT
+    part._contributors.put([_ROW | {"source": " "}])
     (own,) = session.design.contributors
     assert (own.name, own.value, own.owner) == ("lever <arm>", 1e-3, "mechanics")
     assert session.budget.sar.detrended > before.sar.detrended
-    assert parse_contributors(part._box.value) == session.design.contributors
+    assert read_contributors(part._contributors.rows) == session.design.contributors
+    part._limits.put([_LIMIT])
+    assert [check.name for check in session.budget.verdict.checks] == ["detrended_phase", "tilt", "heading"]
     session.change({"gnss.interval": 0.5})
     assert session.design.contributors == (own,)
-    session.undo()
-    session.undo()
+    for _ in range(3):
+        session.undo()
     assert session.design == before.design
-    assert part._box.value == ""
+    assert part._contributors.rows == part._limits.rows == []
     session.redo()
-    part._box.value = " "
+    part._contributors.put([])
     assert session.design == before.design
 
 
 @pytest.mark.parametrize(
-    ("text", "named"),
+    ("rows", "named"),
     [
-        (_TEXT.replace("1 mm", "1 m/s"), "contributors[lever &lt;arm&gt;].value"),
-        (_TEXT + _TEXT, "contributors[lever &lt;arm&gt;]"),
-        ("lever arm 1 mm", "contributors"),
-        ('name = "x"', "name"),
-        ("[imu]\n", "imu"),
+        ([_ROW | {"value": "1 m/s"}], "contributors[lever <arm>].value"),
+        ([_ROW, _ROW], "contributors[lever <arm>]"),
+        ([_ROW | {"allowance": "much"}], "contributors[lever <arm>].allowance"),
     ],
 )
-def test_what_is_wrong_is_said_and_leaves_the_design(part: Contributors, text: str, named: str) -> None:
-    part._box.value = text
+def test_what_is_wrong_is_said_and_leaves_the_design(part: Contributors, rows: Any, named: str) -> None:
+    part._contributors.put(rows)
     assert part.session.design == _DESIGN
-    assert f"<p role='alert'>{named}: " in part._said.object
-    assert part._box.value == text
-    part._box.value = _TEXT
-    assert part._said.object == ""
+    assert part._contributors.refused.startswith(f"{named}: ")
+    part._contributors.put([_ROW])
+    assert part._contributors.refused == ""
+    part._limits.put([_LIMIT | {"on": "lever <arm>", "limit": "2 mm", "at": ""}])
+    part._contributors.put([])
+    assert part._contributors.refused.startswith("limits[heading].on: ")
+    assert part.session.design.contributors
 
 
-def test_the_tables_have_every_entry_and_escape_its_name() -> None:
-    budget = analyse(_DESIGN.replace({}, contributors=parse_contributors(_TEXT)))
-    text = contributors_html(budget)
-    assert "<arm>" not in text
-    body = text[text.index("Allocation of Detrended phase") :]
-    for entry in allocate(budget).entries:
-        assert entry.source.replace("<arm>", "&lt;arm&gt;") in body
-    assert "20 %" in body
-    assert "nothing to allocate" in contributors_html(analyse(Design()))
-    assert "Allocation of ISLR" in contributors_html(analyse(Design({"requirements.islr": 0.1})))
+def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> None:
+    part._requirement.value = "tilt"
+    part._reserve.value = "30 %"
+    part._split.value = "equal"
+    shown = [row["source"] for row in part._entries.rows]
+    part._entries.put([{"lock": "0.1°"} if source == "gyro noise" else {} for source in shown])
+    plan = part.session.design.allocation
+    assert plan is not None
+    assert (plan.split, plan.reserve) == ("equal", 0.3)
+    assert [(lock.requirement, lock.name, lock.value) for lock in plan.locks] == [
+        ("tilt", "gyro noise", pytest.approx(math.radians(0.1)))
+    ]
+    found = allocate(part.session.budget, "tilt")
+    assert math.sqrt(sum(entry.allocated**2 for entry in found.entries)) == pytest.approx(0.7 * 0.01)
+    assert "closes: equal values" in part._outcome.object
+    before = part.session.design
+    part._entries.put([{"lock": "2 m"} for _ in shown])
+    assert part._entries.refused.startswith("allocation.locks.tilt.")
+    part._reserve.value = "all"
+    assert "role='alert'" in part._outcome.object
+    assert part.session.design == before
+    part._reserve.value = "30 %"
+    part._entries.put([{"lock": "20°"} for _ in shown])
+    assert "does not close" in part._outcome.object
+    part.session.change({"requirements.tilt": None})
+    assert "Detrended phase" in part._outcome.object
+
+
+def test_the_report_has_an_allocation_of_each_requirement() -> None:
+    own = Own(read_contributors([_ROW]), read_limits([_LIMIT]), read_allocation({"reserve": "10 %"}))
+    budget = analyse(_DESIGN.replace({}, own=own))
+    said = to_html(report_of([budget]))
+    assert "<arm>" not in said
+    for label in ("Detrended phase", "Tilt", "heading"):
+        assert f"Allocation of {label}" in said
+    assert "reserve 10 %" in said
+    assert "Allocation of" not in to_html(report_of([analyse(_DESIGN)]))
 
 
 def test_a_comparison_lists_contributors_that_differ() -> None:
-    own = parse_contributors(_TEXT)
-    same = parse_contributors(_TEXT.replace("lever <arm>", "clock"))
-    one, other = _DESIGN.replace({}, contributors=own + same), _DESIGN.replace({}, contributors=same)
+    own, same = read_contributors([_ROW]), read_contributors([_ROW | {"name": "clock"}])
+    one, other = _DESIGN.replace({}, own=Own(own + same)), _DESIGN.replace({}, own=Own(same))
     said = to_html(report_of([analyse(one), analyse(other)]))
     row = re.search(r"<tr>(?:(?!</tr>).)*Contributor lever &lt;arm&gt;.*?</tr>", said, re.DOTALL)
     assert row is not None

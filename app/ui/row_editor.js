@@ -1,0 +1,78 @@
+// Rows to fill in. A row that lacks something it needs is begun: it stays here until it is whole. What is typed while
+// the rows change stays typed, and so does what was refused.
+export function render({ model }) {
+  const place = document.createElement("div")
+  const table = document.createElement("table"), said = document.createElement("p")
+  const make = (tag, text = "", more = {}) => Object.assign(document.createElement(tag), { textContent: text, ...more })
+  const whole = (row) => model.columns.every(({ key, needed }) => !needed || row[key]?.trim())
+  let rows = []
+  const tell = () => {
+    const missing = rows.some((row) => !whole(row) && !row.begun)
+    const needed = model.columns.filter((column) => column.needed).map(({ label }) => label.toLowerCase())
+    said.textContent = missing ? `Each row needs ${needed.join(" and ")}.` : model.refused
+    if (!missing) model.send_msg({ rows: rows.filter(whole) })
+  }
+  const boxOf = (row, { key, label, example, choices }, index) => {
+    const box = choices.length ? make("select") : make("input", "", { type: "text", maxLength: 300, placeholder: example })
+    if (choices.length) box.append(...choices.map(([value, text]) => new Option(text, value)))
+    box.value = row[key] ?? (choices.length ? choices[0][0] : "")
+    row[key] = box.value
+    box.dataset.place = `${index} ${key}`
+    box.setAttribute("aria-label", `${label}: ${row[model.columns[0].key] || `row ${index + 1}`}`)
+    box.oninput = () => { row[key] = box.value }
+    box.onchange = tell
+    return box
+  }
+  const draw = (focus) => {
+    const at = place.getRootNode().activeElement, focused = focus ?? at?.dataset?.place, from = at?.selectionStart
+    table.replaceChildren()
+    table.createCaption().textContent = model.caption
+    const heads = table.createTHead().insertRow(), body = table.createTBody()
+    for (const { label, read } of model.columns) heads.append(make("th", label, { scope: "col", className: read ? "num" : "" }))
+    if (model.noun) heads.append(make("td"))
+    heads.cells[0].className = ""
+    rows.forEach((row, index) => {
+      const line = body.insertRow()
+      for (const column of model.columns) {
+        if (column.read) line.append(column === model.columns[0] ? make("th", row[column.key], { scope: "row" }) : make("td", row[column.key], { className: "num" }))
+        else line.insertCell().append(boxOf(row, column, index))
+      }
+      if (!model.noun) return
+      const remove = make("button", "Remove", { type: "button" })
+      remove.setAttribute("aria-label", `Remove ${row[model.columns[0].key] || `row ${index + 1}`}`)
+      remove.onclick = () => { rows.splice(index, 1); draw(); add.focus(); tell() }
+      line.insertCell().append(remove)
+    })
+    table.hidden = !rows.length
+    const box = [...table.querySelectorAll("input, select")].find(({ dataset }) => dataset.place === focused)
+    box?.focus({ preventScroll: true })
+    if (box && from != null) box.setSelectionRange?.(from, from)
+  }
+  const add = make("button", `Add ${model.noun}`, { type: "button", hidden: !model.noun })
+  add.onclick = () => {
+    rows.push({ begun: true })
+    draw(`${rows.length - 1} ${model.columns.find(({ read }) => !read).key}`)
+  }
+  const take = () => {
+    const typed = place.getRootNode().activeElement?.dataset?.place?.split(" "), row = typed && rows[typed[0]]
+    const begun = rows.filter((each) => each.begun && !whole(each))
+    const next = [...model.rows.map((each) => ({ ...each })), ...begun]
+    if (typed && row && !row.begun && next[typed[0]]) next[typed[0]][typed[1]] = row[typed[1]]
+    rows = next
+    draw()
+  }
+  const refuse = () => { said.textContent = model.refused }
+  said.className = "refused"
+  said.setAttribute("role", "alert")
+  table.className = "checks"
+  const scroll = make("div", "", { className: "scroll", tabIndex: 0 })
+  scroll.setAttribute("role", "region")
+  scroll.setAttribute("aria-label", model.caption)
+  scroll.append(table)
+  place.append(scroll, said, add)
+  for (const property of ["rows", "caption", "columns"]) model.on(property, take)
+  model.on("refused", refuse)
+  take()
+  refuse()
+  return place
+}

@@ -1,0 +1,60 @@
+"""A table that a person fills in: a row a thing, each cell a box, a choice or a text to read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import param
+
+from app.ui.theme import SHEET
+from app.upstream.plain_script import PlainScript
+
+Rows = list[dict[str, str]]
+
+
+class Field(NamedTuple):
+    """A column: a box, or a choice among pairs of value and label; `read` is not edited, `needed` never empty."""
+
+    key: str
+    label: str
+    example: str = ""
+    choices: tuple[tuple[str, str], ...] = ()
+    read: bool = False
+    needed: bool = False
+
+
+class RowEditor(PlainScript):
+    """The rows in force; ``told`` is called with all rows that have what they need whenever one changes.
+
+    It returns why they are refused, or nothing. What was typed stays in the boxes either way.
+    """
+
+    caption = param.String()
+    columns = param.List(default=[], doc="Of `Field`, as dicts.")
+    rows = param.List(default=[], doc="Dicts of key to text.")
+    noun = param.String(doc="What the button adds; empty: rows are neither added nor removed.")
+    refused = param.String()
+
+    _stylesheets: ClassVar[list[str]] = [SHEET, Path(__file__).with_suffix(".css").read_text("utf-8")]
+
+    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+
+    def __init__(self, fields: tuple[Field, ...], told: Callable[[Rows], object], **params: Any) -> None:
+        columns = [field._asdict() for field in fields]
+        super().__init__(columns=columns, **{"sizing_mode": "stretch_width", "margin": (4, 10), **params})
+        self._told = told
+        self._keys = {field.key for field in fields if not field.read}
+
+    def _handle_msg(self, msg: Any) -> None:
+        rows = msg.get("rows") if isinstance(msg, dict) else None
+        if isinstance(rows, list) and all(isinstance(row, dict) for row in rows):
+            self.put(rows)
+
+    def put(self, rows: Rows) -> None:
+        """Put rows in force, or say why not; empty texts are left out."""
+        given = [
+            {key: str(text) for key, text in row.items() if key in self._keys and str(text).strip()} for row in rows
+        ]
+        self.refused = str(self._told(given) or "")

@@ -1,0 +1,163 @@
+"""Requirements of the user's own, against values written out here, and their allocation in the design."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from typing import Any
+
+import pytest
+
+from nav_model import Design, InputError, analyse
+from nav_model.budget.allocation import allocate
+from nav_model.budget.json import to_json
+from nav_model.design.file import format_design, parse_design
+from nav_model.design.link import from_query, to_query
+from nav_model.design.own import read_own
+from nav_model.explore.margins import ratios
+from nav_model.explore.solve import solve
+
+_SENSORS = {
+    "imu.angle_random_walk": 1e-5, "imu.velocity_random_walk": 1e-3, "imu.gyro_bias": 1e-6,
+    "imu.accelerometer_bias": 1e-4, "coast.duration": 100.0, "requirements.confidence": 2.0,
+}  # fmt: skip
+_HEADING = {"name": "heading", "on": "coast_heading", "limit": "0.1°", "at": "30 s", "confidence": 3}
+_ARM = {"name": "lever arm", "value": "2 mm", "enters": "detrended_phase", "allowance": "50 %"}
+
+
+def _design(*limits: dict[str, Any], **more: Any) -> Design:
+    return Design(_SENSORS, own=read_own({"limits": list(limits), "contributors": [_ARM], **more}))
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_values_in_the_outage_agree_with_the_curves_at_that_time(mode: str) -> None:
+    names = {
+        "coast_horizontal_velocity": ("velocity_horizontal", "1 m/s"),
+        "coast_vertical_velocity": ("velocity_vertical", "1 m/s"),
+        "coast_tilt": ("tilt", "1°"), "coast_heading": ("yaw_growth", "1°"),
+        "coast_horizontal_position": ("refined_horizontal", "10 m"),
+        "coast_vertical_position": ("refined_vertical", "10 m"),
+    }  # fmt: skip
+    limits = [
+        {"name": f"{name} {at}", "on": name, "limit": limit} | ({"at": at} if at != "end" else {})
+        for name, (_, limit) in names.items() for at in ("0 s", "30 s", "end")
+    ]  # fmt: skip
+    budget = analyse(_design(*limits).replace({"processing.mode": mode}), times=[0.0, 30.0, 100.0])
+    found = {check.name: check for check in budget.verdict.checks}
+    assert len(found) == 18
+    for name, (curve, _) in names.items():
+        for at, value in zip(("0 s", "30 s", "end"), getattr(budget.coast, curve), strict=True):
+            check = found[f"{name} {at}"]
+            assert check.sigma == pytest.approx(float(value), rel=1e-9, abs=1e-18)
+            assert check.value == 2 * check.sigma
+            assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
+    assert found["coast_heading 30 s"].sigma == pytest.approx(1e-5 * math.sqrt(30), rel=1e-12)
+    across = ratios(budget.design)
+    assert {name: float(value) for name, value in across.items()} == {
+        name: pytest.approx(check.value / check.limit, rel=1e-9, abs=1e-15) for name, check in found.items()
+    }
+
+
+def test_own_confidence_and_contributors_count_and_a_contributor_can_be_limited() -> None:
+    own = [
+        _ARM, {"name": "drift", "value": "1 mrad", "enters": "coast_heading", "kind": "systematic"},
+        {"name": "mount", "value": "2 mrad", "enters": "coast_heading"},
+    ]  # fmt: skip
+    arm = {"name": "arm", "on": "lever arm", "limit": "5 mm"}
+    budget = analyse(_design(_HEADING, arm, contributors=own))
+    heading, held = budget.verdict.checks
+    assert heading.sigma == pytest.approx(math.hypot(1e-5 * math.sqrt(30), 2e-3) + 1e-3, rel=1e-12)
+    assert (heading.value, heading.confidence) == (3 * heading.sigma, 3)
+    assert math.fsum(heading.shares.values()) == pytest.approx(1, rel=1e-12)
+    assert heading.dominant == "mount"
+    assert (held.sigma, held.value) == (pytest.approx(3e-3), pytest.approx(6e-3))
+    assert not held.met
+    assert dict(held.shares) == {"lever arm": 1.0}
+    told = to_json(budget)["verdict"]["requirements"]
+    assert [(one["name"], one["on"], one["confidence"]) for one in told] == [
+        ("heading", "coast_heading", 3), ("arm", "lever arm", 2),
+    ]  # fmt: skip
+    assert [entry.source for entry in allocate(budget, "arm").entries] == ["lever arm"]
+    assert {entry.source for entry in allocate(budget, "heading").entries} == {"gyro noise", "drift", "mount"}
+
+
+def test_what_would_close_it_solves_for_them() -> None:
+    limit = {"name": "heading", "on": "coast_heading", "limit": "1e-5 rad", "at": "30 s"}
+    solutions = solve(_design(limit))
+    solved = next(one for one in solutions if one.key == "imu.angle_random_walk")
+    assert solved.together.value == pytest.approx(1e-5 / 2 / math.sqrt(30), rel=1e-6)
+
+
+def test_file_link_pickle_and_hash_keep_them() -> None:
+    plan = {
+        "split": "equal",
+        "reserve": "10 %",
+        "locks": {"heading": {"gyro noise": "0.01°"}, "tilt": {"x": "1 mrad"}},
+    }
+    design = _design(_HEADING, allocation=plan)
+    assert parse_design(format_design(design)) == design
+    assert from_query(to_query(design)) == design
+    assert pickle.loads(pickle.dumps(design)) == design
+    variants = [
+        _design(), _design(_HEADING), design, _design(_HEADING, allocation={}), _design(_HEADING | {"at": "20 s"}),
+        _design(_HEADING | {"confidence": 2}), _design(_HEADING | {"limit": "1°"}),
+        _design(_HEADING, allocation=plan | {"locks": {"heading": {"gyro noise": "0.02°"}}}),
+    ]  # fmt: skip
+    assert len({one.content_hash for one in variants}) == len({*variants}) == 8
+    assert Design(_SENSORS, own=read_own({})).content_hash == Design(_SENSORS).content_hash
+
+
+def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None:
+    plan = {"split": "equal", "reserve": "10 %", "locks": {"detrended_phase": {"gyro noise": "0.1 mm"}}}
+    design = _design(allocation=plan).replace({"requirements.detrended_phase": 3.0})
+    budget = analyse(design)
+    found = allocate(budget)
+    locked = next(entry for entry in found.entries if entry.locked)
+    assert (locked.source, found.reserve) == ("gyro noise", 0.1)
+    assert locked.allocated == pytest.approx(4 * math.pi / budget.sar.wavelength * 1e-4, rel=1e-12)
+    free = {entry.allocated for entry in found.entries if not entry.locked}
+    assert max(free) == pytest.approx(min(free))
+    assert math.sqrt(sum(entry.allocated**2 for entry in found.entries)) == pytest.approx(0.9 * 3.0)
+    assert not any(entry.locked for entry in allocate(budget, locks={}).entries)
+    assert allocate(budget, reserve=0.5, split="shares", locks={}) == allocate(
+        analyse(design.replace({}, own=read_own({"contributors": [_ARM]}))), reserve=0.5
+    )
+
+
+@pytest.mark.parametrize(
+    ("tables", "named"),
+    [
+        ({"limits": [_HEADING | {"on": "yaw"}]}, "limits[heading].on"),
+        ({"limits": [_HEADING | {"on": "confidence"}]}, "limits[heading].on"),
+        ({"limits": [_HEADING | {"limit": "1 m"}]}, "limits[heading].limit"),
+        ({"limits": [_HEADING | {"limit": "0°"}]}, "limits[heading].limit"),
+        ({"limits": [_HEADING | {"limit": "-1°"}]}, "limits[heading].limit"),
+        ({"limits": [_HEADING | {"at": "30 m"}]}, "limits[heading].at"),
+        ({"limits": [_HEADING | {"at": "-1 s"}]}, "limits[heading].at"),
+        ({"limits": [_HEADING | {"on": "tilt"}]}, "limits[heading].at"),
+        ({"limits": [_HEADING | {"confidence": 0}]}, "limits[heading].confidence"),
+        ({"limits": [_HEADING | {"confidence": "nan"}]}, "limits[heading].confidence"),
+        ({"limits": [_HEADING | {"confidence": "most"}]}, "limits[heading].confidence"),
+        ({"limits": [{"name": "a", "on": "ce90", "limit": "1 m", "confidence": 2}]}, "limits[a].confidence"),
+        ({"limits": [_HEADING | {"name": "tilt"}]}, "limits[tilt]"),
+        ({"limits": [_HEADING | {"name": "a\nb"}]}, "limits[a\\nb].name"),
+        ({"limits": [_HEADING, _HEADING | {"name": "Heading"}]}, "limits[Heading]"),
+        ({"limits": [_HEADING | {"name": f"n{n}"} for n in range(1000)]}, "limits"),
+        ({"limits": [_HEADING | {"colour": "red"}]}, "limits[heading].colour"),
+        ({"limits": [{"name": "a", "on": "lever arm", "limit": "1°"}], "contributors": [_ARM]}, "limits[a].limit"),
+        ({"limits": {"name": "a"}}, "limits"),
+        ({"allocation": {"split": "fair"}}, "allocation.split"),
+        ({"allocation": {"reserve": "100 %"}}, "allocation.reserve"),
+        ({"allocation": {"reserve": 0.2}}, "allocation.reserve"),
+        ({"allocation": {"share": "1"}}, "allocation.share"),
+        ({"allocation": {"locks": {"yaw": {"gyro noise": "1°"}}}}, "allocation.locks"),
+        ({"allocation": {"locks": {"tilt": {"gyro noise": "1 m"}}}}, "allocation.locks.tilt.gyro noise"),
+        ({"allocation": {"locks": {"tilt": {"gyro noise": "0°"}}}}, "allocation.locks.tilt.gyro noise"),
+        ({"allocation": {"locks": {"tilt": "1°"}}}, "allocation.locks"),
+        ({"allocation": "equal"}, "allocation"),
+    ],
+)
+def test_what_is_wrong_is_refused_by_name(tables: dict[str, Any], named: str) -> None:
+    with pytest.raises(InputError) as refused:
+        read_own(tables)
+    assert refused.value.key == named
