@@ -15,6 +15,7 @@ from playwright.sync_api import Browser, Page, Route
 from waiting import PATIENCE
 
 _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
+_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 _PASSES = """() => {
   const [root] = Bokeh.index.roots, measure = root.measure_layout.bind(root)
   let passes = 0
@@ -124,7 +125,7 @@ def test_a_choice_does_not_open_by_keyboard(shipped: Page) -> None:
     choice.focus()
     for key in ("Enter", " ", "ArrowDown"):
         shipped.keyboard.press(key)
-        shipped.wait_for_timeout(100)
+        shipped.evaluate(_TWO_FRAMES)
         assert choice.get_attribute("aria-expanded") == "false"
 
 

@@ -54,16 +54,6 @@ def test_typed_value_unit_and_refusal(desk: Page) -> None:
     expect(card(desk, "Quadratic phase")).to_have_text("163°")
 
 
-@pytest.mark.slow
-def test_unit_chooser_converts_without_changing_the_value(visit: Visit) -> None:
-    page = visit()
-    before = card(page, "Horizontal position").inner_text()
-    page.get_by_role("combobox", name="Unit of Angle random walk").select_option(label="9 °/h/√Hz")
-    expect(box(page, "Angle random walk")).to_have_value("9 °/h/√Hz")
-    expect(card(page, "Horizontal position")).to_have_text(before)
-    expect(page.get_by_role("button", name="Undo")).to_be_disabled()
-
-
 def test_all_of_a_row_is_there_for_a_screen_reader(desk: Page) -> None:
     noise = box(desk, "Angle random walk")
     slider = desk.get_by_role("slider", name="Angle random walk")

@@ -54,22 +54,6 @@ def test_every_question_fits_the_window_and_says_nothing_in_the_console(
     assert not said
 
 
-@pytest.mark.slow
-def test_answer_first_and_a_solved_value_is_one_press_away(visit: Visit) -> None:
-    page = _open(visit)
-    answer = page.get_by_role("status").first
-    expect(answer).to_contain_text("Closes if angle random walk is at most 0.0360 °/√h")
-    expect(answer).to_contain_text("You have 0.15 °/√h")
-    slider = page.get_by_role("slider", name="Angle random walk")
-    slider.focus()
-    page.keyboard.press("ArrowLeft")
-    expect(answer).not_to_contain_text("You have 0.15 °/√h")
-    expect(answer).to_contain_text("0.0360 °/√h")  # the others are held: the largest value does not move
-    page.get_by_role("button", name="Angle random walk: at most 0.0360 °/√h").press("Enter")
-    expect(page.get_by_role("textbox", name="Angle random walk", exact=True)).to_have_value("0.036 °/√h")
-    expect(page.get_by_text("The design closes, and would with each of these alone")).to_be_visible()
-
-
 def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
     page = _open(visit, "Trade-off map")
     page.wait_for_function(f"() => ({_SOURCE})('map design').x")

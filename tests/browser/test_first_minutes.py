@@ -41,19 +41,6 @@ def test_the_tour_is_offered_once_and_goes_by_keyboard(visit: Visit) -> None:
 
 
 @pytest.mark.slow
-def test_an_example_is_opened_and_undone(visit: Visit) -> None:
-    page = visit()
-    page.get_by_role("button", name="No, thanks").click()
-    page.get_by_role("button", name="Open", exact=True).click()
-    page.get_by_role("button", name="Examples").click()
-    page.get_by_role("button", name="Open L band from a jet").click()
-    expect(page.get_by_role("textbox", name="Design", exact=True)).to_have_value("L band from a jet")
-    expect(page.get_by_role("button", name="Open L band from a jet")).to_be_hidden()
-    page.get_by_role("button", name="Undo").click()
-    expect(page.get_by_role("textbox", name="Design", exact=True)).to_have_value("MEMS IMU at X band")
-
-
-@pytest.mark.slow
 def test_every_open_input_is_explained(visit: Visit) -> None:
     page = visit()
     page.get_by_role("switch", name="Show help for all inputs").check()

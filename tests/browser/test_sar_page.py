@@ -13,7 +13,6 @@ from waiting import until
 
 Visit = Callable[..., Page]
 Check = Callable[..., None]
-GOTCHA = Path(__file__).parents[3] / "shared/data/sar_gotcha_pass1_az001_HH.npz"
 _MATCH = "The runs match the design."
 _ANSWER = re.compile("Detrended phase not met")
 
@@ -84,30 +83,6 @@ def _seen_at_once(page: Page, width: int, height: int) -> bool:
         and box["height"] > (200 if name in {"ranking", "map"} else 20)
         for name, box in boxes.items()
     )
-
-
-@pytest.mark.slow
-def test_settings_and_result_outlive_a_reload(visit: Visit) -> None:
-    page = _open(visit)
-    seed = page.get_by_role("textbox", name="Seed", exact=True)
-    seed.fill("7")
-    seed.press("Enter")
-    page.get_by_role("button", name="Run the strategies").click()
-    expect(page.get_by_text(f"{_MATCH} 50 runs of the error model, seed 7.")).to_be_visible()
-    page.reload()
-    expect(seed).to_have_value("7")
-    expect(page.get_by_text(f"{_MATCH} 50 runs of the error model, seed 7.")).to_be_visible()
-
-
-@pytest.mark.slow
-def test_a_real_phase_history_is_formed_twice(visit: Visit) -> None:
-    if not GOTCHA.exists():
-        pytest.skip(f"no real phase history at {GOTCHA}")
-    page = _open(visit)
-    page.get_by_role("button", name="Your phase history").click()
-    page.locator("input[type=file][accept='.npz']").set_input_files(GOTCHA)
-    expect(page.get_by_role("img", name="without navigation error")).to_be_visible()
-    expect(page.get_by_role("img", name="with the error of INS from filter")).to_be_visible()
 
 
 @pytest.mark.slow

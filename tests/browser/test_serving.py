@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import http.server
 import json
+import math
+import re
 import signal
-import subprocess
-import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
+from served import serving
 from waiting import PATIENCE, until
 
 from app.library.store import Library
@@ -22,20 +22,6 @@ from app.serving.passwords import password_line
 
 _PASSWORD = "correct horse battery"
 _IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
-
-
-@contextmanager
-def _serving(library: Path, *options: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--library", str(library), *options]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        line = process.stdout.readline()
-        assert line.startswith("NavBudget on http://"), line
-        try:
-            yield line.split()[-1], process
-        finally:
-            process.terminate()
-            assert process.wait(PATIENCE) == 0
 
 
 def _log_in(page: Page, name: str, password: str) -> None:
@@ -49,7 +35,7 @@ def test_the_way_in_and_out_with_a_password(page: Page, tmp_path: Path) -> None:
     people.write_text(password_line("ada", _PASSWORD) + "\n")
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
-    with _serving(library, "--password-file", str(people)) as (server, _):
+    with serving("--library", str(library), "--password-file", str(people)) as (server, _):
         page.goto(server + "/#review")
         expect(page.get_by_role("heading", name="Log in")).to_be_visible()
         _log_in(page, "ada", "wrong horse battery")
@@ -134,7 +120,7 @@ def test_oversized_and_wrong_files_are_refused_where_they_are_given(visit: Calla
 
 @pytest.mark.slow
 def test_a_report_under_way_arrives_although_the_server_is_told_to_stop(page: Page, tmp_path: Path) -> None:
-    with _serving(tmp_path / "library.db", "--grace", "300") as (server, process):
+    with serving("--library", str(tmp_path / "library.db"), "--grace", "300") as (server, process):
         page.goto(server)
         page.wait_for_function(_IDLE)
         page.get_by_role("status").first.wait_for()
@@ -156,7 +142,7 @@ def test_a_page_that_lost_its_server_says_so_and_goes_on_with_its_design(page: P
     library = tmp_path / "library.db"
     slider = page.get_by_role("slider", name="Angle random walk")
     box = page.get_by_role("textbox", name="Angle random walk", exact=True)
-    with _serving(library) as (server, _):
+    with serving("--library", str(library)) as (server, _):
         page.goto(server)
         page.wait_for_function(_IDLE)
         slider.press("ArrowRight")
@@ -165,7 +151,7 @@ def test_a_page_that_lost_its_server_says_so_and_goes_on_with_its_design(page: P
     expect(lost).to_contain_text("nothing is computed now")
     for part in (".sidebar", ".tools"):  # nothing seems to answer that does not
         expect(page.locator(part)).to_have_js_property("inert", True)
-    with _serving(library, "--port", server.rpartition(":")[2]):
+    with serving("--library", str(library), "--port", server.rpartition(":")[2]):
         expect(lost).to_contain_text("The server answers again")
         lost.get_by_role("button", name="Reload").click()
         expect(page.get_by_role("alert").filter(has_text="is back")).to_be_visible()
@@ -181,7 +167,7 @@ def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_
     page.on("websocket", lambda socket: socket.on("framesent", lambda frame: told.append(str(frame))))
     slider = page.get_by_role("slider", name="Angle random walk")
     box = page.get_by_role("textbox", name="Angle random walk", exact=True)
-    with _serving(tmp_path / "library.db", "--processes", "1") as (server, process):
+    with serving("--library", str(tmp_path / "library.db"), "--processes", "1") as (server, process):
         page.goto(server)
         page.wait_for_function(_IDLE)
         slider.focus()
@@ -192,13 +178,21 @@ def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_
             expect(box).to_have_value("0.597 °/√h")
         finally:
             process.send_signal(signal.SIGCONT)
+        for key, text in ((None, "0.597"), ("ArrowLeft", "0.57")):
+            if key:
+                page.keyboard.press(key)
+            expect(box).to_have_value(f"{text} °/√h")
+            # What a page sends is heard of while it is asked something.
+            until(lambda text=text: page.title() and _noises(told)[-1:] == [text], "word of the newest place")
+        assert len(_noises(told)) < 15, "places between are not told one by one"
         expect(page.get_by_text("Compared with: Angle random walk 0.15")).to_be_visible()
-        page.keyboard.press("ArrowLeft")
         expect(box).to_have_value("0.57 °/√h")
-        # The newest place may be that of the step back: the browser tells the next one when the last is answered.
-        until(lambda: len([frame for frame in told if '"place"' in frame]) >= 2, "a first place and the newest")
-        assert len([frame for frame in told if '"place"' in frame]) < 15, "places between are not told one by one"
-        expect(box).to_have_value("0.57 °/√h")
+
+
+def _noises(told: list[str]) -> list[str]:
+    """Angle random walks [°/√h] of the places that frames to the server tell."""
+    places = [float(place) for frame in told for place in re.findall(r'"place",\s*(-?[\d.]+)', frame)]
+    return [f"{60 * math.degrees(10**place):.3g}" for place in places]
 
 
 _FAULTY = """
@@ -214,47 +208,42 @@ async def broken(*_):
     raise MemoryError("a secret of the design")
 
 app.subjects.theory.page.TheoryPage, app.dashboard.toolbar.elsewhere = Broken, broken
-sys.exit(main(["serve", "--port", "0", "--log", "json", "--library", sys.argv[1]]))
+sys.exit(main(sys.argv[1:]))
 """
 
 
 @pytest.mark.slow
 def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on(page: Page, tmp_path: Path) -> None:
-    command = [sys.executable, "-c", _FAULTY, str(tmp_path / "library.db")]
     log = tmp_path / "log"
-    with log.open("w") as stderr, subprocess.Popen(command, stdout=-1, stderr=stderr, text=True) as process:
-        assert process.stdout is not None
-        try:
-            page.goto(process.stdout.readline().split()[-1])
-            page.wait_for_function(_IDLE)
-            notice = page.get_by_role("alert").first
-            for kind, act in (
-                ("RuntimeError", page.get_by_role("tab", name="Theory", exact=True)),
-                ("MemoryError", page.get_by_role("button", name="HTML report")),
-            ):
-                if kind == "MemoryError":
-                    page.get_by_role("button", name="Report", exact=True).click()
-                act.click()
-                expect(notice).to_contain_text(f"NavBudget failed ({kind})")
-                expect(notice).not_to_contain_text("secret")
-                number = notice.inner_text().rpartition("fault ")[2].strip(" .\n")
-                said = [json.loads(line) for line in log.read_text().splitlines()]
-                (told,) = [line for line in said if line.get("fault") == number]
-                assert (told["event"], told["exception"]) == ("fault", kind)
-            assert "secret" not in log.read_text()
-            page.get_by_role("tab", name="Budget", exact=True).click()
-            slider = page.get_by_role("slider", name="Angle random walk")
-            slider.press("ArrowRight")
-            expect(page.get_by_role("button", name="Undo")).to_be_enabled()
-        finally:
-            process.terminate()
-            assert process.wait(PATIENCE) == 0
+    options = "--log", "json", "--library", str(tmp_path / "library.db")
+    with serving(*options, log=log, program=("-c", _FAULTY)) as (server, _):
+        page.goto(server)
+        page.wait_for_function(_IDLE)
+        notice = page.get_by_role("alert").first
+        for kind, act in (
+            ("RuntimeError", page.get_by_role("tab", name="Theory", exact=True)),
+            ("MemoryError", page.get_by_role("button", name="HTML report")),
+        ):
+            if kind == "MemoryError":
+                page.get_by_role("button", name="Report", exact=True).click()
+            act.click()
+            expect(notice).to_contain_text(f"NavBudget failed ({kind})")
+            expect(notice).not_to_contain_text("secret")
+            number = notice.inner_text().rpartition("fault ")[2].strip(" .\n")
+            said = [json.loads(line) for line in log.read_text().splitlines()]
+            (told,) = [line for line in said if line.get("fault") == number]
+            assert (told["event"], told["exception"]) == ("fault", kind)
+        assert "secret" not in log.read_text()
+        page.get_by_role("tab", name="Budget", exact=True).click()
+        slider = page.get_by_role("slider", name="Angle random walk")
+        slider.press("ArrowRight")
+        expect(page.get_by_role("button", name="Undo")).to_be_enabled()
 
 
 @pytest.mark.slow
 def test_what_one_visitor_opens_first_another_can_open_too(browser: Browser, tmp_path: Path) -> None:
     """Both pages were open before either part was looked at, on a server that has just begun."""
-    with _serving(tmp_path / "library.db") as (server, _):
+    with serving("--library", str(tmp_path / "library.db")) as (server, _):
         failed: list[str] = []
         pages = [browser.new_page() for _ in range(2)]
         for page in pages:

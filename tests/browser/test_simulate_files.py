@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
-import subprocess
-import sys
 import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
-from waiting import PATIENCE, until
+from served import serving
+from waiting import until
 
 Visit = Callable[..., Page]
 
@@ -79,23 +76,6 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
     expect(page.get_by_text("8 × 60 s")).to_be_visible()
     page.get_by_role("button", name="Where formula and simulation differ, and why").click()
     expect(page.get_by_text("The flight comes from the file")).to_be_visible()
-    page.get_by_role("button", name="Exports", exact=True).click()
-
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Statistics (NPZ)").click()
-    assert waiting.value.suggested_filename == "simulation.npz"
-    waiting.value.save_as(tmp_path / "a.npz")
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Sigmas (CSV)").click()
-    waiting.value.save_as(tmp_path / "a.csv")
-    with np.load(tmp_path / "a.npz") as packed:
-        arrays = dict(packed)
-    rows = list(csv.DictReader((tmp_path / "a.csv").read_text("utf-8").splitlines()))
-    assert arrays["time_s"].tolist() == list(range(61)) == [float(row["time_s"]) for row in rows]
-    end = np.degrees(arrays["true_latitude_longitude_height"][-1, 0])
-    assert end == pytest.approx(47 + 60 * 60 / 111_170, abs=1e-8)  # the path flown is the file's
-    north = [float(row["position_north_rms_m"]) for row in rows]
-    assert np.allclose(arrays["rms"][1, :, 0], north, rtol=1e-12)
 
 
 def heavy_tasks(server: str) -> float:
@@ -106,12 +86,8 @@ def heavy_tasks(server: str) -> float:
 @pytest.fixture
 def forgetful() -> Iterator[str]:
     """A server that keeps a closed page for two seconds only, for a browser that may come back."""
-    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--session-lifetime", "2"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        yield process.stdout.readline().split()[-1]
-        process.terminate()
-        process.wait(PATIENCE)
+    with serving("--session-lifetime", "2") as (address, _):
+        yield address
 
 
 @pytest.mark.slow
