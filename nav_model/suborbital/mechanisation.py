@@ -1,4 +1,4 @@
-"""Strapdown INS in inertial axes [B-3] and in north-east-down axes [B-2], many cases in one call.
+"""Strapdown INS in inertial axes [B-3], many cases in one call.
 
 Conventions that reproduce star_tracker.md's printed final errors to 0.01 m: RK4 with the flight's step on the
 nine direction cosines, velocity and position together; sensor errors evaluated at the RK4 nodes; initial
@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.compiled import kernel, part
-from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_vector
-from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
+from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import ErrorSet, require_parameters
 from nav_model.suborbital.flight import TrueFlight
@@ -108,70 +107,9 @@ def _inertial_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, 
             dy[12 + a, case] = y[9 + a, case]
 
 
-@part
-def _local_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
-    """[B-2]; state: C_bn by rows (9), velocity over the Earth NED (3), latitude, longitude, height."""
-    for case in range(y.shape[1]):
-        vn, ve, vd = y[9, case], y[10, case], y[11, case]
-        sl, cl, radius = np.sin(y[12, case]), np.cos(y[12, case]), SPHERE_RADIUS + y[14, case]
-        en, ed = EARTH_RATE * cl, -EARTH_RATE * sl
-        tn, te, td = ve / radius, -vn / radius, -ve * sl / (cl * radius)
-        on, oe, od = en + tn, te, ed + td
-        radial, axial = field_kernel(radius, sl, (j[0, case], j[1, case], j[2, case]))
-        f0, f1, f2 = f[0, case], f[1, case], f[2, case]
-        w0, w1, w2 = w[0, case], w[1, case], w[2, case]
-        for b in range(3):
-            cn, ce, cd = y[b, case], y[3 + b, case], y[6 + b, case]
-            dy[b, case] = -(oe * cd - od * ce)
-            dy[3 + b, case] = -(od * cn - on * cd)
-            dy[6 + b, case] = -(on * ce - oe * cn)
-        for a in range(3):
-            c0, c1, c2 = y[3 * a, case], y[3 * a + 1, case], y[3 * a + 2, case]
-            dy[3 * a, case] += c1 * w2 - c2 * w1
-            dy[3 * a + 1, case] += c2 * w0 - c0 * w2
-            dy[3 * a + 2, case] += c0 * w1 - c1 * w0
-            dy[9 + a, case] = c0 * f0 + c1 * f1 + c2 * f2
-        # Coriolis and transport (2 w_ie + w_en) x v, then the centrifugal part and gravitation along N and D.
-        an, ae, ad = 2.0 * en + tn, te, 2.0 * ed + td
-        spin = EARTH_RATE * EARTH_RATE * radius * cl
-        dy[9, case] += -(ae * vd - ad * ve) + axial * cl - spin * sl
-        dy[10, case] += -(ad * vn - an * vd)
-        dy[11, case] += -(an * ve - ae * vn) - radial - spin * cl
-        dy[12, case] = vn / radius
-        dy[13, case] = ve / (radius * cl)
-        dy[14, case] = -vd
-
-
-@part
-def _star_attitude(y: FloatArray, case: int, frame: FloatArray, local: bool, time: float) -> None:
-    """Write the camera's body-to-inertial attitude into a case's state [B-7]; in local axes by way of the INS
-    position."""
-    if not local:
-        for a in range(3):
-            for b in range(3):
-                y[3 * a + b, case] = frame[a, b]
-        return
-    sl, cl = np.sin(y[12, case]), np.cos(y[12, case])
-    angle = y[13, case] + EARTH_RATE * time
-    so, co = np.sin(angle), np.cos(angle)
-    for b in range(3):
-        x, yy, z = frame[0, b], frame[1, b], frame[2, b]
-        y[b, case] = -sl * co * x - sl * so * yy + cl * z
-        y[3 + b, case] = -so * x + co * yy
-        y[6 + b, case] = -cl * co * x - cl * so * yy - sl * z
-
-
-@part
-def _stage(y: FloatArray, step: float, slope: FloatArray, stage: FloatArray) -> None:
-    for a in range(15):
-        for case in range(y.shape[1]):
-            stage[a, case] = y[a, case] + step * slope[a, case]
-
-
 @kernel
 def _run(
     start: FloatArray,
-    local: bool,
     p: FloatArray,
     force: FloatArray,
     rate: FloatArray,
@@ -192,14 +130,15 @@ def _run(
     with a star tracker have their camera's row of used (k, n+1) and frames (k, n+1, 3, 3) in seen (c,), others -1.
     """
     n, cases = force.shape[0], start.shape[1]
-    y, stage = start.copy(), np.empty((15, cases))
-    k = np.empty((4, 15, cases))
+    y, k = start.copy(), np.empty((4, 15, cases))
     f, w = np.empty((3, 3, cases)), np.empty((3, 3, cases))
     felt = np.zeros((6, cases))
     for i in range(n + 1):
         for case in range(cases):
             if seen[case] >= 0 and used[seen[case], i]:
-                _star_attitude(y, case, frames[seen[case], i], local, i * h)
+                for a in range(3):
+                    for b in range(3):
+                        y[3 * a + b, case] = frames[seen[case], i, a, b]
         if i % every == 0:
             out[i // every] = y
         if i == n:
@@ -214,16 +153,9 @@ def _run(
             _measured(p, GYROS, rate[i, node], felt[3:], s[2], s[3], w[node])
         for s in range(4):
             node = (s + 1) // 2
-            if s > 0:
-                _stage(y, h if s == 3 else 0.5 * h, k[s - 1], stage)
-            now = y if s == 0 else stage
-            if local:
-                _local_rates(now, f[node], w[node], j, k[s])
-            else:
-                _inertial_rates(now, f[node], w[node], j, k[s])
-        for a in range(15):
-            for case in range(cases):
-                y[a, case] += h / 6.0 * (k[0, a, case] + 2.0 * k[1, a, case] + 2.0 * k[2, a, case] + k[3, a, case])
+            now = y if s == 0 else y + (h if s == 3 else 0.5 * h) * k[s - 1]
+            _inertial_rates(now, f[node], w[node], j, k[s])
+        y += h / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])
 
 
 def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:
@@ -240,17 +172,11 @@ def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:
     return np.asarray(np.sin(2.0 * np.pi * half_time[:, None] / periods))
 
 
-def _initial_states(flight: TrueFlight, parameters: FloatArray, local: bool) -> FloatArray:
+def _initial_states(flight: TrueFlight, parameters: FloatArray) -> FloatArray:
     launch = local_axes(flight.position_i[0])
     position = flight.position_i[0] + parameters[:, POSITION] @ launch.T
     velocity = flight.velocity_i[0] + parameters[:, VELOCITY] @ launch.T
     attitude = matrix_from_vector(parameters[:, ATTITUDE] @ launch.T) @ flight.attitude_bi[0]
-    if local:
-        latitude, longitude, height = spherical_position(position)
-        axes = ned_to_inertial(latitude, longitude)
-        velocity = np.einsum("cji,cj->ci", axes, velocity - earth_velocity(position))
-        attitude = np.swapaxes(axes, -1, -2) @ attitude
-        position = np.stack([latitude, longitude, height], axis=-1)
     return np.concatenate([attitude.reshape(-1, 9), velocity, position], axis=1)
 
 
@@ -267,26 +193,6 @@ def _cameras(
     return np.stack([each.used for each in own.values()]), np.stack([each.attitude_bi for each in own.values()]), seen
 
 
-def _refuse_poles(flight: TrueFlight) -> None:
-    steepest = np.max(np.abs(flight.latitude_rad))
-    require(
-        bool(steepest < np.radians(89.5)),
-        f"axes = 'ned': the flight comes within {np.degrees(np.pi / 2 - steepest):.2f}° of a pole, where "
-        "north is not defined; use inertial axes",
-    )
-
-
-def _inertial(states: FloatArray, time: FloatArray, local: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Attitude, velocity and position in inertial axes of the states (c, m, 15) at times (m,)."""
-    attitude = states[..., :9].reshape(*states.shape[:2], 3, 3)
-    velocity, position = states[..., 9:12], states[..., 12:]
-    if not local:
-        return attitude, velocity, position
-    turn = ned_to_inertial(position[..., 0], position[..., 1] + EARTH_RATE * time)
-    place = -turn[..., 2] * (SPHERE_RADIUS + position[..., 2:])
-    return turn @ attitude, np.einsum("cmij,cmj->cmi", turn, velocity) + earth_velocity(place), place
-
-
 def mechanise(
     flight: TrueFlight,
     parameters: FloatArray,
@@ -295,7 +201,6 @@ def mechanise(
     frames: Sequence[AttitudeFrames | None] | None = None,
     noise: FloatArray | None = None,
     gravity: str | Sequence[str] = "spherical",
-    axes: str = "inertial",
     every: int = 10,
     progress: Callable[[float], None] | None = None,
 ) -> InsRun:
@@ -304,25 +209,21 @@ def mechanise(
     parameters: (c, 61) in the order of `errors.PARAMETERS` (its star tracker entries are not read here:
     they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
     per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
-    step; gravity: the model the INS believes in, of all cases or one each; axes: "inertial" [B-3] or "ned"
-    [B-2]; every: output spacing in steps, which must divide the flight. Raises ValueError for wrong shapes or
-    names.
+    step; gravity: the model the INS believes in, of all cases or one each; every: output spacing in steps, which
+    must divide the flight. Raises ValueError for wrong shapes or names.
     """
     parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
-    count, n, local = len(parameters), flight.steps, axes == "ned"
+    count, n = len(parameters), flight.steps
     models = (gravity,) * count if isinstance(gravity, str) else tuple(gravity)
     frames = (None,) * count if frames is None else frames
     require_parameters(parameters)
     flight.require_spacing(every)
-    require(axes in ("inertial", "ned"), f"axes = {axes!r}: must be inertial or ned")
     for name, given in (("frames", frames), ("gravity", models)):
         require(len(given) == count, f"{name} has {len(given)} entries: must be one per case, {count}")
     if noise is not None:
         require(noise.shape == (count, n, 6), f"noise has shape {noise.shape}: must be {(count, n, 6)}")
-    if local:
-        _refuse_poles(flight)
     j, sines = np.array([zonals(model) for model in models]).T, oscillations(flight, errors)
-    starts = _initial_states(flight, parameters, local)
+    starts = _initial_states(flight, parameters)
     used, attitudes, seen = _cameras(frames)
     out = np.empty((count, n // every + 1, 15))
     for first in range(0, count, _TOGETHER):
@@ -330,7 +231,6 @@ def mechanise(
         states = np.empty((n // every + 1, 15, some.stop - first))
         _run(
             np.ascontiguousarray(starts[some].T),
-            local,
             np.ascontiguousarray(parameters[some].T),
             flight.specific_force_b,
             flight.angular_rate_b,
@@ -349,14 +249,12 @@ def mechanise(
         if progress is not None:
             progress(some.stop / count)
     index = np.arange(0, n + 1, every)
-    time = flight.time_s[index]
-    attitude, velocity, position = _inertial(out, time, local)
-    mark, believed = "[B-2]" if local else "[B-3]", " and ".join(dict.fromkeys(models))
+    believed = " and ".join(dict.fromkeys(models))
     return InsRun(
-        time_s=time,
+        time_s=flight.time_s[index],
         index=index,
-        position_i=position,
-        velocity_i=velocity,
-        attitude_bi=attitude,
-        source=f"INS in {axes} axes {mark}, sensor errors [B-1], {believed} gravity; {flight.source}",
+        position_i=out[..., 12:],
+        velocity_i=out[..., 9:12],
+        attitude_bi=out[..., :9].reshape(*out.shape[:2], 3, 3),
+        source=f"INS in inertial axes [B-3], sensor errors [B-1], {believed} gravity; {flight.source}",
     )

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from nav_model.base.compiled import kernel, part
 from nav_model.base.constants import GRAVITATIONAL_PARAMETER
-from nav_model.earth.rotation import FloatArray
+from nav_model.earth.rotation import FloatArray, skew
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
-from nav_model.suborbital.flight import TrueFlight
+from nav_model.suborbital.flight import TrueFlight, step_nodes
 from nav_model.suborbital.layout import (
     ATTITUDE,
     BIAS,
@@ -98,25 +98,13 @@ def _restart(state: FloatArray, c: FloatArray, w: FloatArray) -> None:
             state[a, LATENCY] -= c[a, b] * w[b]
 
 
-@part
-def _slopes(y: FloatArray, turn: FloatArray, acc: FloatArray, g: FloatArray, u: FloatArray, k: FloatArray) -> None:
-    """[B-4] for every column: k from y, both (9, P)."""
-    for p in range(y.shape[1]):
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            k[a, p] = turn[a, p]
-            pulled = acc[a, p] + g[a, 0] * y[6, p] + g[a, 1] * y[7, p] + g[a, 2] * y[8, p]
-            k[3 + a, p] = pulled + (y[b, p] * u[c] - y[c, p] * u[b])
-            k[6 + a, p] = y[3 + a, p]
-
-
 @kernel
 def _propagate(
     state: FloatArray,
+    dynamics: FloatArray,
     attitude: FloatArray,
     force: FloatArray,
     rate: FloatArray,
-    path: FloatArray,
     sines: FloatArray,
     used: NDArray[np.bool_],
     h: float,
@@ -124,40 +112,22 @@ def _propagate(
     out: FloatArray,
 ) -> None:
     """RK4 of [B-4] for all columns at once; state (9, P) holds psi, velocity and position errors."""
-    n, columns = force.shape[0], state.shape[1]
-    acc, turn = np.zeros((3, 3, columns)), np.zeros((3, 3, columns))
-    fi, pull = np.empty((3, 3)), np.empty((3, 3, 3))
-    k, stage = np.empty((4, 9, columns)), np.empty((9, columns))
-    for i in range(n):
+    n, driven = len(dynamics), np.zeros((3, *state.shape))
+    for i in range(n + 1):
         if used[i]:
-            _restart(state, attitude[2 * i], rate[i, 0])
+            _restart(state, attitude[2 * i], rate[i, 0] if i < n else rate[i - 1, 2])
         if i % every == 0:
             out[i // every] = state
+        if i == n:
+            break
         for node in range(3):
-            c = attitude[2 * i + node]
-            unit_errors(c, force[i, node], rate[i, node], sines[2 * i + node], acc[node], turn[node])
-            r = path[2 * i + node]
-            r2 = r[0] ** 2 + r[1] ** 2 + r[2] ** 2
-            w2 = GRAVITATIONAL_PARAMETER / (r2 * np.sqrt(r2))
-            for a in range(3):
-                fi[node, a] = c[a, 0] * force[i, node, 0] + c[a, 1] * force[i, node, 1] + c[a, 2] * force[i, node, 2]
-                for b in range(3):
-                    pull[node, a, b] = w2 * (3.0 * r[a] * r[b] / r2 - (1.0 if a == b else 0.0))
-        for s in range(4):
-            node = (s + 1) // 2
-            if s > 0:
-                step = h if s == 3 else 0.5 * h
-                for a in range(9):
-                    for p in range(columns):
-                        stage[a, p] = state[a, p] + step * k[s - 1, a, p]
-            _slopes(state if s == 0 else stage, turn[node], acc[node], pull[node], fi[node], k[s])
-        for a in range(9):
-            for p in range(columns):
-                state[a, p] += h / 6.0 * (k[0, a, p] + 2.0 * k[1, a, p] + 2.0 * k[2, a, p] + k[3, a, p])
-    if used[n]:
-        _restart(state, attitude[2 * n], rate[n - 1, 2])
-    if n % every == 0:
-        out[n // every] = state
+            at = 2 * i + node
+            unit_errors(attitude[at], force[i, node], rate[i, node], sines[at], driven[node, 3:6], driven[node, :3])
+        one = dynamics[i, 0] @ state + driven[0]
+        two = dynamics[i, 1] @ (state + 0.5 * h * one) + driven[1]
+        three = dynamics[i, 1] @ (state + 0.5 * h * two) + driven[1]
+        four = dynamics[i, 2] @ (state + h * three) + driven[2]
+        state = state + h / 6.0 * (one + 2.0 * two + 2.0 * three + four)
 
 
 def _half_path(flight: TrueFlight) -> FloatArray:
@@ -188,10 +158,13 @@ def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = 
     out = np.empty((n // every + 1, 9, len(PARAMETERS)))
     _propagate(
         state,
+        _dynamics(
+            np.einsum("tnij,tnj->tni", step_nodes(flight.half_attitude_bi), flight.specific_force_b),
+            step_nodes(_half_path(flight)),
+        ),
         flight.half_attitude_bi,
         flight.specific_force_b,
         flight.angular_rate_b,
-        _half_path(flight),
         oscillations(flight, errors),
         taken,
         flight.step_s,
@@ -208,11 +181,15 @@ def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = 
     )
 
 
-def _gradient(position: FloatArray) -> FloatArray:
+def _dynamics(force: FloatArray, position: FloatArray) -> FloatArray:
+    """[B-4] as a matrix (..., 9, 9) on psi, velocity and position errors; force and position (..., 3), inertial."""
     radius = np.linalg.norm(position, axis=-1)[..., None, None]
-    u = position[..., :, None]
-    outer = u * np.swapaxes(u, -1, -2) / radius**2
-    return np.asarray(GRAVITATIONAL_PARAMETER / radius**3 * (3.0 * outer - np.eye(3)))
+    outer = position[..., :, None] * position[..., None, :] / radius**2
+    found = np.zeros((*force.shape[:-1], 9, 9))
+    found[..., 3:6, :3] = -skew(force)
+    found[..., 3:6, 6:] = GRAVITATIONAL_PARAMETER / radius**3 * (3.0 * outer - np.eye(3))
+    found[..., 6:, 3:6] = np.eye(3)
+    return found
 
 
 def white_noise_spread(
@@ -227,31 +204,25 @@ def white_noise_spread(
 
     accelerometer, gyro: root spectral densities, as `SensorErrors.white_noise`; used (n+1,) marks star frames;
     frame_covariance (n+1, 3, 3) or (3, 3) is the covariance of the camera's
-    attitude error in body axes, rad² (None: a perfect camera). Each step is one transition with the
-    noise added at its end, which is exact to the step over the flight time.
+    attitude error in body axes, rad² (None: a perfect camera). Each step is one transition, to second order, with
+    the noise added at its end, which is exact to the step over the flight time.
     """
     n, h = flight.steps, flight.step_s
     flight.require_spacing(every)
-    half = flight.half_attitude_bi
-    middle = half[1::2]
-    force = np.einsum("tij,tj->ti", middle, flight.specific_force_b[:, 1])
+    force = np.einsum("tij,tj->ti", flight.half_attitude_bi[1::2], flight.specific_force_b[:, 1])
+    change = h * _dynamics(force, _half_path(flight)[1::2])
+    transition = np.eye(9) + change + 0.5 * change @ change
+    a, g = accelerometer**2, gyro**2
+    grown = np.asarray(
+        np.kron([[g * h, 0.0, 0.0], [0.0, a * h, a * h**2 / 2], [0.0, a * h**2 / 2, a * h**3 / 3]], np.eye(3))
+    )
     taken = np.zeros(n + 1, dtype=np.bool_) if used is None else np.asarray(used, dtype=np.bool_)
     star = np.zeros((n + 1, 3, 3))
     if frame_covariance is not None:
         c = flight.attitude_bi
         star = c @ np.broadcast_to(frame_covariance, (n + 1, 3, 3)) @ np.swapaxes(c, -1, -2)
     out = np.empty((n // every + 1, 9, 9))
-    _covariance(
-        force,
-        _gradient(_half_path(flight)[1::2]),
-        taken,
-        np.ascontiguousarray(star),
-        gyro**2,
-        accelerometer**2,
-        h,
-        every,
-        out,
-    )
+    _covariance(transition, taken, star, grown, every, out)
     turn = np.swapaxes(local_axes(flight.position_i[::every]), -1, -2)
     place = turn @ out[:, 6:, 6:] @ np.swapaxes(turn, -1, -2)
     return NoiseSpread(
@@ -310,44 +281,16 @@ def along_track_sigma(spread: NoiseSpread, flight: TrueFlight, every: int = 10) 
 
 @kernel
 def _covariance(
-    force: FloatArray,
-    gradient: FloatArray,
-    used: NDArray[np.bool_],
-    star: FloatArray,
-    gyro: float,
-    accelerometer: float,
-    h: float,
-    every: int,
-    out: FloatArray,
+    transition: FloatArray, used: NDArray[np.bool_], star: FloatArray, grown: FloatArray, every: int, out: FloatArray
 ) -> None:
-    """Discrete covariance propagation; isotropic noise of densities gyro and accelerometer."""
-    n = force.shape[0]
-    p, phi = np.zeros((9, 9)), np.eye(9)
-    for i in range(n + 1):
+    """Covariance at every `every`-th step from transition (n, 9, 9) and what the noise adds in one (9, 9)."""
+    p = np.zeros((9, 9))
+    for i in range(len(used)):
         if used[i]:
             p[:3, :] = 0.0
             p[:, :3] = 0.0
             p[:3, :3] = star[i]
         if i % every == 0:
             out[i // every] = p
-        if i == n:
-            break
-        f = force[i]
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            # (psi x f)_a = psi_b f_c - psi_c f_b, integrated over the step to velocity and position.
-            phi[3 + a, b], phi[3 + a, c] = h * f[c], -h * f[b]
-            phi[6 + a, b], phi[6 + a, c] = 0.5 * h * h * f[c], -0.5 * h * h * f[b]
-            for d in range(3):
-                g, one = gradient[i, a, d], 1.0 if a == d else 0.0
-                phi[3 + a, 6 + d] = h * g
-                phi[6 + a, 3 + d] = h * one
-                phi[6 + a, 6 + d] = one + 0.5 * h * h * g
-                phi[3 + a, 3 + d] = one + 0.5 * h * h * g
-        p = phi @ p @ phi.T
-        for a in range(3):
-            p[a, a] += gyro * h
-            p[3 + a, 3 + a] += accelerometer * h
-            p[6 + a, 6 + a] += accelerometer * h**3 / 3.0
-            p[3 + a, 6 + a] += accelerometer * h * h / 2.0
-            p[6 + a, 3 + a] += accelerometer * h * h / 2.0
+        if i < len(transition):
+            p = transition[i] @ p @ transition[i].T + grown
