@@ -94,6 +94,11 @@ _ROLES: Final = (
 _SI_BY_STANDARD: Final = {"angularvelocity": "rad/s", "linearacceleration": "m/s2"}
 
 
+def units_of(role: str) -> dict[str, bool]:
+    """Units that the values of a role may have -> whether they are increments over one sample."""
+    return {unit: per_sample for unit, (_, per_sample) in _UNITS[role].items()}
+
+
 def scale_of(role: str, unit: str) -> Scale:
     """Scale of a unit text such as "deg/s", "°/s", "0.05 deg/s" (counts of 0.05 deg/s) or "0.1 arcsec"
     (increments). That a number is of a count may be said: "0.05 deg/s a count", "0.05 deg/s per count".

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import html
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -46,6 +46,7 @@ from nav_model.allan.adoption import (
     bench_of,
 )
 from nav_model.allan.log_file import Limits
+from nav_model.allan.log_names import units_of
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
@@ -63,11 +64,13 @@ _HELP = (
 )
 _BOXES = {
     "rate": ("Rate [Hz]", "only if not in the file", 150),
-    "gyro_unit": ("Gyro unit", "deg/s; rad; 0.05 deg/s per count", 220),
-    "accelerometer_unit": ("Accelerometer unit", "m/s2; g; 0.00333 g per count", 220),
+    "gyro_unit": ("Gyro unit", "only if not in the file", 170),
+    "accelerometer_unit": ("Accelerometer unit", "only if not in the file", 170),
     "columns": ("Columns of a CSV, in order", "time, gyro_x, …; use - to skip one", 240),
     "arrays": ("Arrays of an NPZ", "gyro=w, accelerometer=f", 220),
 }
+
+_OF = {"gyro_unit": "gyro", "accelerometer_unit": "accelerometer"}
 
 # What was pressed may be far below: its answer stays at the top of the view.
 _IN_SIGHT = {"position": "sticky", "top": "4px", "z-index": "5", "background": "var(--panel-surface-color, Canvas)"}
@@ -86,9 +89,10 @@ class LogPanel(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
         self._folder: tempfile.TemporaryDirectory[str] | None = None
-        self.boxes = {
-            key: pmui.TextInput(label=label, helper_text=example, width=width, margin=(8, 6))
-            for key, (label, example, width) in _BOXES.items()
+        self.boxes = {key: _unit_box(key) if key in _OF else pmui.TextInput(**_look(*_BOXES[key])) for key in _BOXES}
+        self.counts = {
+            key: pmui.TextInput(**_look(f"{of.capitalize()} count", "its size, if in counts", 185))
+            for key, of in _OF.items()
         }
         for key, box in self.boxes.items():
             box.param.watch(lambda _, key=key: self._mark(key), "value")
@@ -102,13 +106,19 @@ class LogPanel(pn.viewable.Viewer):
             icon=None, variant="contained", margin=(12, 6, 8, 6), disabled=self.run.param.running,
         )  # fmt: skip
         self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14), styles=_IN_SIGHT)
-        self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self.boxes.values())
+        self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self._fields())
         self.bar.start.disabled = True
         self._said = html_pane(_TITLE + _HELP, margin=(10, 14, 0, 14))
         self.static = StaticResult(session, self._adopt)
         self.moving = MotionResult(session, self._adopt)
         if pn.state.curdoc:
             pn.state.on_session_destroyed(lambda _: self.close())
+
+    def _fields(self) -> Iterator[Any]:
+        for key, box in self.boxes.items():
+            yield box
+            if key in self.counts:
+                yield self.counts[key]
 
     def __panel__(self) -> pn.Column:
         return pn.Column(_paper(self._said, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
@@ -173,6 +183,11 @@ class LogPanel(pn.viewable.Viewer):
 
     def _request(self, bench: BenchNoise) -> LogRequest:
         texts = {key: box.value.strip() for key, box in self.boxes.items()}
+        for key, box in self.counts.items():
+            if count := box.value.strip():
+                if not texts[key]:
+                    raise InputError(key, "choose the unit of the count")
+                texts[key] = f"{count} {texts[key]} per count"
         rate = None
         if texts["rate"]:
             try:
@@ -318,6 +333,16 @@ class MotionResult(View):
 
 def _motion_head(analysis: MotionAnalysis) -> str:
     return "<h3>Log in motion</h3>" + html_of(provenance_text(analysis.provenance), motion_answer(analysis))
+
+
+def _look(label: str, helper_text: str, width: int) -> dict[str, Any]:
+    return {"label": label, "helper_text": helper_text, "width": width, "margin": (8, 6)}
+
+
+def _unit_box(key: str) -> pmui.Select:
+    """A choice of units; those of increments say so."""
+    units = {f"{unit} per sample" if summed else unit: unit for unit, summed in units_of(_OF[key]).items()}
+    return pmui.Select(options={"as in the file": ""} | units, value="", **_look(*_BOXES[key]))
 
 
 def _button(label: str) -> pmui.Button:

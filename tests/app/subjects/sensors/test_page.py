@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import re
 from collections.abc import Iterator
 from html import unescape
@@ -23,6 +24,8 @@ from app.subjects.sensors.page import SensorsPage
 from app.subjects.sensors.tables import coefficient_tables, origin_table
 from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
+from nav_model.allan.log_names import scale_of
+from nav_model.allan.motion import BenchNoise
 from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
 from nav_model.design.catalogue import catalogue
@@ -81,6 +84,19 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert "from static log bench.csv" in sensors._origins.object
     session.undo()
     assert session.design == before.design
+
+
+def test_the_unit_of_a_log_is_chosen_and_may_be_of_counts(sensors: SensorsPage):
+    panel = sensors.log
+    asyncio.run(panel.take(log(), "bench.csv"))
+    panel.counts["gyro_unit"].value = "0.05"
+    with pytest.raises(InputError, match="choose the unit"):
+        panel._request(BenchNoise())
+    panel.boxes["gyro_unit"].value = "deg/s"
+    panel.boxes["accelerometer_unit"].value = "mg"
+    options = panel._request(BenchNoise()).options
+    assert scale_of("gyro", options.gyro_unit).factor == pytest.approx(math.radians(0.05))
+    assert options.accelerometer_unit == "mg"
 
 
 def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
