@@ -83,7 +83,7 @@ class BudgetPage(View):
         )
         self._biases.param.watch(self._choose_biases, "value")
         self._offer_biases()
-        switches = pn.Column(self._mode, self._biases)
+        switches = pn.Column(self._mode, self._biases, styles={"flex": "none", "width": "max-content"})
         self._strip = AnswerStrip(verdict_strip(budget, self._display), switches, self._close)
         self._ways: tuple[Way, ...] = ()
         self._ways_of: Budget | None = None
