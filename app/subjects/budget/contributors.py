@@ -22,6 +22,7 @@ from nav_model.budget.allocation import allocate, check_of
 from nav_model.budget.verdict import label_of
 from nav_model.design.contributors import ENTERED, KINDS, PROCESSINGS
 from nav_model.design.own import Allotment, read_own
+from nav_model.design.ready_made import READY_MADE, ready_made
 
 _FIGURES = tuple((name, label_of(name)) for name in ENTERED)
 _CONTRIBUTOR = (
@@ -34,6 +35,7 @@ _CONTRIBUTOR = (
     Field("owner", "Owner", "mechanics"),
     Field("source", "Source", "survey, 2026-03"),
 )
+_BOX = {"width": 250, "sizing_mode": None}
 _ENTRY = (
     Field("source", "Source", read=True),
     Field("allocated", "Allocated", read=True),
@@ -64,23 +66,29 @@ class Contributors(View):
         self._contributors = RowEditor(
             _CONTRIBUTOR, lambda rows: self._enter("contributors", rows), noun="contributor", caption="Contributors"
         )
+        self._made = pmui.Select(label="Ready-made", options=list(READY_MADE), **_BOX)
+        self._boxes = [pmui.TextInput(max_length=50, **_BOX) for _ in range(2)]
+        make = pmui.Button(label="Add ready-made", variant="outlined", margin=(16, 10))
+        make.on_click(lambda _: self._make())
+        self._made_said = html_pane("")
+        self._made.param.watch(lambda _: self._ask(), "value")
+        self._ask()
+        ready = pn.FlexBox(self._made, *self._boxes, make, stylesheets=[PRINT_NOTHING])
         self._limits = RowEditor(
             _limit_fields(()), lambda rows: self._enter("limits", rows), noun="requirement",
             caption="Requirements on other values",
         )  # fmt: skip
-        self._requirement = pmui.Select(label="Requirement", sizing_mode="stretch_width")
-        self._split = pmui.Select(
-            label="Split", options={words.capitalize(): split for split, words in SPLIT_WORDS.items()},
-            sizing_mode="stretch_width",
-        )  # fmt: skip
-        self._reserve = pmui.TextInput(label="Reserve", sizing_mode="stretch_width", max_length=20)
+        self._requirement = pmui.Select(label="Requirement", **_BOX)
+        splits = {words.capitalize(): split for split, words in SPLIT_WORDS.items()}
+        self._split = pmui.Select(label="Split", options=splits, **_BOX)
+        self._reserve = pmui.TextInput(label="Reserve", max_length=20, **_BOX)
         self._entries = RowEditor(_ENTRY, self._lock, caption="Allocation")
         self._outcome = html_pane("")
         self._following = False
         self._requirement.param.watch(lambda _: self._allocate(), "value")
         for choice in (self._split, self._reserve):
             choice.param.watch(lambda _: self._plan(), "value")
-        choices = pn.Row(self._requirement, self._split, self._reserve, stylesheets=[PRINT_NOTHING])
+        choices = pn.FlexBox(self._requirement, self._split, self._reserve, stylesheets=[PRINT_NOTHING])
         self._note = html_pane(
             html_of(
                 Text(
@@ -89,7 +97,16 @@ class Contributors(View):
                 )
             )
         )
-        self._view = pn.Column(self._contributors, self._note, self._limits, choices, self._entries, self._outcome)
+        self._view = pn.Column(
+            ready,
+            self._made_said,
+            self._contributors,
+            self._note,
+            self._limits,
+            choices,
+            self._entries,
+            self._outcome,
+        )
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
@@ -129,6 +146,27 @@ class Contributors(View):
                 said = str(error)
         self._entries.rows = rows
         self._outcome.say(html_of(Text(said)))
+
+    def _ask(self) -> None:
+        """Ask for the numbers of the formula that is chosen."""
+        made = READY_MADE[self._made.value]
+        for box, asked in zip(self._boxes, made.boxes, strict=True):
+            box.param.update(label=asked.label, placeholder=asked.example, value="")
+        text = f"{made.formula}, enters {label_of(made.enters).lower()} [P-16]."
+        self._made_said.say(html_of(Text(text[:1].upper() + text[1:])))
+
+    def _make(self) -> None:
+        """Add the ready-made contributor."""
+        refused: InputError | None
+        try:
+            one = ready_made(self._made.value, self._boxes[0].value, self._boxes[1].value, self.session.design)
+            refused = self._enter("contributors", [*self._contributors.rows, one.record()])
+        except InputError as error:
+            refused = error
+        if refused:
+            self._made_said.say(f"<p role='alert'>{escape(str(refused))}</p>")
+        else:
+            self._ask()
 
     def _enter(self, key: str, table: object) -> InputError | None:
         """Put one of the tables of a design file in force."""

@@ -120,3 +120,19 @@ def test_a_comparison_lists_contributors_that_differ() -> None:
     assert "not given" in row[0]
     assert "Contributor clock" not in said
     assert "The designs have the same inputs." not in said
+
+
+def test_a_ready_made_contributor_takes_two_boxes(part: Contributors) -> None:
+    part._made.value = "time tag, offset"
+    assert [box.label for box in part._boxes] == ["Offset", "Velocity"]
+    part._boxes[0].value = "1 ms"
+    part._make()
+    assert "role='alert'>Velocity: " in part._made_said.object
+    assert part.session.design == _DESIGN
+    part._boxes[1].value = "100 m/s"
+    part._make()
+    (one,) = part.session.design.contributors
+    assert (one.name, one.value, one.kind, one.enters) == (
+        "time tag, offset", pytest.approx(0.1), "systematic", "horizontal_position",
+    )  # fmt: skip
+    assert part._boxes[0].value == ""

@@ -1,0 +1,118 @@
+"""Ready-made contributors: common errors beside the navigation, each by a formula of two numbers. [P-16]
+
+What is made is a contributor like any other: its `source` says the formula and the numbers. Sources: JCGM 100:2008,
+5.1 (products and sums of independent errors); P. Prats, A. Reigber and J. Mallorqui, IEEE Geoscience and Remote
+Sensing Letters 2(2), 2005, for motion compensation to a wrong height.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.units import QuantityError, parse_quantity
+from nav_model.design import Design
+from nav_model.design.contributors import RANDOM, SYSTEMATIC, Contributor
+
+
+class Box(NamedTuple):
+    """A number that a formula takes: its label, dimension and an example."""
+
+    label: str
+    dimension: str
+    example: str
+
+
+class ReadyMade(NamedTuple):
+    """A formula of two boxes a and b, in SI, that gives the 1σ of a contributor in `unit` of `dimension`."""
+
+    boxes: tuple[Box, Box]
+    formula: str
+    dimension: str
+    unit: str
+    enters: str
+    kind: str
+    of: Callable[[float, float, Design], float]
+
+
+def _across(design: Design) -> float:
+    """Slant range times the cosine of the grazing angle, m."""
+    return design.radar.slant_range * math.cos(design.radar.grazing_angle)
+
+
+def _product(a: float, b: float, _: Design) -> float:
+    return a * b
+
+
+def _root(a: float, b: float, _: Design) -> float:
+    return math.hypot(a, b)
+
+
+_MOTION = Box("Attitude motion over the aperture, rms", "angle", "0.1°")
+
+READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
+    "lever arm, measured": ReadyMade(
+        (Box("Measurement error", "length", "2 mm"), _MOTION),
+        "error × attitude motion", "length", "mm", "detrended_phase", RANDOM, _product,
+    ),
+    "lever arm, flexure": ReadyMade(
+        (Box("Flexure", "length", "1 mm"), Box("Attitude rate", "angular rate", "1 °/s")),
+        "flexure × attitude rate", "speed", "mm/s", "horizontal_velocity", RANDOM, _product,
+    ),
+    "time tag, offset": ReadyMade(
+        (Box("Offset", "time", "0.1 ms"), Box("Velocity", "speed", "100 m/s")),
+        "offset × velocity", "length", "mm", "horizontal_position", SYSTEMATIC, _product,
+    ),
+    "time tag, jitter": ReadyMade(
+        (Box("Jitter, 1σ", "time", "0.1 ms"), Box("Acceleration, rms", "acceleration", "1 m/s²")),
+        "jitter × acceleration", "speed", "mm/s", "horizontal_velocity", RANDOM, _product,
+    ),
+    "boresight": ReadyMade(
+        (Box("Calibration error", "angle", "0.01°"), Box("Drift since calibration", "angle", "0.005°")),
+        "√(error² + drift²)", "angle", "mrad", "tilt", RANDOM, _root,
+    ),
+    "antenna phase centre": ReadyMade(
+        (Box("Variation with look angle, rms", "length", "0.2 mm"), Box("Drift, rms", "length", "0.1 mm")),
+        "√(variation² + drift²)", "length", "mm", "detrended_phase", RANDOM, _root,
+    ),
+    "atmospheric path": ReadyMade(
+        (Box("Vertical path error", "length", "5 mm"), Box("Grazing angle", "angle", "35°")),
+        "vertical error / sin(grazing angle)", "length", "mm", "range_shift", SYSTEMATIC,
+        lambda a, b, _: a / math.sin(b) if math.sin(b) > 0 else math.inf,
+    ),
+    "scene height": ReadyMade(
+        (Box("Height error", "length", "10 m"), Box("Deviation across the track, rms", "length", "0.5 m")),
+        "height error × deviation / (slant range × cos(grazing angle))", "length", "mm", "detrended_phase", RANDOM,
+        lambda a, b, design: a * b / _across(design),
+    ),
+})  # fmt: skip
+"""Name -> formula."""
+
+
+def ready_made(name: str, first: str, second: str, design: Design) -> Contributor:
+    """A contributor of the list for a design, from the texts of its two boxes.
+
+    Raises
+    ------
+    InputError
+        If the name is not in the list or a text does not fit its box.
+    """
+    if name not in READY_MADE:
+        raise InputError("contributor", not_a_choice(name, READY_MADE), name)
+    made = READY_MADE[name]
+    values, said = [], []
+    for box, text in zip(made.boxes, (first, second), strict=True):
+        try:
+            values.append(parse_quantity(text, box.dimension).value)
+        except QuantityError as error:
+            reason = f"{shown(text)} does not fit. Write for example {box.example}."
+            raise InputError(box.label, reason, text) from error
+        said.append(f"{box.label.lower()} {text.strip()}")
+    taken = {one.name for one in design.contributors}
+    own = next(each for n in range(1, len(taken) + 2) if (each := name if n == 1 else f"{name} {n}") not in taken)
+    value = float(f"{made.of(values[0], values[1], design):.6g}")
+    source = f"{made.formula}: {', '.join(said)} [P-16]"
+    return Contributor(own, value, made.enters, made.dimension, made.kind, source=source, unit=made.unit)
