@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -36,96 +38,11 @@ SKY, RED, GREY = "#3c9bd4", "#d64545", "#7b8794"
 INK = "#3a4652"
 """Ground of a text inside a frame that belongs to no curve."""
 
+_COLOURS = {"blue": BLUE, "orange": ORANGE, "green": GREEN, "purple": PURPLE, "sky": SKY, "red": RED, "grey": GREY}
+
 STYLES: dict[str, Style] = {
-    "horizontal": Style(BLUE, "solid", 3.0),
-    "horizontal refined": Style(BLUE, "dashed", 2.4),
-    "vertical": Style(ORANGE, "solid", 1.8),
-    "vertical refined": Style(ORANGE, "dashed", 1.5),
-    "perfect start": Style(GREEN, "dotted", 1.6),
-    "initial tilt": Style(PURPLE, "dotdash", 1.6),
-    "tilt": Style(PURPLE, "solid", 2.5),
-    "tilt, real time": Style(PURPLE, "dotdash", 2.0),
-    "tilt refined": Style(PURPLE, "dashed", 3.0),
-    "yaw": Style(GREEN, "dashed", 2.0),
-    "limit": Style(RED, "dashdot", 1.8),
-    "closes": Style(GREEN, "solid", 2.0),
-    "does not close": Style(RED, "dashed", 2.0),
-    "exact": Style(BLUE, "solid", 2.5),
-    "asymptote": Style(ORANGE, "dashed", 2.0),
-    "reference": Style(GREY, "dotted", 1.8),
-    "quadratic": Style(BLUE, "solid", 2.5),
-    "with cubic": Style(ORANGE, "dashed", 2.0),
-    "compared": Style(BLUE, "solid", 1.2),
-    "this design": Style(ORANGE, "solid", 3.0),
-    "accelerometers": Style(BLUE, "solid", 2.2),
-    "accelerometer bias": Style(BLUE, "solid", 2.2),
-    "accelerometer instability": Style(SKY, "dashed", 2.0),
-    "gyros": Style(ORANGE, "solid", 1.4),
-    "gyro bias": Style(ORANGE, "solid", 1.4),
-    "gyro instability": Style(ORANGE, "dotted", 2.0),
-    "initial position and velocity": Style(GREEN, "dashdot", 2.0),
-    "initial attitude": Style(PURPLE, "dotdash", 2.0),
-    "everything": Style(GREY, "solid", 3.5),
-    "INS alone": Style(ORANGE, "solid", 2.5),
-    "INS with tracker": Style(BLUE, "dashed", 2.5),
-    "decoupled, holds": Style(GREEN, "dotdash", 2.5),
-    "decoupled, fails": Style(RED, "dotted", 3.2),
-    "closed form, holds": Style(SKY, "dashdot", 2.0),
-    "closed form, fails": Style(PURPLE, "dotted", 1.2),
-    "INS alone, ensemble": Style(RED, "dotted", 2.5),
-    "INS with tracker, ensemble": Style(GREEN, "dotted", 1.6),
-    "axis x": Style(BLUE, "solid", 2.0),
-    "axis y": Style(ORANGE, "dashed", 2.0),
-    "axis z": Style(GREEN, "dotdash", 2.0),
-    "axis x, tracker": Style(SKY, "dotted", 1.2),
-    "axis y, tracker": Style(RED, "dotted", 2.0),
-    "axis z, tracker": Style(GREY, "dotted", 3.2),
-    "path": Style(BLUE, "solid", 2.5),
-    "mark": Style(ORANGE, "solid", 2.0),
-    "star": Style(BLUE, "solid", 1.5),
-    "measured star": Style(ORANGE, "solid", 1.5),
-    "simulated": Style(BLUE, "solid", 2.5),
-    "simulated, second axis": Style(ORANGE, "solid", 1.6),
-    "simulated, tilt": Style(PURPLE, "solid", 2.5),
-    "simulated, yaw": Style(GREEN, "solid", 1.6),
-    "filter": Style(SKY, "dashed", 2.2),
-    "filter, second axis": Style("#c47f00", "dashed", 1.3),
-    "closed form": Style(GREY, "dotted", 2.5),
-    "closed form, second axis": Style(GREY, "dotted", 1.5),
-    "refined": Style(PURPLE, "dotdash", 2.0),
-    "worst run": Style(BLUE, "dotted", 1.2),
-    "worst run, second axis": Style(ORANGE, "dotdash", 1.2),
-    "third axis": Style(GREEN, "dashed", 1.6),
-    "design 1": Style(BLUE, "solid", 2.5),
-    "design 2": Style(ORANGE, "dashed", 2.0),
-    "design 3": Style(GREEN, "dotdash", 2.0),
-    "design 4": Style(PURPLE, "dotted", 2.0),
-    "design 5": Style(SKY, "dashdot", 2.0),
-    "design 6": Style(RED, "solid", 1.2),
-    "design 7": Style(GREY, "dashed", 1.2),
-    "x": Style(BLUE, "solid", 2.0),
-    "y": Style(ORANGE, "dashed", 2.0),
-    "z": Style(GREEN, "dashdot", 2.0),
-    "fit x": Style(BLUE, "dotted", 1.2),
-    "fit y": Style(ORANGE, "dotted", 1.9),
-    "fit z": Style(GREEN, "dotted", 3.0),
-    "measured": Style(BLUE, "solid", 2.5),
-    "quantization": Style(SKY, "dotted", 1.8),
-    "random_walk": Style(ORANGE, "dashed", 1.8),
-    "bias_instability": Style(GREEN, "dotdash", 1.8),
-    "rate_random_walk": Style(PURPLE, "dashdot", 1.8),
-    "ramp": Style(GREY, "dotted", 3.0),
-    "fit": Style(GREY, "solid", 1.6),
-    "strategy 1": Style(GREY, "dotted", 1.8),
-    "strategy 2": Style(BLUE, "solid", 2.5),
-    "strategy 3": Style(SKY, "dashed", 2.0),
-    "strategy 4": Style(ORANGE, "solid", 1.6),
-    "strategy 5": Style(GREEN, "solid", 1.6),
-    "strategy 5w": Style("#4fa486", "dashdot", 2.0),
-    "strategy 6": Style(PURPLE, "dotdash", 2.0),
-    "strategy 7": Style("#a6761d", "dashed", 2.0),
-    "strategy 8": Style("#b08c14", "solid", 2.5),
-    "strategy 9": Style("#c2407f", "dashed", 3.2),
+    name: Style(_COLOURS.get(colour, colour), dash, width)
+    for name, (colour, dash, width) in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
 }
 """The same quantity has the same colour and dash everywhere."""
 

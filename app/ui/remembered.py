@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
@@ -28,16 +29,7 @@ class Remembered(PlainScript):
     key = param.String()
     text = param.String(default="")
 
-    _esm = """export function render({ model }) {
-      const keep = () => {
-        const secure = location.protocol === "https:" ? "; secure" : ""
-        const how = `; path=/; max-age=${model.text ? 31536000 : 0}; samesite=lax${secure}`
-        document.cookie = `${model.key}=${encodeURIComponent(model.text)}${how}`
-      }
-      model.on("text", keep)
-      if (model.text) keep()
-      return document.createElement("span")
-    }"""
+    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
 
     def __init__(self, key: str, text: Any) -> None:
         super().__init__(key=key, text=text, width=0, height=0, margin=0)

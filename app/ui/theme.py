@@ -55,18 +55,13 @@ FULL_HEIGHT = {"max-height": "none"}
 """Styles of the page's main column, and of a column of several parts in one that scrolls: it may be taller than the
 window, where Bokeh keeps it within."""
 
-NARROW = "@media screen and (max-width: 1000px) { div { flex: none !important; height: auto !important; } }"
+NARROW = _sheet("narrow")
 """Sheet of a part: on a narrow window what is in it is as high as it wants."""
 
-ON_A_PHONE = (
-    "@media screen and (max-width: 700px) { :host { flex: none !important; height: auto !important; } "
-    ".bk-Figure { flex: none !important; height: 290px !important; } }"
-)
+ON_A_PHONE = _sheet("on_a_phone")
 """Sheet of what holds a figure that fills its place: on a phone the figure is high enough for its labels."""
 
-STACK_ON_A_PHONE = (
-    "@media screen and (max-width: 1000px) { .bk-Figure { flex: none !important; height: 190px !important; } }"
-)
+STACK_ON_A_PHONE = _sheet("stack_on_a_phone")
 """Sheet of what holds figures under one another: on a narrow window as high as the names of their axes."""
 
 PRINT_NOTHING = _sheet("print_nothing")

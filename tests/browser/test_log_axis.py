@@ -10,7 +10,7 @@ from bokeh.models import LogAxis
 from bokeh.plotting import figure
 from playwright.sync_api import Page
 
-from app.charts.screen.log_axis import mark_in_powers
+from app.charts.screen.axes import mark_in_powers
 
 _RUN = "([code, start, end]) => new Function('cb_data', code)({start, end})"
 

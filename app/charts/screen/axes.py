@@ -1,16 +1,23 @@
-"""Empty figures: what the screen has in common of every chart on two axes, and of every line."""
+"""Empty figures: what the screen has in common of every chart on two axes, and of every line.
+
+Logarithmic axes are ticked at powers of ten as 10ⁿ, and at 2 and 5 between them where there is room.
+"""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
+from bokeh.models import CustomJSTicker, CustomJSTickFormatter, LogAxis
 from bokeh.plotting import figure
 
 from app.charts.kinds import Chart, MapChart, TradeMapChart
-from app.charts.screen.log_axis import mark_in_powers
 from app.charts.styles import DASHES, Style
 
 TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+_LABELS, _MAJOR, _MINOR = (
+    Path(__file__).with_name(f"{name}.js").read_text("utf-8") for name in ("power_labels", "log_major", "log_minor")
+)
 # The page's theme sets chart text in em; this is what an em is.
 _TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 
@@ -28,6 +35,12 @@ def empty_figure(
         if is_log:
             mark_in_powers(axis[0])
     return plot
+
+
+def mark_in_powers(axis: LogAxis) -> None:
+    """Tick and label a logarithmic axis."""
+    axis.ticker = CustomJSTicker(major_code=_MAJOR, minor_code=_MINOR)
+    axis.formatter = CustomJSTickFormatter(code=_LABELS)
 
 
 def line_look(style: Style) -> dict[str, Any]:
