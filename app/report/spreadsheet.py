@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import version
 from io import BytesIO
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from xlsxwriter import Workbook
@@ -21,7 +21,7 @@ from app.document.numbers import percent
 from app.document.verdict import SAID
 from app.document.wording import printable, title_of
 from app.report.inputs import shown_value
-from app.report.workings import CHOICE, RULE, STATES, Sum, Traces, followed, symbol_of, traces_of
+from app.report.workings import CHOICE, RULE, STATES, Sum, Traces, followed, own_key, symbol_of, traces_of
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
@@ -34,6 +34,7 @@ from nav_model.budget.verdict import label_of, limit_on
 from nav_model.design import Design
 from nav_model.design.contributors import UNSCALED
 from nav_model.design.declaration import BaseQuantity
+from nav_model.design.own import Limit
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -126,6 +127,8 @@ class _Sheets:
                 key = f"{section}.{name}"
                 if key in keys or (section == "requirements" and key != CHOICE.replace("_", ".", 1)):
                     row = self._input(sheet, row, key, counts=section != "requirements")
+        for number, limit in enumerate(self.design.limits, 1):
+            row = self._own_limit(sheet, row, own_key(number), limit)
         self._choice(sheet, row)
         self._name_formula(sheet, row + 2, "Inputs changed", _CHANGED, f"SUM(F{first + 1}:F{row})>0")
         row += 5
@@ -175,6 +178,20 @@ class _Sheets:
             sheet.write_formula(row, 5, f"=IF({cell}=E{row + 1},0,1)", None, 0)
         self._name(symbol_of(key), "Inputs", row, 3)
         sheet.write_string(row, 6, str(declaration.doc or "").split(". ")[0])
+        return row + 1
+
+    def _own_limit(self, sheet: Any, row: int, symbol: str, limit: Limit) -> int:
+        """A limit of the user's own, to change like those of the inputs."""
+        unit = _usual(limit.unit, limit.dimension)
+        shown = _in_unit(limit.value, unit, limit.dimension)
+        sheet.write_string(row, 0, limit.name)
+        sheet.write_number(row, 1, shown, self.entry)
+        sheet.write_string(row, 2, unit)
+        in_si = _to_si(f"B{row + 1}", unit, limit.dimension)
+        sheet.write_formula(row, 3, f'=IF(B{row + 1}="","",{in_si})', self.number, limit.value)
+        sheet.write_number(row, 4, shown)
+        self._name(symbol, "Inputs", row, 3)
+        sheet.write_string(row, 6, "Requirement of your own")
         return row + 1
 
     def _choice(self, sheet: Any, row: int) -> None:
@@ -308,7 +325,8 @@ class _Sheets:
         processing = REAL_TIME if live else POST_PROCESSED
         verdicts = self.budget.verdict, self.budget.other_verdict
         verdict = next(verdict for verdict in verdicts if verdict.processing == processing)
-        fixed = {} if live else figures(replace(inputs_of(self.design), post_processed=True))
+        names = (*FIGURES, *(limit.name for limit in self.design.limits))
+        fixed = {} if live else figures(replace(inputs_of(self.design), post_processed=True), names)
         columns = {
             "Requirement": 38, "Value, 1σ": 14, "Factor": 8, "Value checked": 14, "Limit": 12, "Unit": 8,
             "Margin": 10, "Met": 10, "Equation": 16, "State": 22, "Main error source (as computed)": 40,
@@ -321,7 +339,7 @@ class _Sheets:
         )
         first = row = self._start(sheet, f"{printable(title_of(self.design))}, {SAID[processing]}", columns, said)
         checks = {check.name: check for check in verdict.checks}
-        for row, name in enumerate(FIGURES, first):
+        for row, name in enumerate(names, first):
             self._check(sheet, row, name, checks.get(name), fixed.get(name))
         letters = f"H{first + 1}:H{row + 1}"
         otherwise = f'IF(COUNTIF({letters},"met")>0,"Closes","Not checked")'
@@ -337,12 +355,19 @@ class _Sheets:
 
     def _check(self, sheet: Any, row: int, name: str, check: Check | None, fixed: Any) -> None:
         """One requirement: its limit is a cell of Inputs, its value that of real time or a `fixed` number."""
-        symbol = f"real_time_{name}"
-        key = f"requirements.{FIGURES[name]}"
-        unit, dimension, at = _unit(self.design, key), limit_on(name).dimension, row + 1
-        limit = symbol_of(key)
-        given: Any = self.design[key]
-        scaled = name not in UNSCALED
+        at = row + 1
+        if name in FIGURES:
+            key = f"requirements.{FIGURES[name]}"
+            unit, dimension = _unit(self.design, key), limit_on(name).dimension
+            symbol, limit, given = f"real_time_{name}", symbol_of(key), cast("float | None", self.design[key])
+        else:
+            number, own = next((n, one) for n, one in enumerate(self.design.limits, 1) if one.name == name)
+            unit, dimension = _usual(own.unit, own.dimension), own.dimension
+            symbol, limit, given = f"real_time_{own_key(number)}", own_key(number), own.value
+            if symbol not in self.values:  # a figure that has a cell already
+                symbol = f"real_time_{own.on}"
+        usual = self.design.requirements.confidence
+        confidence = check.confidence if check else None if name in UNSCALED else usual
         sheet.write_string(row, 0, label_of(name))
         if fixed is not None:
             sigma, taken = float(fixed), True
@@ -351,8 +376,10 @@ class _Sheets:
             sigma, taken = float(self.values[symbol].value), self.values[symbol].taken
             shown = _in_unit(sigma, unit, dimension)
             sheet.write_formula(row, 1, f"={_from_si(symbol, unit, dimension)}", self.figure, shown)
-        factor = self.design.requirements.confidence if scaled else 1.0
-        sheet.write_formula(row, 2, "=requirements_confidence" if scaled else "=1", self.figure, factor)
+        factor = confidence or 1.0
+        follows = name in FIGURES or own.confidence is None
+        said = "=1" if confidence is None else "=requirements_confidence" if follows else f"={factor!r}"
+        sheet.write_formula(row, 2, said, self.figure, factor)
         checked = factor * sigma
         sheet.write_formula(row, 3, f"=B{at}*C{at}", self.figure, _in_unit(checked, unit, dimension))
         allowed = "" if given is None else _in_unit(given, unit, dimension)
@@ -378,6 +405,11 @@ def _unit(design: Design, key: str) -> str:
         return ""
     unit = design.unit(key)
     return unit if unit in DIMENSIONS[declaration.dimension].units else declaration.unit
+
+
+def _usual(unit: str, dimension: str) -> str:
+    """The unit of a limit of the user's own, where that is a factor."""
+    return unit if unit in DIMENSIONS[dimension].units else DIMENSIONS[dimension].default_unit
 
 
 def _usual_unit(design: Design, total: Sum) -> str:

@@ -24,13 +24,16 @@ from nav_model.base.traced import Traced, Workings
 from nav_model.budget.contributors import Part, entering, parts_of, random_and_systematic
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import (
+    FIGURES,
     IMAGING,
     PLACING,
     SETTLED,
     along_track_phase,
     begun,
     figures,
+    free_growth,
     free_shifts,
+    in_outage,
     outage,
     phase_sources,
     placing,
@@ -40,9 +43,9 @@ from nav_model.budget.figures import (
 )
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.provenance import steady_marks
-from nav_model.budget.verdict import label_of, limit_on
+from nav_model.budget.verdict import label_of, limit_on, outage_mark
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING
+from nav_model.design.contributors import COASTING, IN_OUTAGE
 from nav_model.processing.geolocation import circular_error, ground_covariance
 
 _PLAIN = {
@@ -122,6 +125,7 @@ class _Making:
         self._image(saw["start"])
         self._place(saw["start"])
         self._checked()
+        self._limits(saw)
 
     def _cell(self, key: str) -> Any:
         value: Any = self.design[key]
@@ -194,19 +198,23 @@ class _Making:
         self.workings.name(symbol, of, label, _SI.get(dimension, dimension), mark, taken=taken)
         self.sums.append(Sum(label, symbol, dimension, mark))
 
-    def _figure(self, figure: str, of: Any, dimension: str, mark: str, *, taken: bool = False) -> None:
-        """A figure that a requirement limits, with the contributors that enter it in cells of their own."""
+    def _figure(self, figure: str, of: Any, dimension: str, mark: str, *, taken: bool = False, key: str = "") -> None:
+        """A figure that a requirement limits, with the contributors that enter it in cells of their own.
+
+        `key` is what its cells are called after where `figure` is a name of the user's own.
+        """
+        key = key or figure
         if parts := entering(self.own, figure, post_processed=False):
             unit, found = _SI[dimension], []
             for part in parts:
-                symbol = f"contributor_{len(self.contributors.get(figure, ())) + 1}_{figure}"
+                symbol = f"contributor_{len(self.contributors.get(figure, ())) + 1}_{key}"
                 size = self.workings.name(symbol, part.size, f"{part.name}, 1σ in {label_of(figure)}", unit)
                 found.append(replace(part, size=size))
                 self.contributors.setdefault(figure, []).append(found[-1])
             root, systematic = random_and_systematic(of, found)
-            of = self.workings.name(f"root_{figure}", root, f"{label_of(figure)}, random", unit, mark, taken=taken)
+            of = self.workings.name(f"root_{key}", root, f"{label_of(figure)}, random", unit, mark, taken=taken)
             of, taken = of + systematic, False
-        self._sum(f"real_time_{figure}", of, label_of(figure), dimension, mark, taken=taken)
+        self._sum(f"real_time_{key}", of, label_of(figure), dimension, mark, taken=taken)
 
     def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
         """Both channels' covariances, every element in a cell."""
@@ -266,30 +274,52 @@ class _Making:
         return saw
 
     def _outage(self, saw: Mapping[str, Sawtooth]) -> None:
-        x, (p, v) = self.x, saw["closed"]
+        x = self.x
         self.workings.head("At the end of the outage")
         t = x.duration
-        level = growth.horizontal_growth(p, x.sigma_a, x.sigma_w, x.g, t)
-        upright = growth.vertical_growth(v, x.sigma_a, t)
-        bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, t)
-        drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, x.g, t)
+        free = free_growth(x, saw["closed"], t)
         perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, t)
         for label, variance, dimension, mark in (
-            ("Horizontal position, polynomial", level.position + bias_a**2 + bias_w**2, "length", "[T-9]"),
-            ("Vertical position, polynomial", upright.position + bias_a**2, "length", "[T-10]"),
-            ("Horizontal velocity, polynomial", level.velocity + drift_a**2 + drift_w**2, "speed", "[T-9]"),
-            ("Vertical velocity, polynomial", upright.velocity + drift_a**2, "speed", "[T-10]"),
-            ("Tilt, polynomial", level.tilt + (x.bias_w * t) ** 2, "angle", "[T-9]"),
-            ("Yaw growth", steady.yaw_variance(x.sigma_w, t), "angle", "[T-5]"),
+            ("Horizontal position, polynomial", free["position_horizontal"], "length", "[T-9]"),
+            ("Vertical position, polynomial", free["position_vertical"], "length", "[T-10]"),
+            ("Horizontal velocity, polynomial", free["coast_horizontal_velocity"], "speed", "[T-9]"),
+            ("Vertical velocity, polynomial", free["coast_vertical_velocity"], "speed", "[T-10]"),
+            ("Tilt, polynomial", free["coast_tilt"], "angle", "[T-9]"),
+            ("Yaw growth", free["coast_heading"], "angle", "[T-5]"),
             ("Horizontal position, perfect start", perfect[0], "length", "[T-11]"),
             ("Vertical position, perfect start", perfect[1], "length", "[T-11]"),
-            ("Horizontal position from initial tilt", growth.initial_tilt(p.p33, x.g, t), "length", "[T-12]"),
+            (
+                "Horizontal position from initial tilt",
+                growth.initial_tilt(saw["closed"].horizontal.p33, x.g, t),
+                "length",
+                "[T-12]",
+            ),
         ):
             symbol = "end_" + label.lower().replace(", ", "_").replace(" ", "_")
             self._sum(symbol, np.sqrt(variance), f"{label}, at the end of the outage", dimension, mark)
-        rule: Any = tuple(Traced(name, part, self.workings) for name, part in zip(RULE, longest_rule(), strict=True))
-        for figure, variance in zip(COASTING, outage(x, saw["posterior"], t, rule), strict=True):
+        for figure, variance in zip(COASTING, outage(x, saw["posterior"], t, self._rule()), strict=True):
             self._figure(figure, np.sqrt(variance), "length", "[T-17]")
+
+    def _rule(self) -> Any:
+        """The rule that integrates the outage, in cells."""
+        return tuple(Traced(name, part, self.workings) for name, part in zip(RULE, longest_rule(), strict=True))
+
+    def _limits(self, saw: Mapping[str, Sawtooth]) -> None:
+        """What limits of the user's own limit, where that is no figure of before."""
+        if self.design.limits:
+            self.workings.head("Limited by requirements of your own")
+        for number, limit in enumerate(self.design.limits, 1):
+            if limit.on in FIGURES and not in_outage(limit):
+                continue
+            of: Any = np.float64(0.0)
+            time: Any = self.x.duration
+            if limit.at is not None:
+                time = Traced(repr(limit.at), np.float64(limit.at), self.workings)
+            if limit.on in COASTING:
+                of = np.sqrt(outage(self.x, saw["posterior"], time, self._rule())[COASTING.index(limit.on)])
+            elif limit.on in IN_OUTAGE:
+                of = np.sqrt(free_growth(self.x, saw["closed"], time)[limit.on])
+            self._figure(limit.name, of, limit.dimension, outage_mark(limit.on), key=own_key(number))
 
     def _image(self, start: Sawtooth) -> None:
         x, name = self.x, self.workings.name
@@ -349,6 +379,11 @@ class _Making:
             taken = prior.taken or closed.taken or posterior.taken
             of = Traced(choice, chosen.value, self.workings, taken)
             self._figure(figure, of, limit_on(figure).dimension, marks["vertical" in figure])
+
+
+def own_key(number: int) -> str:
+    """What the cells of a limit of the user's own are called after."""
+    return f"own_limit_{number}"
 
 
 CHOICE = symbol_of("requirements.steady_state")

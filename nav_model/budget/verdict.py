@@ -14,7 +14,7 @@ from nav_model.budget.provenance import steady_marks
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
-from nav_model.design.contributors import ENTERED, IN_OUTAGE, UNSCALED
+from nav_model.design.contributors import COASTING, ENTERED, IN_OUTAGE, UNSCALED
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -163,6 +163,12 @@ def _levels(spectral: Spectral, own: Parts) -> dict[str, _Figure]:
     return found
 
 
+def outage_mark(figure: str) -> str:
+    """Mark of the equation of a value in the outage; none for what is no such value."""
+    marks = {"coast_heading": "[T-5]", "coast_vertical_velocity": "[T-10]"}
+    return marks.get(figure, "[T-9]" if figure in IN_OUTAGE else "[T-17]" if figure in COASTING else "")
+
+
 def _of_limits(
     design: Design, figures: Mapping[str, _Figure], coast: Outage, own: Parts, *, post_processed: bool
 ) -> dict[str, _Figure]:
@@ -171,8 +177,7 @@ def _of_limits(
     for limit in design.limits:
         if whole := coast.limited.get(limit.name):
             when = "at its end" if limit.at is None else f"after {limit.at:g} s"
-            mark = "[T-17]" if limit.on not in IN_OUTAGE else "[T-5]" if limit.on == "coast_heading" else "[T-9]"
-            found[limit.name] = _Figure(whole.sigma, f"in the outage, {when}", mark, whole.shares)
+            found[limit.name] = _Figure(whole.sigma, f"in the outage, {when}", outage_mark(limit.on), whole.shares)
         elif limit.on in ENTERED:
             found[limit.name] = figures[limit.on]
         else:

@@ -20,10 +20,10 @@ from app.report.spreadsheet import LIVE, OTHER, TAKEN, workbook_bytes
 from app.report.workings import traces_of
 from nav_model import Design, analyse, read_design
 from nav_model.base.traced import Traced, Workings
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import FIGURES, SETTLED, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design.contributors import Contributor
-from nav_model.design.own import Own
+from nav_model.design.own import Own, read_limits
 
 EXAMPLES = Path("examples")
 CHANGED = {
@@ -71,8 +71,22 @@ def entered(book: openpyxl.Workbook, key: str, value: float) -> float:
 
 def expected(design: Design) -> dict[str, float]:
     """Every figure in real time, and the verdict, under the names of the sheet's cells."""
-    found = figures(inputs_of(design.replace({"processing.mode": "real time"})))
-    return {f"real_time_{name}": float(value) for name, value in found.items()}
+    names = {name: name for name in FIGURES}
+    names |= {limit.name: f"own_limit_{n}" for n, limit in enumerate(design.limits, 1) if limit.on not in SETTLED}
+    found = figures(inputs_of(design.replace({"processing.mode": "real time"})), names)
+    return {f"real_time_{names[name]}": float(value) for name, value in found.items()}
+
+
+def own() -> Own:
+    """Contributors, and limits on values of each kind."""
+    limits = [
+        {"name": "heading", "on": "coast_heading", "limit": "0.02°", "at": "30 s", "confidence": 3},
+        {"name": "climb", "on": "coast_vertical_velocity", "limit": "0.5 m/s"},
+        {"name": "=position", "on": "coast_horizontal_position", "limit": "1 NM", "at": "12.5 s"},
+        {"name": "vertical tilt", "on": "tilt", "limit": "1 mrad", "confidence": 2},
+        {"name": "lever", "on": "lever arm", "limit": "3 mm"},
+    ]
+    return Own(contributors(), read_limits(limits, contributors()))
 
 
 def contributors() -> tuple[Contributor, ...]:
@@ -88,12 +102,10 @@ def contributors() -> tuple[Contributor, ...]:
     )
 
 
-@pytest.mark.parametrize("own", [(), contributors()], ids=["model", "contributors"])
+@pytest.mark.parametrize("own", [Own(), own()], ids=["model", "own"])
 @pytest.mark.parametrize("name", ["mems_x_band", "tactical_x_band", "l_band_jet"])
-def test_every_cell_is_written_with_the_value_of_the_budget(
-    tmp_path: Path, name: str, own: tuple[Contributor, ...]
-) -> None:
-    budget = analyse(read_design(EXAMPLES / f"{name}.toml").replace({}, own=Own(own)))
+def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str, own: Own) -> None:
+    budget = analyse(read_design(EXAMPLES / f"{name}.toml").replace({}, own=own))
     path = write(tmp_path / "budget.xlsx", budget.design)
     book = openpyxl.load_workbook(path, data_only=True)
     formulas_too = openpyxl.load_workbook(path)
@@ -120,14 +132,15 @@ def test_every_cell_is_written_with_the_value_of_the_budget(
 
 
 def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
-    for name in (*(f"real_time_{figure}" for figure in FIGURES), "verdict_in_real_time"):
+    limits = [name for name in book.defined_names if name.startswith("real_time_own_limit")]
+    for name in (*(f"real_time_{figure}" for figure in FIGURES), *limits, "verdict_in_real_time"):
         sheet, _, cell = book.defined_names[name].attr_text.rpartition("!")
         yield name, f"{sheet.strip(chr(39))}!{cell.replace('$', '')}"
 
 
 @pytest.mark.long
 def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None:
-    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0).replace({}, own=Own(contributors()))
+    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0).replace({}, own=own())
     path = write(tmp_path / "budget.xlsx", base)
     book = openpyxl.load_workbook(path)
     model = formulas.ExcelModel().loads(str(path)).finish()
@@ -156,7 +169,10 @@ def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None
 @pytest.mark.long
 def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path) -> None:
     """All workbooks in one start of the program, with a profile that nothing else uses."""
-    bases = [read_design(EXAMPLES / f"{name}.toml") for name in ("mems_x_band", "tactical_x_band", "l_band_jet")]
+    bases = [
+        read_design(EXAMPLES / f"{name}.toml").replace({}, own=own())
+        for name in ("mems_x_band", "tactical_x_band", "l_band_jet")
+    ]
     wanted: dict[str, Design] = {}
     for seed in range(23):
         base = bases[seed % 3]
