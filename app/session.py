@@ -31,6 +31,7 @@ _SHOWN = "show="
 _MOST_TO_SHARE = 2000  # characters that mail programs and chats do not break
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
+_LONGEST_TABLE = 80  # characters of a table that is told in words
 
 
 class Lineage:
@@ -249,7 +250,8 @@ def _change_in_words(old: Design, new: Design) -> str:
         return f"{declaration.label}: not given"
     if isinstance(declaration, Table):
         assert isinstance(value, tuple)
-        return f"{declaration.label}: {declaration.show(value, 3) or 'not given'}"
+        told = declaration.show(value, 3) or "not given"
+        return f"{declaration.label}: {told if len(told) <= _LONGEST_TABLE else 'before the last change'}"
     dimension = getattr(declaration, "dimension", "")
     if isinstance(value, float) and not dimension:
         return f"{declaration.label} {value:g}"

@@ -32,7 +32,10 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
     for part in (part for part in PARTS if getattr(design, part.section).given()):
         entry = entry_of(design, part.section)
         rows.append((part.title if entry is None else f"{part.title}: {_preset(design, part.section, entry)}",))
-        rows += (_row(design, part.section, name, entry, aperture_time) for name in INPUTS[part.section])
+        named = INPUTS[part.section]
+        if part.optional:
+            named = {name: one for name, one in named.items() if design[f"{part.section}.{name}"] != one.default}
+        rows += (_row(design, part.section, name, entry, aperture_time) for name in named)
         if entry is not None:
             rows += (
                 (_EXTRA_LABELS[name], _valued(value.text, value), _sheet(value))

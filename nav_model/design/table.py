@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import param
@@ -14,6 +14,7 @@ from nav_model.design.declaration import BaseQuantity, Declared
 MOST_ROWS = 60
 _MOST_TEXT = 10_000
 _LONGEST_NAME = 80
+_BARE = re.compile(r"[-+−]?[\d.]+(e[-+]?\d+)?")
 
 
 class Table(Declared, param.Parameter[Any]):
@@ -69,8 +70,9 @@ class Table(Declared, param.Parameter[Any]):
     def read(self, text: Any) -> Any:
         """Rows as text or as a design file has them -> the value.
 
-        Text: rows separated by semicolons or line ends, their cells by commas, or by tabs as spreadsheets copy them;
-        a number without a unit has the column's. A file: a list of tables, ``{start = "200 s", stop = "300 s"}``.
+        Text: rows separated by semicolons or line ends, their cells by commas, or by tabs as spreadsheets copy them.
+        Or a list of rows, each a list of texts in the order of the columns. A number without a unit has the column's.
+        A file: a list of tables, ``{start = "200 s", stop = "300 s"}``.
 
         Raises
         ------
@@ -92,7 +94,11 @@ class Table(Declared, param.Parameter[Any]):
 
     def _row(self, row: Any, number: int) -> tuple[Any, ...]:
         where = f"{self.key}[{number}]"
-        cells = self._named(row, where) if isinstance(row, str) else row
+        cells = row
+        if isinstance(row, str):
+            cells = self._with_units(self._named(row, where))
+        elif isinstance(row, list) and len(row) == len(self.columns) and all(isinstance(cell, str) for cell in row):
+            cells = self._with_units(dict(zip(self.columns, row, strict=True)))
         if not isinstance(cells, dict):
             raise InputError(where, f"{shown(row)} is not a row. Write for example {self.example}.", row)
         for name, cell in cells.items():
@@ -120,43 +126,53 @@ class Table(Declared, param.Parameter[Any]):
             name, equals, cell = (part.strip() for part in text.partition("="))
             if not equals:
                 if place >= len(places):
-                    raise InputError(
-                        where, f"{shown(row)} has too many cells. Write for example {self.example}.", row
-                    )
+                    said = f"{shown(row)} has too many cells. Write for example {self.example}."
+                    raise InputError(where, said, row)
                 name, cell = places[place], name
-            column = self.columns.get(name)
-            bare = column is not None and re.fullmatch(r"[-+−]?[\d.]+(e[-+]?\d+)?", cell)
-            found[name] = f"{cell} {column.unit}" if column and bare else cell
+            found[name] = cell
         return found
+
+    def _with_units(self, cells: dict[str, str]) -> dict[str, str]:
+        return {
+            name: f"{cell} {column.unit}" if (column := self.columns.get(name)) and _BARE.fullmatch(cell) else cell
+            for name, cell in ((name, cell.strip()) for name, cell in cells.items())
+        }
 
     def write(self, value: Any) -> Any:
         """A value as a design file has it, which `read` takes back exactly."""
         return [
-            {name: column.show(cell, None) if column else cell
-             for (name, column), cell in zip(self.columns.items(), row, strict=True) if cell not in (None, "")}
-            for row in value
-        ]  # fmt: skip
+            {name: cell for name, cell in zip(self.columns, cells, strict=True) if cell}
+            for cells in self.cells(value, bare=False)
+        ]
 
     def show(self, value: Any, digits: int | None = None) -> str:
         """A value as text that `read` takes back; without `digits` to exactly the same value."""
-        return "; ".join(", ".join(self._shown(row, digits)) for row in value)
+        return "; ".join(map(", ".join, self._told(self.cells(value, digits, bare=False))))
 
     def link(self, value: Any) -> str:
         """The same, shorter: numbers in their usual units, without them."""
-        return ";".join(",".join(self._shown(row, None, bare=True)) for row in value)
+        return ";".join(map(",".join, self._told(self.cells(value))))
 
-    def _shown(self, row: tuple[Any, ...], digits: int | None, *, bare: bool = False) -> list[str]:
-        cells = []
-        for (name, column), cell in zip(self.columns.items(), row, strict=True):
-            if column is None:
-                cells.append(cell)
-            elif cell is not None:
-                text = column.show(cell, digits)
-                text = text.removesuffix(column.unit).strip() if bare else text
-                cells.append(f"{name}={text}" if column.allow_None else text)
-        while cells and not cells[-1]:
-            cells.pop()
-        return cells
+    def cells(self, value: Any, digits: int | None = None, *, bare: bool = True) -> list[list[str]]:
+        """Rows of texts, one for each column; `bare`: numbers in their usual units, without them."""
+
+        def told(column: BaseQuantity[Any] | None, cell: Any) -> str:
+            if column is None or cell is None:
+                return cell or ""
+            text = column.show(cell, digits)
+            return text.removesuffix(column.unit).strip() if bare else text
+
+        return [[told(*pair) for pair in zip(self.columns.values(), row, strict=True)] for row in value]
+
+    def _told(self, rows: list[list[str]]) -> Iterator[list[str]]:
+        """Rows as text has them: what may be left out with its name, and no empty cells at the end."""
+        for row in rows:
+            named = list(zip(self.columns.items(), row, strict=True))
+            cells = [f"{name}={cell}" if column is not None and column.allow_None else cell
+                     for (name, column), cell in named if cell or column is None]  # fmt: skip
+            while cells and not cells[-1]:
+                cells.pop()
+            yield cells
 
 
 def _check_name(name: str, text: object) -> None:

@@ -25,6 +25,22 @@ def plan_like(design: Design) -> Plan:
     return Plan((), design.flight.speed, own.bank, own.climb_rate, own.ground)
 
 
+def lines_of(design: Design) -> Plan:
+    """The plan of the design's parallel lines.
+
+    Raises
+    ------
+    InputError
+        If they cannot be laid out.
+    """
+    own, flight = design.trajectory, design.flight
+    if own.lines != int(own.lines):
+        raise InputError("lines", f"{own.lines:g} is not a whole number")
+    first = Waypoint(flight.latitude, 0.0, flight.altitude)
+    rows = strip(first, flight.heading, own.length, own.spacing, int(own.lines), flight.speed, own.bank)
+    return replace(plan_like(design), waypoints=rows.waypoints)
+
+
 def planned(design: Design) -> PlannedFlight:
     """The flight of the design's plan.
 
@@ -33,18 +49,12 @@ def planned(design: Design) -> PlannedFlight:
     InputError
         Under the key of the design, where it cannot be flown.
     """
-    own, flight = design.trajectory, design.flight
+    own = design.trajectory
     if own.flight not in (LINES, WAYPOINTS):
         return PlannedFlight(named_flight(design, own.flight), own.duration, ())
-    like = plan_like(design)
     try:
-        if own.flight == WAYPOINTS:
-            return fly(replace(like, waypoints=tuple(Waypoint(*row) for row in own.waypoints)))
-        if own.lines != int(own.lines):
-            raise InputError("lines", f"{own.lines:g} is not a whole number")
-        first = Waypoint(flight.latitude, 0.0, flight.altitude)
-        rows = strip(first, flight.heading, own.length, own.spacing, int(own.lines), like.speed, like.bank)
-        return fly(replace(like, waypoints=rows.waypoints))
+        places = tuple(Waypoint(*row) for row in own.waypoints)
+        return fly(lines_of(design) if own.flight == LINES else replace(plan_like(design), waypoints=places))
     except InputError as error:
         raise error.under(f"trajectory.{own.flight}") from error
 

@@ -20,7 +20,7 @@ from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-KINDS = (".gpx", ".kml", ".out", ".csv")
+_PLANS = (".gpx", ".kml")
 _SBET = 17  # doubles in a record
 _MOST_WAYPOINTS = 2000
 _MOST_NAME = 80
@@ -52,15 +52,19 @@ def read_flight(path: str | Path, like: Plan, height: float | None = None) -> Pl
 
 def parse_flight(content: bytes, name: str, like: Plan, height: float | None = None) -> PlannedFlight:
     """The flight of a file's content, otherwise as `read_flight`."""
-    kind = Path(name).suffix.lower()
-    if kind in (".gpx", ".kml"):
-        points = (gpx_waypoints if kind == ".gpx" else kml_waypoints)(content, name, height)
+    if points := waypoints_of(content, name, height):
         try:
             return fly(replace(like, waypoints=points))
         except InputError as error:
             raise InputError(name, str(error)) from error
-    spec = parse_sbet(content, name) if kind == ".out" else parse_trajectory(content, name)
+    spec = (parse_sbet if name.lower().endswith(".out") else parse_trajectory)(content, name)
     return PlannedFlight(spec, file_duration(spec), ())
+
+
+def waypoints_of(content: bytes, name: str, height: float | None = None) -> tuple[Waypoint, ...]:
+    """The waypoints of a GPX or KML file; none of a file that is flown as it is. Raises as `read_flight`."""
+    kind = Path(name).suffix.lower()
+    return {".gpx": gpx_waypoints, ".kml": kml_waypoints}[kind](content, name, height) if kind in _PLANS else ()
 
 
 def gpx_waypoints(content: bytes, name: str, height: float | None = None) -> tuple[Waypoint, ...]:

@@ -102,6 +102,7 @@ def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
     plot = draw(chart, sources, height or _LEAST)
     if height is None:
         fill(plot)
+        plot.match_aspect = chart.square
     return Figure(plot, sources, dict(columns))
 
 
@@ -167,6 +168,7 @@ def _curves(chart: Chart, height: int | None) -> Figure:
     )
     if height is None:
         fill(plot)
+        plot.match_aspect = chart.square
     elif chart.square:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, Span
-from app.subjects.trajectory.figures import FIGURES, limit_of
+from app.subjects.trajectory.figures import FIGURES, limit_of, limits_along
 from app.subjects.trajectory.run import Followed
 
 _DEG = 180 / math.pi
@@ -48,8 +48,8 @@ def timelines(followed: Followed | None, name: str) -> tuple[Chart, ...]:
         names = zip(("horizontal", "vertical"), _USUAL, strict=True)
         return [line for which, styles in names for line in pair(which, which, f"{which}_{kind}", 1.0, styles)]
 
-    limit = math.nan if followed is None else limit_of(followed.result, name)
-    drawn = () if math.isnan(limit) else (Limit("limit", "limit", time[0], time[-1], figure.scale * limit),)
+    limits = () if followed is None else limits_along(followed.result, name)
+    drawn = tuple(Limit("limit", "limit", start, stop, figure.scale * level) for start, stop, level in limits)
     attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
     chosen = pair("figure", figure.said, name, figure.scale, ("exact", "asymptote"))
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
@@ -66,7 +66,10 @@ def map_chart(followed: Followed, name: str) -> Chart:
     result, figure = followed.result, FIGURES[name]
     values, limit = result.chosen.figure(name), limit_of(result, name)
     known = values[np.isfinite(values)]
-    level = float(np.median(known)) if math.isnan(limit) and known.size else limit
+    usual = float(np.median(known)) if math.isnan(limit) and known.size else limit
+    level = np.full(len(values), usual)
+    for start, stop, own in limits_along(result, name):
+        level[(result.time_s >= start) & (result.time_s <= stop)] = own
     what = "its limit" if not math.isnan(limit) else "its median over the flight, as no requirement limits it"
     east, north = followed.east / 1000, followed.north / 1000
 
@@ -96,7 +99,7 @@ def map_chart(followed: Followed, name: str) -> Chart:
         points=(Points("starts", "a line begins", east[starts], north[starts], tuple(n for n, _ in named), "mark",
                        source="begins"),),
         square=True,
-        aside=f"{figure.label}: level {figure.told(level, given=True)}" if known.size else "",
+        aside=f"{figure.label}: level {figure.told(usual, given=True)}" if known.size else "",
         knowledge=f"The level is {what}. {result.spec.limits.processing.capitalize()}.",
     )  # fmt: skip
 

@@ -67,8 +67,17 @@ FIGURES = {
 
 
 def limit_of(result: TrajectoryResult, name: str) -> float:
-    """The limit on one sigma of a figure; NaN where there is none."""
+    """The limit on one sigma of a figure that holds unless a line has its own; NaN where there is none."""
     return dict(result.spec.limits.most).get(name, math.nan)
+
+
+def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, float, float], ...]:
+    """Start, stop [s] and level of every limit on one sigma of a figure: one, unless a line has its own."""
+    everywhere = limit_of(result, name)
+    own = [(line.start_s, line.stop_s, line.limits[name]) for line in result.lines if name in line.limits]
+    if all(level == everywhere for _, _, level in own):
+        own = [(float(result.time_s[0]), float(result.time_s[-1]), everywhere)]
+    return tuple(limit for limit in own if not math.isnan(limit[2]))
 
 
 def cause_at(result: TrajectoryResult, name: str, at: int) -> str:

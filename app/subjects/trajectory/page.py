@@ -11,6 +11,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 import param
+from bokeh.events import DoubleTap
 
 from app.charts.csv_text import csv_text
 from app.charts.screen.timelines import Timelines
@@ -19,13 +20,13 @@ from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
+from app.subjects.trajectory.fields import PlanFields
 from app.subjects.trajectory.figures import FIGURES
-from app.subjects.trajectory.run import Asked, File, Followed, Strip, follow
+from app.subjects.trajectory.run import File, Followed, Rows, follow, row_of, waypoints_in, waypoints_of_lines
 from app.subjects.trajectory.tables import line_table, verdict
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, described, head_html, takes
 from app.ui.downloads import download
-from app.ui.fields import number, outages_of, whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.follower import Follower
@@ -40,46 +41,36 @@ from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
+from nav_model.design.parts import Trajectory
+from nav_model.design.trajectory import AIDING, LINES, MOST_WAYPOINTS, WAYPOINTS
 from nav_model.simulation.specification import FILTER_STATES
 
-_FLIGHTS = {
-    "Parallel lines": "strip",
-    "Nearly straight": "wandering",
-    "Exactly straight": "straight",
-    "Turns, then a long leg": "turns",
-    "A climb half way": "climb",
-    "From a file": "file",
-}
+_FILE = "file"
+_NAMED = {f"{label[:1].upper()}{label[1:]}": name for name, label in Trajectory.param["flight"].options.items()}
+_FLIGHTS = {**_NAMED, "From a file": _FILE}
 _KINDS = (".gpx", ".kml", ".csv", ".out")
 _UPLOAD = 20_000_000  # bytes
+_HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
 _KEY = '<span class="quiet fine">solid: real time · dashed: post-processed · grey: no fixes</span>'
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 _WAITING = Answer("Working", "open", ("The covariance along the flight follows.",))
-_ASKED = ("flight", "count", "length", "spacing", "heading", "speed", "bank", "duration", "outages", "states")
 
 
 class TrajectoryPage(View):
     """Everything below the tab. The flight is followed again whenever design or flight change."""
 
     run = held(Run)
-    flight = chosen("strip", _FLIGHTS, "Flight")
-    count = param.String(default="4", label="Lines")
-    length = param.String(default="5000", label="Line length [m]")
-    spacing = param.String(default="1000", label="Spacing [m]")
-    heading = param.String(default="", label="Heading [°]")
-    speed = param.String(default="", label="Speed [m/s]")
-    bank = param.String(default="25", label="Bank [°]")
-    duration = param.String(default="500", label="Length [s]")
-    outages = param.String(default="", label="Outages [s]")
+    flight = chosen("wandering", _FLIGHTS, "Flight")
     states = chosen(9, {f"{count} states": count for count in FILTER_STATES}, "Filter")
     figure = chosen("detrended_phase", {one.label: name for name, one in FIGURES.items()}, "Quantity")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(run=session.new_run())
+        super().__init__(run=session.new_run(), flight=session.design.trajectory.flight)
         self._session = session
         self._file: File | None = None
+        self._plan = PlanFields(session, self.start)
         self._details = details = Follower(lambda: self._result, _COMING)
         self._strip = AnswerStrip(_WAITING)
         self._bar = RunBar(self.run, self.start, "Compute", *self._fields())
@@ -92,40 +83,56 @@ class TrajectoryPage(View):
         whole = {"sizing_mode": "stretch_both"}
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
         self._shares = pn.Column(html_pane(_COMING), **whole)
-        above = details.later(lambda: details.chart(lambda found: map_chart(found, self.figure)), **whole)
+        above = details.later(self._map, **whole)
+        self._places = pn.Column(self._plan.table("waypoints"), visible=False, margin=(0, 10))
         self._view = pn.Column(
-            first_screen(self._strip, self._bar, left=[curves], right=[above, self._shares]),
+            first_screen(self._strip, self._bar, self._places, left=[curves], right=[above, self._shares]),
             Folded(
                 (
+                    ("Aiding, and limits of single lines", self._more),
                     ("Table by line", lambda: details.text(lambda found: html_of(line_table(found, self.figure)))),
                     ("Exports", lambda: details.later(self._exports)),
                 )
             ),
         )
-        self._settings = StudySettings(session, "trajectory", self, (*_ASKED, "figure"), lambda: None)
+        self._settings = StudySettings(session, "trajectory", self, ("states", "figure"), lambda: None)
+        self._follow_plan()
         self._write()
         if pn.state.curdoc:
             self.start()
 
     def show(self, _: Budget) -> None:
         """Follow the budget's design."""
+        self._follow_plan()
         if self._result is None or self._result.design != self._session.design:
             self.start(_SETTLE_SECONDS)
 
+    def _follow_plan(self) -> None:
+        self._plan.show()
+        if self.flight != _FILE:
+            self.flight = self._session.design.trajectory.flight
+        self._places.visible = self.flight == WAYPOINTS
+
     def start(self, settle: float = 0.0) -> asyncio.Task[None]:
-        """Follow the flight that the fields ask for, after `settle` seconds; one under way is cancelled."""
+        """Follow the flight of the design, or of the file, after `settle` seconds; one under way is cancelled."""
 
         async def work(run: Run) -> Followed:
             await asyncio.sleep(settle)
-            design, asked, wanted = self._session.design, self._asked(), self._settings.asked
-            known: Followed | None = None if isinstance(asked.flight, File) else kept(*wanted)
+            self._plan.check()
+            file = self._file if self.flight == _FILE else None
+            if self.flight == _FILE and file is None:
+                raise InputError("Flight", "open a GPX, KML, CSV or SBET file first")
+            # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
+            await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
+            if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
+                self._take(await elsewhere(waypoints_of_lines, self._session.design))
+            design, wanted = self._session.design, self._settings.asked
+            known: Followed | None = None if file else kept(*wanted)
             if known is not None:
                 return known
             run.tell("Following the covariance along the flight")
-            # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-            await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
-            found = await elsewhere(follow, design, asked)
-            if not isinstance(asked.flight, File):
+            found = await elsewhere(follow, design, self.states, file)
+            if file is None:
                 keep(found, *wanted)
             return found
 
@@ -134,28 +141,42 @@ class TrajectoryPage(View):
     # --- the parts ------------------------------------------------------------------------------------
 
     def _fields(self) -> tuple[Any, ...]:
-        choices, text = self.param, pmui.TextInput.from_param
-        chosen = choices.flight.rx
-        strip, file = chosen() == "strip", chosen() == "file"
+        choices, box, flies = self.param, self._plan.box, self.param.flight.rx
         self._upload = upload(
             "GPX, KML, CSV or SBET file", ",".join(_KINDS), _UPLOAD, self._uploaded,
-            lambda why: self._say(f"Not used. {why}"), visible=file,
+            lambda why: self._say(f"Not used. {why}"), visible=flies() == _FILE,
         )  # fmt: skip
-        own = {"placeholder": "design's"}
+        lines, turns, named = (flies.in_(those) for those in ((LINES,), (LINES, WAYPOINTS), _HAVE_A_LENGTH))
         return (
             pmui.Select.from_param(choices.figure, width=160, **_LOOK),
             pmui.Select.from_param(choices.flight, width=160, **_LOOK),
             self._upload,
-            text(choices.count, width=60, visible=strip, **_LOOK),
-            text(choices.length, width=105, visible=strip, **_LOOK),
-            text(choices.spacing, width=90, visible=strip, **_LOOK),
-            text(choices.heading, width=105, visible=strip, **own, **_LOOK),
-            text(choices.speed, width=120, visible=strip, **own, **_LOOK),
-            text(choices.bank, width=70, visible=strip, **_LOOK),
-            text(choices.duration, width=90, visible=chosen().rx.pipe(_has_a_length), **_LOOK),
-            text(choices.outages, placeholder="start,stop; ...", width=120, **_LOOK),
+            box("lines", width=60, visible=lines, **_LOOK),
+            box("length", width=100, visible=lines, **_LOOK),
+            box("spacing", width=100, visible=lines, **_LOOK),
+            box("bank", width=80, visible=turns, **_LOOK),
+            box("duration", width=100, visible=named, **_LOOK),
+            box("outages", width=150, **_LOOK),
             pmui.Select.from_param(choices.states, width=105, **_LOOK),
         )
+
+    def _more(self) -> pn.Column:
+        numbers = [self._plan.box(name, width=200, **_LOOK) for name in ("climb_rate", "ground", *AIDING)]
+        return pn.Column(pn.FlexBox(*numbers), self._plan.table("limits"), margin=(4, 10))
+
+    def _map(self) -> pn.Column:
+        """The map; a double click on it adds a waypoint."""
+        pane: ChartPane[Followed] = ChartPane(lambda found: map_chart(found, self.figure), self._details.known)
+        self._details.also(pane.show)
+        pane.figure.plot.on_event(DoubleTap, self._placed)
+        return pane.view
+
+    def _placed(self, event: DoubleTap) -> None:
+        own = self._session.design.trajectory.waypoints
+        if self.flight != WAYPOINTS or not own or event.x is None or event.y is None:
+            return
+        place = self._details.known().place(1000.0 * event.y, 1000.0 * event.x)
+        self._take((*own, row_of(*place, own[-1][2])))
 
     @property
     def _result(self) -> Followed | None:
@@ -185,8 +206,8 @@ class TrajectoryPage(View):
         found, message = self._result, self.run.message
         if found is None:
             return (Answer("No result yet", "warn", (message,)) if message else _WAITING), ""
-        stale = "This is the result before it." if message else ""
-        return verdict(found, self.figure), stale and f"{message} {stale}"
+        stale = f"{message.removesuffix('.')}. This is the result before it." if message else ""
+        return verdict(found, self.figure), stale
 
     def _show_shares(self, found: Followed) -> None:
         """Stacked shares: a chart for each set of sources, as their names are its structure."""
@@ -214,51 +235,42 @@ class TrajectoryPage(View):
 
     # --- the flight -----------------------------------------------------------------------------------
 
-    @param.depends(*_ASKED, watch=True)
+    @param.depends("flight", "states", watch=True)
     def _again(self) -> None:
-        if self.flight == "file" and self._file is None:
+        self._places.visible = self.flight == WAYPOINTS
+        if self.flight == _FILE and self._file is None:
             self._say("Open a file: GPX and KML are plans, flown at the design's speed; CSV and SBET were flown.")
-        else:
-            self.start(_SETTLE_SECONDS)
+            return
+        if self.flight != _FILE:
+            self._session.change({"trajectory.flight": self.flight})
+        self.start(_SETTLE_SECONDS)
 
-    def _asked(self) -> Asked:
-        """What the fields ask for.
-
-        Raises
-        ------
-        InputError
-            Naming the field.
-        """
-        flight: str | Strip | File = self.flight
-        if flight == "strip":
-            flight = Strip(
-                count=whole_number("Lines", self.count, 1, 100),
-                length=number("Line length", self.length, 1.0, 1e6),
-                spacing=number("Spacing", self.spacing, -1e6, 1e6),
-                bank=math.radians(number("Bank", self.bank, 1.0, 80.0)),
-                heading=math.radians(number("Heading", self.heading, -360.0, 360.0)) if self.heading else None,
-                speed=number("Speed", self.speed, 1.0, 3000.0) if self.speed else None,
-            )
-        elif flight == "file":
-            if self._file is None:
-                raise InputError("Flight", "open a GPX, KML, CSV or SBET file first")
-            flight = self._file
-        return Asked(flight, number("Length", self.duration, 1.0, 1e6), outages_of(self.outages), self.states)
+    def _take(self, waypoints: Rows) -> None:
+        """Put a plan into the design."""
+        problem = self._session.change({"trajectory.flight": WAYPOINTS, "trajectory.waypoints": waypoints})
+        if problem is not None:
+            self._say(f"Not used. {problem}")
 
     def _say(self, text: str) -> None:
         self._bar.message = text
 
-    def _uploaded(self, name: str, content: bytes) -> None:
+    async def _uploaded(self, name: str, content: bytes) -> None:
         if not name.lower().endswith(_KINDS):
             self._say(f"Not used. {name} is not a GPX, KML, CSV or SBET (.out) file.")
             return
-        self._file = File(name, content)
-        self.start()
-
-
-def _has_a_length(flight: str) -> bool:
-    """Whether a flight is as long as the field says."""
-    return flight not in {"strip", "file"}
+        await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files")
+        try:
+            places = await elsewhere(waypoints_in, content, name, self._session.design.flight.altitude)
+        except InputError as error:
+            self._say(f"Not used. {error}")
+            return
+        if 0 < len(places) <= MOST_WAYPOINTS:
+            self._take(places)
+            self.flight = WAYPOINTS
+            self._say(f"{name}: {len(places)} waypoints, which are in the design now.")
+        else:
+            self._file = File(name, content)
+            self.start()
 
 
 def as_json(found: Followed) -> str:

@@ -1,7 +1,9 @@
-"""What the page follows: a flight of a design, worked out in a worker process."""
+"""What the page follows: the flight of a design, worked out in a worker process."""
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,23 +14,13 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design
 
 if TYPE_CHECKING:
-    from nav_model.trajectory.plan import PlannedFlight
+    from nav_model.trajectory.plan import Waypoint
     from nav_model.trajectory.result import TrajectoryResult
 
 MOST_FIXES = 20_000  # seconds of work, and memory, of one person
 _POINTS = 1200  # results kept along a flight
-
-
-@dataclass(frozen=True)
-class Strip:
-    """Parallel lines to fly, as `nav_model.trajectory.plan.strip` takes them; None: the design's."""
-
-    count: int
-    length: float
-    spacing: float
-    bank: float
-    heading: float | None = None
-    speed: float | None = None
+Rows = tuple[tuple[float, float, float, str], ...]
+"""Waypoints as a design has them."""
 
 
 @dataclass(frozen=True)
@@ -37,16 +29,6 @@ class File:
 
     name: str
     content: bytes
-
-
-@dataclass(frozen=True)
-class Asked:
-    """A flight: a name of the simulator's, flown for `duration` [s]; a strip or a file, flown whole. outages [s]."""
-
-    flight: str | Strip | File
-    duration: float
-    outages: tuple[tuple[float, float], ...]
-    states: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,51 +40,83 @@ class Followed:
     north: NDArray[np.float64]
     east: NDArray[np.float64]
 
+    def place(self, north: float, east: float) -> tuple[float, float]:
+        """Latitude and longitude [rad] of a place north and east of the start [m]."""
+        scale = _scales(self.result.truth.position[0])
+        start = self.result.truth.position[0]
+        return start[0] + north / scale[0], start[1] + east / scale[1]
 
-def follow(design: Design, asked: Asked) -> Followed:
-    """Follow the covariance along a flight; for a worker process.
+
+def follow(design: Design, states: int, file: File | None = None) -> Followed:
+    """Follow the covariance along the flight of the design's plan, or of a file; for a worker process.
 
     Raises
     ------
     InputError
         Naming the file, the input or the key of the design.
     """
-    from nav_model.earth.wgs84 import curvature_radii
     from nav_model.simulation.design_study import specification
     from nav_model.trajectory.covariance import covariance
-    from nav_model.trajectory.design_study import covariance_specification
+    from nav_model.trajectory.design_study import covariance_specification, plan_like, planned
+    from nav_model.trajectory.files import parse_flight
 
-    planned = None if isinstance(asked.flight, str) else _planned(design, asked.flight)
-    duration = planned.duration if planned else asked.duration
-    if duration > MOST_FIXES * design.gnss.interval:
-        said = f"{duration:g} s have more than {MOST_FIXES} fixes, which is too long for this page; "
-        raise InputError("Length", said + "use the command `navbudget trajectory`")
+    if file is None:
+        flight = planned(design)
+    else:
+        flight = parse_flight(file.content, file.name, plan_like(design), design.flight.altitude)
+    if flight.duration > MOST_FIXES * design.gnss.interval:
+        said = f"{flight.duration:g} s have more than {MOST_FIXES} fixes, which is too long for this page; "
+        raise InputError("Flight", said + "use the command `navbudget trajectory`")
     study = specification(
         design,
-        trajectory=planned.trajectory if planned else str(asked.flight),
+        trajectory=flight.trajectory,
         runs=1,
-        duration=duration,
-        outages=asked.outages,
-        every=max(1.0, round(duration / _POINTS)),
-        states=asked.states,
+        duration=flight.duration,
+        outages=design.trajectory.outages,
+        every=max(1.0, round(flight.duration / _POINTS)),
+        states=states,
     )
-    result = covariance(covariance_specification(design, study, lines=planned.lines if planned else ()))
-    latitude, longitude, height = result.truth.position.T
-    meridian, prime = curvature_radii(np.sin(latitude[0]))
-    north = (meridian + height[0]) * (latitude - latitude[0])
-    east = (prime + height[0]) * np.cos(latitude[0]) * (np.unwrap(longitude) - longitude[0])
-    return Followed(design, result, north, east)
+    result = covariance(covariance_specification(design, study, flight.lines))
+    position = result.truth.position
+    north, east = _scales(position[0])
+    return Followed(
+        design, result, north * (position[:, 0] - position[0, 0]), east * (np.unwrap(position[:, 1]) - position[0, 1])
+    )
 
 
-def _planned(design: Design, flight: Strip | File) -> PlannedFlight:
-    from nav_model.trajectory.design_study import plan_like
-    from nav_model.trajectory.files import parse_flight
-    from nav_model.trajectory.plan import Waypoint, fly, strip
+def waypoints_in(content: bytes, name: str, height: float) -> Rows:
+    """The waypoints of a GPX or KML file, those without a height at `height` [m]; none of another file.
 
-    own = design.flight
-    if isinstance(flight, File):
-        return parse_flight(flight.content, flight.name, plan_like(design), own.altitude)
-    heading = own.heading if flight.heading is None else flight.heading
-    speed = own.speed if flight.speed is None else flight.speed
-    first = Waypoint(own.latitude, 0.0, own.altitude)
-    return fly(strip(first, heading, flight.length, flight.spacing, flight.count, speed, flight.bank))
+    Raises
+    ------
+    InputError
+        Naming the file, with what is wrong and where.
+    """
+    from nav_model.trajectory.files import waypoints_of
+
+    return _rows(waypoints_of(content, name, height))
+
+
+def waypoints_of_lines(design: Design) -> Rows:
+    """The parallel lines of a design as waypoints."""
+    from nav_model.trajectory.design_study import lines_of
+
+    return _rows(lines_of(design).waypoints)
+
+
+def row_of(latitude: float, longitude: float, height: float, line: str = "") -> tuple[float, float, float, str]:
+    """A place [rad, m] to a millimetre as a row of the design's waypoints; a name without what parts its cells."""
+    across = (math.radians(round(math.degrees(angle), 8)) for angle in (latitude, longitude))
+    return *across, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split())  # type: ignore[return-value]
+
+
+def _rows(points: tuple[Waypoint, ...]) -> Rows:
+    return tuple(row_of(point.latitude, point.longitude, point.height, point.line) for point in points)
+
+
+def _scales(place: NDArray[np.float64]) -> tuple[float, float]:
+    """Metres north and east of a radian of latitude and longitude at a place."""
+    from nav_model.earth.wgs84 import curvature_radii
+
+    meridian, prime = curvature_radii(math.sin(place[0]))
+    return float(meridian) + place[2], (float(prime) + place[2]) * math.cos(place[0])

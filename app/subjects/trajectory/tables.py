@@ -8,7 +8,7 @@ import numpy as np
 
 from app.document.blocks import Answer, Cell, Row, Table, numbers, table
 from app.document.numbers import NONE, number, percent
-from app.subjects.trajectory.figures import FIGURES, cause_at, limit_of
+from app.subjects.trajectory.figures import FIGURES, cause_at
 from app.subjects.trajectory.run import Followed
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def verdict(followed: Followed, name: str) -> Answer:
     """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
     result = followed.result
     heading, processing = result.heading.text, result.spec.limits.processing
-    if not result.spec.limits.most:
+    if not any(line.limits for line in result.lines):
         figure, values = FIGURES[name], result.chosen.figure(name)
         values = values[np.isfinite(values)]
         told = f"{figure.label} is at most {figure.told(values.max())}, {processing}." if values.size else ""
@@ -48,7 +48,7 @@ def _failure(result: TrajectoryResult, line: LineResult) -> str:
     from nav_model.trajectory.lines import along
 
     name = min(line.failing, key=lambda failing: line.within[failing])
-    figure, values, limit = FIGURES[name], result.chosen.figure(name), limit_of(result, name)
+    figure, values, limit = FIGURES[name], result.chosen.figure(name), line.limits[name]
     on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name in result.chosen.image)
     beyond = np.flatnonzero(on & (values > limit))
     if not beyond.size:
@@ -64,12 +64,13 @@ def _failure(result: TrajectoryResult, line: LineResult) -> str:
 def line_table(followed: Followed, name: str) -> Table:
     """Each line: the figure `name` and those with a limit, their rms, worst and share of the line within it."""
     result = followed.result
-    shown = [FIGURES[key] for key in dict.fromkeys([*(key for key, _ in result.spec.limits.most), name])]
+    limited = [key for line in result.lines for key in line.limits]
+    shown = [FIGURES[key] for key in dict.fromkeys([*limited, name])]
     rows: list[Row] = []
     for line in result.lines:
         rows.append((f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s",))
         for figure in shown:
-            limit, within = limit_of(result, figure.name), line.within.get(figure.name)
+            within = line.within.get(figure.name)
             failing = figure.name in line.failing
             mean, worst = (part.get(figure.name) for part in (line.mean, line.worst))
             rows.append(
@@ -77,7 +78,7 @@ def line_table(followed: Followed, name: str) -> Table:
                     figure.label,
                     NONE if mean is None else figure.told(mean),
                     NONE if worst is None else figure.told(worst),
-                    NONE if within is None else figure.told(limit, given=True),
+                    NONE if within is None else figure.told(line.limits[figure.name], given=True),
                     NONE
                     if within is None
                     else Cell(percent(within), "✗" if failing else "✓", "bad" if failing else "good"),

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bokeh.events import DoubleTap
 from waiting import soon
 
 import app.subjects.trajectory.page as trajectory_page
@@ -23,7 +24,7 @@ from app.session import Session
 from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
 from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.page import TrajectoryPage, as_csv, as_json
-from app.subjects.trajectory.run import Asked, File, Followed, Strip, follow
+from app.subjects.trajectory.run import File, Followed, follow
 from app.subjects.trajectory.tables import line_table, verdict
 from app.work import kept
 from nav_model.base.errors import InputError
@@ -34,9 +35,16 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
     pytest.mark.long,
 ]
-TWO_LINES = Asked(Strip(2, 3000.0, 1000.0, math.radians(25)), 500.0, ((100.0, 130.0),), 9)
+TWO_LINES = {
+    "trajectory.flight": "lines", "trajectory.lines": 2.0, "trajectory.length": 3000.0,
+    "trajectory.outages": ((100.0, 130.0),),
+}  # fmt: skip
 _PLAN = """<gpx><rte><rtept lat="47" lon="8"><ele>3000</ele><name>first</name></rtept>
 <rtept lat="47.08" lon="8"></rtept><rtept lat="47.08" lon="8.1"></rtept></rte></gpx>"""
+
+
+def _places(*rows: tuple[float, float]) -> tuple[tuple[float, float, float, str], ...]:
+    return tuple((math.radians(latitude), math.radians(longitude), 3000.0, "") for latitude, longitude in rows)
 
 
 async def here(function: Any, *arguments: Any) -> Any:
@@ -55,7 +63,7 @@ def session(monkeypatch: pytest.MonkeyPatch) -> Session:
 
 @pytest.fixture(scope="module")
 def followed() -> Followed:
-    return follow(first_design(), TWO_LINES)
+    return follow(first_design().replace(TWO_LINES), 9)
 
 
 def after(page: TrajectoryPage, do: Any) -> str:
@@ -89,9 +97,9 @@ def test_a_design_that_is_good_enough_says_so_and_one_without_limits_too() -> No
     strict = first_design()
     given = [f"requirements.{name}" for name in FIGURES if strict[f"requirements.{name}"] is not None]
     loose = strict.replace(dict.fromkeys(given, 30.0))
-    assert verdict(follow(loose, TWO_LINES), "ce90").word == "✓ 2 of 2 lines within the limits"
+    assert verdict(follow(loose.replace(TWO_LINES), 9), "ce90").word == "✓ 2 of 2 lines within the limits"
     free = Design({"flight.speed": 60.0})
-    said = verdict(follow(free, TWO_LINES), "ce90")
+    said = verdict(follow(free.replace(TWO_LINES), 9), "ce90")
     assert (said.word, said.tone) == ("No limit", "open")
     assert said.sentences[0].startswith("CE90 is at most ")
 
@@ -129,34 +137,85 @@ def test_every_figure_can_be_chosen_and_exported(followed: Followed) -> None:
 def test_the_page_follows_design_flight_and_file(session: Session) -> None:
     page = TrajectoryPage(session)
     assert "Working" in page._strip._text.object
-    assert "of 4 lines within" in after(page, page.start)
+    assert "of the flight within" in after(page, page.start)
+    assert "of 4 lines within" in after(page, lambda: setattr(page, "flight", "lines"))
+    assert session.design.trajectory.flight == "lines"
     session.change({"requirements.detrended_phase": 1e3, "requirements.quadratic_phase": 1e3})
     assert "of 4 lines within" in after(page, lambda: page.show(session.budget))
     assert page._result is not None
     assert page._result.design == session.design
-    page.run.result = None
-
-    def straight() -> None:
-        page.flight, page.duration, page.outages = "straight", "120", "60,90"
-
-    assert "of the flight within" in after(page, straight)
-    assert page._result.result.spec.study.outages == ((60.0, 90.0),)
     page._file = File("plan.gpx", _PLAN.encode())
-    said = after(page, lambda: setattr(page, "flight", "file"))
-    assert "of 1 line within" in said
-    assert "lines" not in page._settings.text
+    assert "of 1 line within" in after(page, lambda: setattr(page, "flight", "file"))
+    assert session.design.trajectory.flight == "lines"
     page._file = File("plan.gpx", b"<gpx>")
     assert "plan.gpx: is not XML" in after(page, page.start)
     assert "This is the result before it." in page._strip._text.object
+    session.change({"trajectory.flight": "straight", "trajectory.duration": 60.0})
+    assert "of the flight" in after(page, lambda: setattr(page, "flight", "straight"))
+    assert page._result.result.spec.study.duration == 60.0
 
 
-def test_bad_fields_and_other_files_are_refused_by_name(session: Session) -> None:
+def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: Session) -> None:
     page = TrajectoryPage(session)
-    assert "Lines: " in after(page, lambda: setattr(page, "count", "many"))
-    assert "outages: " in after(page, lambda: page.param.update(count="2", outages="soon"))
-    page._upload.filename = "song.mp3"
-    page._upload.value = b"abc"
+    boxes, tables = page._plan._boxes, page._plan._tables
+    after(page, lambda: setattr(page, "flight", "lines"))
+    after(page, lambda: setattr(boxes["length"], "value", "3"))
+    assert session.design["trajectory.length"] == 3000.0
+    assert boxes["length"].value == "3 km"
+    assert "Lines: " in after(page, lambda: setattr(boxes["lines"], "value", "many"))
+    assert (boxes["lines"].value, session.design["trajectory.lines"]) == ("many", 4.0)
+    assert "of 4 lines" in after(page, lambda: setattr(boxes["lines"], "value", "4"))
+    assert "Outages, row 1, stop: Enter the stop" in after(page, lambda: setattr(boxes["outages"], "value", "60"))
+    after(page, lambda: setattr(boxes["outages"], "value", "60, 90"))
+    assert session.design["trajectory.outages"] == ((60.0, 90.0),)
+    # The lines as waypoints, at the places where they were.
+    assert "of 4 lines" in after(page, lambda: setattr(page, "flight", "waypoints"))
+    after(page, lambda: page.show(session.budget))
+    rows, before = tables["waypoints"].rows, session.design
+    assert [row[3] for row in rows if row[3]] == [f"line {n}" for n in range(1, 5)]
+    north = math.radians(float(rows[1][0]) - float(rows[0][0])) * 6.37e6
+    assert north * math.cos(0) == pytest.approx(3000.0, rel=0.01)
+    wrong = [["48", "0", "3000", "a"], ["98", "0", "3000", ""]]
+    assert "Waypoints, row 2, latitude: " in after(page, lambda: tables["waypoints"]._handle_msg({"rows": wrong}))
+    assert "at most 85°" in tables["waypoints"].error
+    assert session.design == before
+    wrong[1][0] = "48.3°"
+    assert "of 1 line" in after(page, lambda: tables["waypoints"]._handle_msg({"rows": wrong}))
+    assert (tables["waypoints"].error, tables["waypoints"].rows[1]) == ("", ["48.3", "0", "3000", ""])
+    session.undo()
+    after(page, lambda: page.show(session.budget))
+    assert tables["waypoints"].rows == rows
+
+
+def test_a_double_click_on_the_map_adds_a_waypoint_there(session: Session) -> None:
+    session.change({"trajectory.flight": "waypoints", "trajectory.waypoints": _places((48, 0), (48.2, 0))})
+    page = TrajectoryPage(session)
+    after(page, page.start)
+    after(page, lambda: page._placed(DoubleTap(None, x=5.0, y=22.0)))
+    added = session.design["trajectory.waypoints"][-1]
+    assert math.degrees(added[0]) == pytest.approx(48 + 22.0 / 111.2, abs=2e-3)
+    assert math.degrees(added[1]) == pytest.approx(5.0 / (111.4 * math.cos(math.radians(48))), rel=5e-3)
+    assert added[2:] == (3000.0, "")
+
+
+def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name(session: Session) -> None:
+    page = TrajectoryPage(session)
+
+    def opened(name: str, content: bytes) -> None:
+        async def until_done() -> None:
+            await page._uploaded(name, content)
+            await soon(lambda: not page.run.running, "the end of the run")
+
+        asyncio.run(until_done())
+
+    opened("song.mp3", b"abc")
     assert "song.mp3 is not a GPX, KML, CSV or SBET" in page._bar.message
-    assert page._file is None
-    with pytest.raises(InputError, match=r"Length: .* too long for this page"):
-        follow(first_design(), Asked("straight", 1e6, (), 9))
+    opened("plan.gpx", b"<gpx/>")
+    assert "Not used. plan.gpx: holds no route" in page._bar.message
+    assert (page._file, session.design.trajectory.waypoints) == (None, ())
+    opened("plan.gpx", _PLAN.encode())
+    assert session.design["trajectory.flight"] == page.flight == "waypoints"
+    first, second = session.design["trajectory.waypoints"][:2]
+    assert (first[3], first[2], second[2]) == ("first", 3000.0, session.design.flight.altitude)
+    with pytest.raises(InputError, match=r"Flight: .* too long for this page"):
+        follow(first_design().replace({"trajectory.duration": 1e5}), 9)

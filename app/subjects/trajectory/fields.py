@@ -1,0 +1,126 @@
+"""The design's flight plan on the page: boxes and tables that follow it and change it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import panel_material_ui as pmui
+
+from app.session import Session
+from app.ui.edit_table import EditTable
+from nav_model.base.errors import InputError
+from nav_model.base.units import format_quantity
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import declaration_of
+from nav_model.design.several import with_unit
+from nav_model.design.table import Table
+
+_DIGITS = 12  # of a text: what a sum of floats adds beyond is nothing that anybody typed
+
+
+class PlanFields:
+    """Widgets of inputs of the section [trajectory], by name. A text that is refused stays where it was typed.
+
+    Parameters
+    ----------
+    session : Session
+    changed : callable
+        Called when somebody has changed one, also when it is refused.
+    """
+
+    def __init__(self, session: Session, changed: Callable[[], object]) -> None:
+        self._session, self._changed = session, changed
+        self._boxes: dict[str, pmui.TextInput] = {}
+        self._tables: dict[str, EditTable] = {}
+        self._told: dict[str, str] = {}
+        self._refused: dict[str, InputError] = {}
+
+    def box(self, name: str, **look: Any) -> pmui.TextInput:
+        """A box for a number, or for a table in one line."""
+        declared = declaration_of(f"trajectory.{name}")
+        empty = "none" if getattr(declared, "allow_None", False) else getattr(declared, "example", "")
+        box = pmui.TextInput(label=str(declared.label), placeholder=empty, **look)
+        self._boxes[name] = box
+        self._show(name)
+
+        def typed(event: Any) -> None:
+            if event.new != self._told[name] or name in self._refused:
+                self._take(name, event.new)
+
+        box.param.watch(typed, "value")
+        return box
+
+    def table(self, name: str) -> EditTable:
+        """The table of an input that is one."""
+        declared = declaration_of(f"trajectory.{name}")
+        assert isinstance(declared, Table)
+        columns = [f"{column.label} [{column.unit}]" if column else key for key, column in declared.columns.items()]
+        made = EditTable(
+            lambda rows: self._take(name, rows),
+            caption=str(declared.doc),
+            columns=[f"{column[:1].upper()}{column[1:]}" for column in columns],
+        )
+        self._tables[name] = made
+        self._show(name)
+        return made
+
+    def show(self) -> None:
+        """Follow the design; what was refused is forgotten where the design has another value now."""
+        for name in (*self._boxes, *self._tables):
+            self._show(name)
+
+    def check(self) -> None:
+        """Raise the first refusal that is seen, if any."""
+        for error in self._refused.values():
+            raise error
+
+    def _show(self, name: str) -> None:
+        design, key = self._session.design, f"trajectory.{name}"
+        declared, value = declaration_of(key), self._session.design[key]
+        if isinstance(declared, Table):
+            text = declared.show(value)
+            if name in self._tables:
+                self._tables[name].param.update(rows=declared.cells(value), error=self._error(name))
+        else:
+            assert isinstance(declared, BaseQuantity)
+            text = ""
+            if isinstance(value, float | int):
+                dimension = declared.dimension
+                text = format_quantity(value, design.unit(key), dimension, _DIGITS) if dimension else f"{value:g}"
+        if text != self._told.get(name):
+            self._told[name] = text
+            self._refused.pop(name, None)
+            if name in self._tables:
+                self._tables[name].error = ""
+            if name in self._boxes:
+                self._boxes[name].value = text
+
+    def _error(self, name: str) -> str:
+        error = self._refused.get(name)
+        return f"{error.key}: {error.reason}" if error else ""
+
+    def _take(self, name: str, given: Any) -> None:
+        key = f"trajectory.{name}"
+        declared, unit = declaration_of(key), ""
+        self._refused.pop(name, None)
+        try:
+            if not isinstance(declared, BaseQuantity):
+                value = declared.read(given)
+            elif not given.strip() and declared.allow_None:
+                value = None
+            else:
+                unit = self._session.design.unit(key) if declared.dimension else ""
+                value, unit = declared.read(with_unit(given.strip(), unit))
+            problem = self._session.change({key: value}, {key: unit} if unit else None)
+        except InputError as error:
+            problem = error
+        if problem is not None:
+            row = re.search(r"\[(\d+)\](?:\.(\w+))?$", problem.key)
+            where = f", row {row[1]}" + (f", {row[2]}" if row[2] else "") if row else ""
+            self._refused[name] = problem.under(f"{declared.label}{where}")
+        if name in self._tables:
+            self._tables[name].error = self._error(name)
+        self._show(name)
+        self._changed()
