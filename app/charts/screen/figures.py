@@ -102,7 +102,6 @@ def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
     plot = draw(chart, sources, height or _LEAST)
     if height is None:
         fill(plot)
-        plot.match_aspect = chart.square
     return Figure(plot, sources, dict(columns))
 
 
