@@ -2,47 +2,23 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
 from app.document.bars import ROWS_SHEET
-
-ACCENT = "#0b5c8a"
 
 
 def _sheet(name: str) -> str:
     return Path(__file__).with_name(f"{name}.css").read_text("utf-8")
 
 
-_SHARED: dict[str, Any] = {
-    "MuiLinearProgress": {"defaultProps": {"aria-label": "long work under way"}},
-    # Its open parts are regions without a name: too many landmarks to go by.
-    "MuiAccordion": {"defaultProps": {"slotProps": {"region": {"role": "none"}}}},
-    "MuiAccordionSummary": {
-        "styleOverrides": {"root": {"minHeight": 38, "padding": "0 10px"}, "content": {"margin": "6px 0"}}
-    },
-    "MuiOutlinedInput": {"styleOverrides": {"root": {"fontSize": 14}}},
-    "MuiInputLabel": {"styleOverrides": {"root": {"fontSize": 14}}},
-    "MuiTab": {"styleOverrides": {"root": {"textTransform": "none", "minWidth": 0}}},
-}
+_FACES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 
-LIGHT: dict[str, Any] = {
-    "chart_style": "standard",  # the default hides the axes' lines: panel-extensions/panel-material-ui#644
-    "components": _SHARED,
-    "palette": {"primary": {"main": ACCENT}, "background": {"default": "#f6f7f8", "paper": "#ffffff"}},
-    "shape": {"borderRadius": 6},
-}
+LIGHT: dict[str, Any] = {**_FACES["light"], "components": _FACES["components"]}
 DARK: dict[str, Any] = {
-    "chart_style": "standard",
-    "palette": {
-        "primary": {"main": "#6db6e3"},
-        "background": {"default": "#10151a", "paper": "#161d24"},
-    },
-    "shape": {"borderRadius": 6},
-    "components": {
-        **_SHARED,
-        "MuiAppBar": {"styleOverrides": {"root": {"backgroundColor": "#0d2230", "color": "#e8eef2"}}},
-    },
+    **_FACES["dark"],
+    "components": {**_FACES["components"], **_FACES["dark"]["components"]},
 }
 
 FRAME = {

@@ -11,6 +11,7 @@ import textwrap
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, Points, spread_of
@@ -34,31 +35,10 @@ _MAP_HEIGHT = 92.0
 _SQUARE_HEIGHT = 96.0
 _LEGEND_ROW = 4.4  # mm
 FONT = "Libertinus Serif"  # comes with Typst, which sets the text
-_MEASURED_IN = ("STIXGeneral", "DejaVu Serif")  # come with Matplotlib; widths close to those of `FONT`
+_MEASURED_IN = "'STIXGeneral', 'DejaVu Serif'"  # come with Matplotlib; widths close to those of `FONT`
 
 _Y_LABEL_LENGTH = 26  # characters that fit beside the axes
-_INK, _RULE = "#1c2329", "#c9d0d6"
-_SETTINGS = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "navbudget",
-    "font.family": list(_MEASURED_IN),
-    "font.size": 8.5,
-    "axes.titlesize": 8.5,
-    "axes.labelsize": 8.5,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "legend.fontsize": 8,
-    "axes.linewidth": 0.6,
-    "axes.edgecolor": _INK,
-    "axes.labelcolor": _INK,
-    "text.color": _INK,
-    "xtick.color": _INK,
-    "ytick.color": _INK,
-    "grid.color": _RULE,
-    "grid.linewidth": 0.4,
-    "hatch.linewidth": 0.6,
-    "axes.unicode_minus": True,
-}
+_STYLE = Path(__file__).with_name("paper.mplstyle")
 _SHADE = {"color": "#7b8794", "alpha": 0.18, "linewidth": 0}
 _settings_lock = threading.Lock()
 
@@ -83,7 +63,7 @@ def to_svg(chart: Drawing) -> str:
             label_points(figure, figure.axes[0], _named_once(chart.points))
         text = io.StringIO()
         canvas.print_svg(text, metadata={"Date": None, "Creator": None})
-    return text.getvalue().replace(", ".join(f"'{family}'" for family in _MEASURED_IN), f"'{FONT}'")
+    return text.getvalue().replace(_MEASURED_IN, f"'{FONT}'")
 
 
 def _drawn(figure: Any, chart: Drawing) -> list[Any]:
@@ -120,8 +100,7 @@ def _settings() -> Iterator[None]:
     import matplotlib
 
     with _settings_lock, matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_SETTINGS)  # type: ignore[arg-type]  # a dict of settings is one
+        matplotlib.rc_file(_STYLE)
         yield
 
 
