@@ -1,4 +1,4 @@
-"""Reads TOML text from others, with its size limited before it is parsed.
+"""Reads TOML: data files of the product, and text from others, with its size limited before it is parsed.
 
 Python's parser takes memory and time as the square of the number of parts of a key: one of 15,000 dots needs a
 gigabyte. Nesting, keys and parts of keys are therefore counted first, in one pass in linear time.
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from importlib.resources import files
 from typing import Any
 
 from nav_model.base.errors import InputError
@@ -35,6 +36,11 @@ _QUOTED = re.compile(
     re.DOTALL,
 )
 _BRACKETS = {"[": 1, "{": 1, "]": -1, "}": -1}
+
+
+def shipped(package: str, name: str) -> dict[str, Any]:
+    """A data file of the product's own, beside the code of a package."""
+    return tomllib.loads(files(package).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
 
 
 def read_toml(data: bytes | str, where: str, kind: str, most_bytes: int) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Where each number of a budget comes from: equation, method and caution, by its key in the JSON.
+"""Where each number of a budget comes from: equation, method and caution, by its key in the JSON (`provenance.toml`).
 
 Pages, reports and JSON share this table.
 """
@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from nav_model.base.toml_text import shipped
 from nav_model.budget.result import Budget
 from nav_model.design import Design
 from nav_model.design.parts import OUTDATED
@@ -19,15 +20,12 @@ _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the li
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
 
-INPUT, CLOSED, DISCRETE, SERIES, RESPONSE, SMOOTHER, STEP = (
-    "input",
+CLOSED, DISCRETE, SERIES = (
     "closed form",
     "discrete Riccati equation, solved in closed form",
     "linear covariance propagation",
-    "aperture integral",
-    "fixed-interval smoother, in state space",
-    "derivative by the size of each source",
 )
+"""Methods of `provenance.toml` on which a slow GNSS error has an effect."""
 
 
 @dataclass(frozen=True)
@@ -40,63 +38,7 @@ class Provenance:
 
 
 _TABLE: dict[str, Provenance] = {
-    "steady_state.position_sigma_m.horizontal": Provenance("[T-3]", CLOSED, "cycle rms"),
-    "steady_state.position_sigma_m.vertical": Provenance("[T-4]", CLOSED, "cycle rms"),
-    "steady_state.velocity_sigma_m_s.horizontal": Provenance("[T-3]", CLOSED, "cycle rms"),
-    "steady_state.velocity_sigma_m_s.vertical": Provenance("[T-4]", CLOSED, "cycle rms"),
-    "steady_state.tilt_sigma_rad": Provenance("[T-3]", CLOSED, "cycle rms"),
-    "steady_state.gyro_dominance": Provenance("[T-6]", CLOSED),
-    "steady_state.asymptote": Provenance("[T-7]", CLOSED, "holds for gyro dominance far above one"),
-    "steady_state.shares": Provenance("[T-18]", STEP, "of the average between fixes"),
-    "steady_state.lambda_dt": Provenance("[T-8]", CLOSED),
-    "steady_state.discrete.prior": Provenance("[T-8]", DISCRETE, "just before a fix"),
-    "steady_state.discrete.posterior": Provenance("[T-8]", DISCRETE, "just after a fix"),
-    "coast.time_s": Provenance("", INPUT, "seconds since the last fix"),
-    "coast.position_sigma_m": Provenance("[T-9], [T-10]", CLOSED, "biases in quadrature"),
-    "coast.velocity_sigma_m_s": Provenance("[T-9], [T-10]", CLOSED, "biases in quadrature"),
-    "coast.tilt_sigma_rad": Provenance("[T-9]", CLOSED, "gyro bias in quadrature"),
-    "coast.yaw_growth_rad": Provenance("[T-5]", CLOSED, "growth alone; the initial yaw error adds"),
-    "coast.refined_position_sigma_m": Provenance("[T-17]", SERIES, "biases in quadrature"),
-    "coast.perfect_start_position_sigma_m": Provenance("[T-11]", CLOSED),
-    "coast.initial_tilt_position_sigma_m": Provenance("[T-12]", CLOSED),
-    "coast.end.time_s": Provenance("", INPUT, "coast.duration"),
-    "coast.end.refined_position_sigma_m": Provenance("[T-17]", SERIES, "biases in quadrature"),
-    "coast.end.shares": Provenance("[T-17], [T-18]", STEP, "of the refined curve's end"),
-    "sar.wavelength_m": Provenance("[T-13]", CLOSED),
-    "sar.aperture_time_s": Provenance("[S-3]", CLOSED),
-    "sar.aperture_length_m": Provenance("[S-3]", CLOSED),
-    "sar.cell_length_m": Provenance("[S-3]", CLOSED, "first null of the unweighted response"),
-    "sar.autofocus_order": Provenance("", INPUT),
-    "sar.quadratic_phase_sigma_rad": Provenance("[S-5]", CLOSED, "before autofocus"),
-    "sar.cubic_phase_sigma_rad": Provenance("[S-6]", CLOSED, "before autofocus"),
-    "sar.detrended_phase_sigma_rad": Provenance("[T-15], [S-6]", CLOSED, "after autofocus"),
-    "sar.lines": Provenance("[S-5], [S-6]", CLOSED),
-    "sar.initial_tilt_shares": Provenance("[T-18]", STEP),
-    "sar.along_track_quadratic_phase_sigma_rad": Provenance(
-        "[S-2]", CLOSED, "separate; not part of the quadratic phase total"
-    ),
-    "sar.impulse_response": Provenance("[S-3], [S-5]", RESPONSE, "1σ quadratic phase, before autofocus"),
-    "sar.impulse_response_after_autofocus": Provenance(
-        "[S-3], [S-5]", RESPONSE, "1σ quadratic phase if autofocus_order is 1, else no quadratic phase"
-    ),
-    "processing.mode": Provenance("", INPUT),
-    "post_processed": Provenance("[P-3], [P-5]", SMOOTHER, "fixes before, in and after the aperture"),
-    "post_processed.tilt_sigma_rad": Provenance("[P-5]", SMOOTHER),
-    "post_processed.lines": Provenance("[P-4]", SMOOTHER, "shares of the quadratic phase's variance"),
-    "post_processed.turning_quadratic_phase_sigma_rad": Provenance(
-        "[P-5], [S-2]", SMOOTHER, "both quadratic phases, and the effect of the turn on position"
-    ),
-    "post_processed.turning_detrended_phase_by_order_sigma_rad": Provenance(
-        "[P-5], [S-2]", SMOOTHER, "residuals along the line of sight as it turns"
-    ),
-    "post_processed.azimuth_shift_sigma_m": Provenance("[P-5]", SMOOTHER, "without the position along the track"),
-    "geolocation": Provenance("[P-7]", CLOSED, "flat scene; azimuth first, then ground range"),
-    "spectral.echoes": Provenance("[P-8], [P-9]", CLOSED, "lines beyond the main lobe, highest first"),
-    "spectral.islr_db": Provenance("[P-11]", CLOSED, "of fast phase errors alone; the window's side lobes add"),
-    "spectral.peak_loss_db": Provenance("[P-11]", CLOSED, "of fast phase errors alone"),
-    "spectral.islr_shares": Provenance("[P-11]", CLOSED),
-    "verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "comparison with the limits"),
-    "other_verdict": Provenance("[T-8], [T-17], [S-2], [S-5], [P-3]", "the same limits, processed the other way"),
+    key: Provenance(**row) for key, row in shipped("nav_model.budget", "provenance").items()
 }
 
 _CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "cycle rms")
@@ -125,18 +67,16 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
         return MappingProxyType(table)
     for key, entry in tuple(table.items()):
         if key.startswith(("steady_state", "coast")) and entry.method == CLOSED:
-            table[key] = Provenance(entry.equation, entry.method, _AUGMENTED_NOTE)
+            table[key] = replace(entry, note=_AUGMENTED_NOTE)
         elif entry.method == SERIES:
-            table[key] = Provenance(
-                entry.equation, entry.method, f"{entry.note}; from the augmented filter's posterior"
-            )
+            table[key] = replace(entry, note=f"{entry.note}; from the augmented filter's posterior")
         elif entry.method == DISCRETE:
-            table[key] = Provenance(
-                entry.equation, "augmented discrete Riccati equation", f"{entry.note}; slow GNSS error modelled"
+            table[key] = replace(
+                entry, method="augmented discrete Riccati equation", note=f"{entry.note}; slow GNSS error modelled"
             )
         elif key.startswith("sar.") and "[S-5]" in entry.equation:
-            table[key] = Provenance(
-                f"{entry.equation}, [T-8]", entry.method, "with the tilt that the slow GNSS error adds"
+            table[key] = replace(
+                entry, equation=f"{entry.equation}, [T-8]", note="with the tilt that the slow GNSS error adds"
             )
     return MappingProxyType(table)
 

@@ -6,23 +6,16 @@ Each equation is written once, in Typst's math notation; the PDF sets it and the
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Collection
-from importlib.resources import files
-from typing import Any
 
+from nav_model.base.toml_text import shipped
 from nav_model.equations.entry import Equation, Symbol
 
 _CITED = re.compile(r"\[([TSBP]-\d+)\]")
 _ONLY_WHERE_CITED = ("T-14", "T-16", "S-4", "S-7")
 
 
-def table_of(name: str) -> dict[str, Any]:
-    """A data file of this package."""
-    return tomllib.loads(files(__name__).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
-
-
-ALL_EQUATIONS: tuple[Equation, ...] = tuple(Equation(**row) for row in table_of("equations")["equation"])
+ALL_EQUATIONS: tuple[Equation, ...] = tuple(Equation(**row) for row in shipped(__name__, "equations")["equation"])
 
 EQUATIONS: tuple[Equation, ...] = tuple(
     e for e in ALL_EQUATIONS if e.mark[0] in "TS" and e.mark not in _ONLY_WHERE_CITED
@@ -30,7 +23,7 @@ EQUATIONS: tuple[Equation, ...] = tuple(
 """Those of every report; the others are in a report that cites them."""
 
 ALL_SYMBOLS: tuple[Symbol, ...] = tuple(
-    Symbol(**row | {"marks": tuple(row.get("marks", ()))}) for row in table_of("symbols")["symbol"]
+    Symbol(**row | {"marks": tuple(row.get("marks", ()))}) for row in shipped(__name__, "symbols")["symbol"]
 )
 
 SYMBOLS: tuple[Symbol, ...] = tuple(symbol for symbol in ALL_SYMBOLS if not symbol.marks)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from nav_model.equations import ALL_EQUATIONS, table_of
+from nav_model.base.toml_text import shipped
+from nav_model.equations import ALL_EQUATIONS
 
-_LITERATURE = table_of("literature")
+_LITERATURE = shipped("nav_model.equations", "literature")
 
 WORKS: Mapping[str, str] = MappingProxyType(_LITERATURE["works"])
 """Short name -> full reference."""

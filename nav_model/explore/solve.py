@@ -8,7 +8,7 @@ enters the leg, an echo where its line leaves the main lobe. Each answer is then
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
@@ -42,8 +42,8 @@ SOLVED = (
 
 _SMALLEST = 1e-12  # of the upper bound: used as zero where an input may approach zero
 _SAMPLES = 25
-_STEPS = 60
-_CLOSE = 1e-13  # of log(value/limit)
+_TOLERANCES = {"xatol": 1e-300, "xrtol": 8.9e-16, "fatol": 1e-13, "frtol": 0.0}  # of log(value/limit)
+_DOWN = 1e-12  # of the logarithm, from just beyond a limit to within it
 
 _ROUNDING = 1e-15  # first step from an edge that the budget puts elsewhere by a rounding, and the last
 _FAR = 1e-3
@@ -190,8 +190,16 @@ def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, li
     k = first[i, j]
     roots = np.full(none.shape, np.nan)
     if i.size:
-        bracket = (grid[i, k - 1], grid[i, k], excess[i, j, k - 1], excess[i, j, k])
-        roots[i, j] = np.exp(_bracketed(lambda x: _excess(design, keys, names, i, x)[j, np.arange(len(i))], *bracket))
+        from scipy.optimize.elementwise import find_root  # late: the command line starts without it
+
+        def over_limit(x: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
+            found: Array = _excess(design, keys, names, i, x)[j, np.arange(len(i))]
+            return found
+
+        # By Chandrupatla's method, Advances in Engineering Software 28(3), 1997.
+        found = find_root(over_limit, (grid[i, k - 1], grid[i, k]), args=(i, j), tolerances=_TOLERANCES)
+        met = np.maximum(found.bracket[0], found.x - _DOWN)
+        roots[i, j] = np.exp(np.where(found.f_x <= 0, found.x, met))
     return roots, outcomes
 
 
@@ -201,37 +209,6 @@ def _excess(design: Design, keys: list[str], names: list[str], rows: NDArray[np.
     found = ratios(design, changes)
     excess: Array = np.log(np.stack(np.broadcast_arrays(*(found[name] for name in names), log_values)[:-1]))
     return excess
-
-
-def _bracketed(function: Callable[[Array], Array], a: Array, b: Array, at_a: Array, at_b: Array) -> Array:
-    """Where functions go from at most zero at `a` to above zero at `b`, each on the lower side.
-
-    Chandrupatla's method on all of them together; a step is halved down to rounding.
-
-    Source: Chandrupatla, Advances in Engineering Software 28(3), 1997.
-    """
-    c, at_c = a, at_a
-    fraction = np.full_like(a, 0.5)
-    for _ in range(_STEPS):
-        x = a + fraction * (b - a)
-        at_x = function(x)
-        same = np.sign(at_x) == np.sign(at_a)
-        c, at_c = np.where(same, a, b), np.where(same, at_a, at_b)
-        b, at_b = np.where(same, b, a), np.where(same, at_b, at_a)
-        a, at_a = x, at_x
-        width = np.abs(b - a)
-        tolerance = 4 * np.spacing(np.abs(a)) + 1e-300
-        if np.all((np.where(at_a <= 0, at_a, at_b) >= -_CLOSE) | (width <= tolerance)):
-            break
-        with np.errstate(divide="ignore", invalid="ignore"):
-            xi, phi = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
-            inverse = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
-            step = at_a / (at_b - at_a) * at_c / (at_b - at_c) + (c - a) / (b - a) * at_a / (at_c - at_a) * at_b / (
-                at_c - at_b
-            )
-            least = np.minimum(tolerance / np.maximum(width, tolerance), 0.5)
-        fraction = np.where(inverse & np.isfinite(step), np.clip(step, least, 1 - least), 0.5)
-    return np.where(at_a <= 0, a, b)
 
 
 def resolution_for(design: Design, aperture: float) -> float:
