@@ -57,8 +57,6 @@ def test_a_name_on_several_lines_or_of_no_text_is_one_line_and_changes_no_verdic
         ("password ada 0<&-", b"", "password: must have 8 to 1024 characters"),
         ("password ada", b"\xff\xfe23456789\n", "password: is not UTF-8 text"),
         ("allan . --rate 100", b"", "cannot be read: Is a directory"),
-        ("allan no.csv --rate 100", b"", "cannot be read: No such file or directory"),
-        ("suborbital --save no/study.toml", b"", "--save: 'no' is not a folder"),
         (f"evaluate {TACTICAL} --times nan", b"", "--times: nan is not allowed. Give seconds from 0 to 7200."),
     ],
 )

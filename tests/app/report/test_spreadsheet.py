@@ -43,6 +43,8 @@ CHANGED = {
     "requirements.tilt": (1e-5, 1e-3),
 }
 """Inputs that are changed, and from where to where."""
+designs = pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.slow)])
+"""So many random ones."""
 
 
 def drawn(base: Design, seed: int) -> Design:
@@ -139,7 +141,8 @@ def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
 
 
 @pytest.mark.long
-def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None:
+@designs
+def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path, count: int) -> None:
     base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0).replace({}, own=own())
     path = write(tmp_path / "budget.xlsx", base)
     book = openpyxl.load_workbook(path)
@@ -154,7 +157,7 @@ def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None
     as_written = model.calculate(outputs=[*names.values()])
     for name, value in expected(base).items():
         assert float(as_written[names[name]].value[0, 0]) == pytest.approx(value, rel=1e-6, abs=1e-12)
-    for seed in range(1, 21):
+    for seed in range(1, count + 1):
         design = drawn(base, seed)
         inputs = {at("Inputs", entry(book, key)): entered(book, key, design[key]) for key in CHANGED}
         found = model.calculate(inputs=inputs, outputs=[*names.values(), *states, old])
@@ -167,14 +170,15 @@ def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None
 
 
 @pytest.mark.long
-def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path) -> None:
+@designs
+def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int) -> None:
     """All workbooks in one start of the program, with a profile that nothing else uses."""
     bases = [
         read_design(EXAMPLES / f"{name}.toml").replace({}, own=own())
         for name in ("mems_x_band", "tactical_x_band", "l_band_jet")
     ]
     wanted: dict[str, Design] = {}
-    for seed in range(23):
+    for seed in range(3 + count):
         base = bases[seed % 3]
         path = write(tmp_path / f"{seed}.xlsx", base)
         design = base if seed < 3 else drawn(base, seed)

@@ -20,7 +20,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 def test_closed_pages_are_gone(server: Any) -> None:
     async def some() -> None:
-        for _ in range(4):
+        for _ in range(2):
             await visit(address)
 
     address, left = server
@@ -34,6 +34,5 @@ def test_pages_that_lose_their_connection_are_gone(server: Any) -> None:
             await lose(address, stage)
 
     address, left = server
-    for _ in range(2):
-        asyncio.run(at_every_stage())
-        assert left().frames == 0
+    asyncio.run(at_every_stage())
+    assert left().frames == 0

@@ -25,7 +25,7 @@ FINITE = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e250, max_
 
 
 @pytest.mark.parametrize(("dimension", "unit"), LINEAR, ids=lambda value: value)
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(value=FINITE)
 def test_printing_and_reading_again_gives_the_same_float(dimension, unit, value):
     text = format_quantity(value, unit, dimension)
@@ -35,7 +35,7 @@ def test_printing_and_reading_again_gives_the_same_float(dimension, unit, value)
 
 
 @pytest.mark.parametrize(("dimension", "unit"), LINEAR, ids=lambda value: value)
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(number=st.decimals(min_value="1e-6", max_value="1e6", places=6).filter(lambda d: d > 0))
 def test_reading_then_printing_keeps_what_a_person_wrote(dimension, unit, number):
     """Up to fifteen digits every decimal survives the trip through a float, in whatever unit."""
@@ -45,7 +45,7 @@ def test_reading_then_printing_keeps_what_a_person_wrote(dimension, unit, number
 
 
 @pytest.mark.parametrize(("dimension", "unit"), DECIBELS, ids=lambda value: value)
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(level=st.decimals(min_value=-250, max_value=250, places=6), value=st.floats(1e-12, 1e12))
 def test_decibels_too(dimension, unit, level, value):
     back = parse_quantity(format_quantity(value, unit, dimension), dimension)
@@ -159,7 +159,7 @@ def test_canonical_symbols_are_fixed_points_and_examples_parse(dimension, unit):
 
 
 @pytest.mark.parametrize(("dimension", "unit"), LINEAR, ids=lambda value: value)
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(value=st.floats(min_value=-1e280, max_value=1e280))
 def test_an_amount_is_rounded_once(dimension, unit, value):
     assert from_si(value, unit, dimension) == float(Fraction(value) / DIMENSIONS[dimension].units[unit])

@@ -91,7 +91,7 @@ def more_errors(rng, design):
 def test_no_added_error_makes_a_figure_smaller(smoothed):
     """To 1e-4, by which the closed form and the filter that is sampled may differ in what a slow error adds."""
     rng = np.random.default_rng(2)
-    for _ in range(60):
+    for _ in range(25):
         design = Design(random_values(rng))
         before = figures(replace(inputs_of(design), post_processed=smoothed))
         for source, changes in more_errors(rng, design):

@@ -34,9 +34,7 @@ def test_the_design_documents_numbers():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("bandwidth", "delay"), [(None, 5e-3), (None, 0.4), (200.0, 0.0), (200.0, 5e-3), (200.0, 0.4)]
-)
+@pytest.mark.parametrize(("bandwidth", "delay"), [(None, 0.4), (200.0, 0.0), (200.0, 5e-3)])
 def test_integrals(bandwidth, delay, compared):
     """Against a sum over two million frequencies, SciPy's Bessel functions, the transfer as complex numbers."""
     aperture, lobe = 3.7, 1.0
@@ -181,8 +179,10 @@ def test_the_highest_echo_counts_and_slow_lines_do_not():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("window", ["uniform", "hamming", "taylor"])
-@pytest.mark.parametrize(("density", "falls"), [(1e-4, 0.0), (5e-3, -1.0), (0.02, -2.0)])
+@pytest.mark.parametrize(
+    ("window", "density", "falls"),
+    [("uniform", 1e-4, 0.0), ("uniform", 0.02, -2.0), ("hamming", 5e-3, -1.0), ("taylor", 1e-4, 0.0)],
+)
 def test_islr_of_random_phase(window, density, falls, compared):
     """400 random phases of the spectrum through the product's impulse response; the window's side lobes taken off."""
     aperture, samples, runs = 4.0, 1024, 400

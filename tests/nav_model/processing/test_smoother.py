@@ -99,7 +99,7 @@ def test_batch_least_squares(kind, ratio, compared):
 def test_intervals_that_do_not_divide():
     """Everyday receivers, with their own intervals: half of them within 0.5 %, phase within 5 %, velocity 10 %."""
     rng, off, phase = np.random.default_rng(5), [], []
-    for _ in range(40):
+    for _ in range(20):
         interval = between(rng, 0.2, 2)
         channel = Channel(
             between(rng, 0.003, 0.2) / 60, 9.80665 * np.radians(between(rng, 0.01, 0.7)) / 60, between(rng, 0.1, 3),

@@ -346,13 +346,3 @@ def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.Mon
     document = json.loads(asyncio.run(sar._json()))
     assert document["engine"] == "fast"
     assert document["strategies"][1]["residual_rms_over_runs_m"] == sar._result.study.rms[1]
-
-
-def test_sar_command_flies_the_simulator(capsys: pytest.CaptureFixture[str]) -> None:
-    options = ["--engine", "simulator", "--runs", "20", "--set", "radar.aperture_time=2 s", "--workers", "1"]
-    assert main(["sar", MEMS, *options]) == 0
-    told = capsys.readouterr()
-    data = json.loads(told.out)
-    assert data["engine"] == "simulator"
-    assert len(data["agreement"]["strategies"]) == 9
-    assert "20 of 20 runs" in told.err

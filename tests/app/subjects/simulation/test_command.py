@@ -6,8 +6,6 @@ import csv
 import io
 import json
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -119,11 +117,3 @@ def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:
     assert _simulate("--trajectory", "turns", "-o", str(target)) == 2
     assert target.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
-
-
-def test_the_command_in_a_process_of_its_own_with_workers() -> None:
-    command = [sys.executable, "-m", "app", "simulate", MEMS, *SHORT, "--runs", "130", "--workers", "2"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["runs"] == 130
-    assert b"130 of 130 runs" in done.stderr
