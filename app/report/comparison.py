@@ -153,9 +153,7 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
         if len({design[f"{section}.{name}"] for design in designs}) > 1
     ]
 
-    own = dict.fromkeys(one.name for design in designs for one in design.contributors)
-    held = {name: [_contributor(design, name) for design in designs] for name in own}
-    differing = {name: texts for name, texts in held.items() if len(set(texts)) > 1}
+    differing = own_differences(designs)
 
     def cell(design: int, section: str, name: str) -> Told:
         text = shown_value(designs[design], section, name) or "not given"
@@ -172,10 +170,7 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
                     (str(INPUTS[section][name].label), *(cell(design, section, name) for design in columns))
                     for section, name in keys
                 ),
-                *(
-                    (f"Contributor {printable(name)}", *(texts[design] for design in columns))
-                    for name, texts in differing.items()
-                ),
+                *((name, *(texts[design] for design in columns)) for name, texts in differing.items()),
             ),
             "" if keys or differing else "The designs have the same inputs.",
         )
@@ -183,13 +178,30 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
     return _in_parts(len(budgets), labels, inputs, wide)
 
 
-def _contributor(design: Design, name: str) -> str:
-    """A contributor in a cell."""
-    one = next((one for one in design.contributors if one.name == name), None)
-    if one is None:
-        return "not given"
-    allowance = f" + {percent(one.allowance)}" if one.allowance else ""
-    return f"{one.show(6)}{allowance} in {one.enters}, {one.kind}, {one.processing}"
+def own_differences(designs: Sequence[Design]) -> dict[str, list[str]]:
+    """Contributors, requirements of the user's own and allocation that differ: what each is in every design."""
+    told = [_own_words(design) for design in designs]
+    names = dict.fromkeys(name for words in told for name in words)
+    found = {name: [words.get(name, "not given") for words in told] for name in names}
+    return {name: texts for name, texts in found.items() if len(set(texts)) > 1}
+
+
+def _own_words(design: Design) -> dict[str, str]:
+    """Each contributor, limit and the allocation of a design in words."""
+    said = {}
+    for one in design.contributors:
+        allowance = f" + {percent(one.allowance)}" if one.allowance else ""
+        texts = (f"{one.show(6)}{allowance} in {one.enters}", one.kind, one.processing,
+                 one.owner and f"owner {one.owner}", one.source)  # fmt: skip
+        said[f"Contributor {printable(one.name)}"] = printable(", ".join(filter(None, texts)))
+    for limit in design.limits:
+        record = limit.record()
+        said[f"Requirement {printable(limit.name)}"] = printable(", ".join(list(record.values())[1:]))
+    if design.allocation:
+        plan = design.allocation
+        locks = (f"{lock.name} {lock.show(6)} of {lock.requirement}" for lock in plan.locks)
+        said["Allocation"] = printable(", ".join((plan.split, f"reserve {percent(plan.reserve)}", *locks)))
+    return said
 
 
 def _in_parts(

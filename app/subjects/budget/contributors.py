@@ -8,10 +8,10 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.declared import held
+from app.document.allocation import NOTHING, SPLIT_WORDS, entry_texts, outcome
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.budget.allocation import NOTHING, SPLIT_WORDS, entry_texts, outcome
 from app.ui.html_pane import html_pane
 from app.ui.row_editor import Field, RowEditor, Rows
 from app.ui.theme import PRINT_NOTHING

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from app.document.allocation import allocation_table
 from app.document.blocks import Section
 from app.document.chart_block import chart_block
 from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts, timelines
-from app.subjects.budget.allocation import allocation_table
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import (
     contributor_table,

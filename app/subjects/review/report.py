@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from importlib.metadata import version
 
+from app.document.allocation import owners_table
 from app.document.blocks import Answer, Block, Cell, Chapter, Row, Section, Table, Text, Told, numbers, table
 from app.document.numbers import NONE
 from app.document.verdict import check_words, met_cell
 from app.document.wording import printable, shortened
 from app.library.reviews import Comment, Decision, Review
 from app.library.texts import counted, moment
+from app.report.comparison import own_differences
 from nav_model.budget import Budget
 from nav_model.budget.result import Check
 from nav_model.budget.verdict import label_of
@@ -17,11 +19,24 @@ from nav_model.design.parts import INPUTS
 
 
 def audit_sections(review: Review) -> tuple[Section, ...]:
-    """The sections behind the designs: comments, all decisions, the record."""
+    """The sections behind the designs: owners where a design has its own, comments, decisions, the record."""
+    shares = any(revision.budget().design.own.tables() for revision in review.revisions)
     return (
+        *((Section("audit-owners", "Allocation and owners", owner_tables(review)),) if shares else ()),
         Section("audit-log", "Comments and decisions in order", (comment_table(review), decision_table(review))),
         Section("audit-record", "Record of the review", (audit_table(review),)),
     )
+
+
+def owner_tables(review: Review) -> tuple[Block, ...]:
+    """Who answers for which part of each requirement, and what of that is not the same in every design."""
+    budgets = [revision.budget() for revision in review.revisions]
+    labels = [f"D{item.place}" for item in review.items]
+    differing = own_differences([budget.design for budget in budgets])
+    same = Text("Contributors, requirements of your own and allocation are the same in every design.")
+    changed = table("review-changed", "What differs between the designs", (("Entry", 1.4), *labels),
+                    ((name, *texts) for name, texts in differing.items()))  # fmt: skip
+    return owners_table(budgets, labels), changed if differing else same
 
 
 def outcome(review: Review) -> Answer:

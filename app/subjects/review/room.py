@@ -78,7 +78,13 @@ class ReviewRoom(View):
         self._all = SortableTable(self._pressed, visible=self.param.review.rx.is_(None), margin=(4, 10))
         self._table = DecisionTable(self._decided, visible=False, sizing_mode="stretch_width", margin=(4, 10))
         self._comments, self._record = html_pane(_EMPTY), html_pane("")
-        self._folded = Folded([("Record: every decision, frozen designs, signature", lambda: self._record)])
+        self._owners = html_pane("")
+        self._folded = Folded(
+            [
+                ("Allocation: owners, and what changed between designs", lambda: self._owners),
+                ("Record: every decision, frozen designs, signature", lambda: self._record),
+            ]
+        )
         self._comments.visible = presenting.rx.not_()
         shown = {"visible": presenting.rx.not_()}
         self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=300, **LOOK, **shown)
@@ -217,6 +223,7 @@ class ReviewRoom(View):
                 self.answer = state_of(review)
                 self._offer(review)
                 self._comments.object = html_of(report.comment_table(review)) if review.comments else ""
+                self._owners.object = html_of(*report.owner_tables(review))
                 self._record.object = html_of(report.decision_table(review), report.audit_table(review))
                 self._turned()
         self.follow(open_)

@@ -11,15 +11,20 @@ from pathlib import Path
 import pypdf
 import pytest
 
+from app.document.numbers import show
+from app.document.pane import html_of
 from app.library.place import library, use_library
 from app.library.reviews import Review, add_comment, decide, open_review, sign
 from app.library.store import Library
 from app.report import report_bytes
 from app.report.comparison import difference_tables
-from app.subjects.review.report import audit_sections, audit_table, front_page, status_table
+from app.subjects.review.report import audit_sections, audit_table, front_page, owner_tables, status_table
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
+from nav_model.budget.allocation import allocate
+from nav_model.design import Design
 from nav_model.design.file import read_design
+from nav_model.design.own import read_own
 
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 EXAMPLES = Path(__file__).parents[4] / "examples"
@@ -118,3 +123,34 @@ def test_the_library_is_opened_only_when_asked_for_and_a_failure_is_not_final(tm
         assert (tmp_path / "file" / "library.db").exists()
     finally:
         use_library("")
+
+
+def test_owners_and_what_changed_between_designs_can_be_seen(tmp_path: Path) -> None:
+    """A requirement of one's own is decided on like any other; the record says who answers for what."""
+    place = Library(tmp_path / "library.db")
+    base = Design({"requirements.detrended_phase": 1.0})
+    arm = {"name": "<arm>", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics", "source": "survey"}
+    heading = {"name": "heading", "on": "coast_heading", "limit": "5°"}
+    tables = [
+        {"contributors": [arm], "limits": [heading]},
+        {"contributors": [arm | {"owner": "radar", "value": "2 mm"}], "limits": [heading],
+         "allocation": {"reserve": "10 %"}},
+    ]  # fmt: skip
+    designs = [base.replace({}, own=read_own(each)) for each in tables]
+    keys = [place.save(analyse(design), "Ann", "").key for design in designs]
+    review = open_review(place, "Owners", "Ann", keys)
+    assert (2, "heading") in review.open_points()
+    review = decide(place, review.id, 2, "heading", True, "Bob", "")
+    assert (2, "heading") not in review.open_points()
+    said = html_of(*owner_tables(review))
+    assert "<arm>" not in said
+    assert "mechanics, radar" in said
+    for design in designs:
+        entry = next(one for one in allocate(analyse(design), "detrended_phase").entries if one.source == "<arm>")
+        assert f"{show(entry.allocated, 'angle')} ({show(entry.estimated, 'angle')})" in said
+    changed = said[said.index("What differs") :]
+    for text in ("owner mechanics, survey", "owner radar, survey", "2 mm in detrended_phase", "reserve 10 %"):
+        assert text in changed
+    assert "heading" not in changed
+    assert "Allocation and owners" in [section.title for section in audit_sections(review)]
+    place.close()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 
-from app.document.blocks import Cell, Column, Table, Text
+from app.document.blocks import Table, Text, numbers, table
 from app.document.numbers import NONE, decibels, percent, show, signed_percent
 from app.document.wording import printable
 from nav_model.base.errors import InputError
@@ -52,26 +54,44 @@ def outcome(found: Allocation, check: Check, plan: Allotment) -> str:
 
 def allocation_table(budget: Budget, check: Check, key: str) -> Table | Text:
     """The allocation of one requirement, as the design says."""
-    plan = budget.design.allocation or Allotment()
     try:
         found = allocate(budget, check.name)
     except InputError as error:
         return Text(f"Allocation of {check.label}: {error}")
-    locked = {entry.source for entry in found.entries if entry.locked}
-    return Table(
+    said = outcome(found, check, budget.design.allocation or Allotment())
+    locked = {printable(entry.source) for entry in found.entries if entry.locked}
+    return table(
         f"{key}-allocation-{budget.verdict.checks.index(check)}",
-        f"Allocation of {check.label}",
+        f"Allocation of {printable(check.label)}",
+        (("Source", 1.5), *numbers("Allocated", "Estimated", "Margin"), "Owner"),
         (
-            Column("Source", width=1.5),
-            Column("Allocated", numeric=True),
-            Column("Estimated", numeric=True),
-            Column("Margin", numeric=True),
-            Column("Owner"),
+            (f"{source}, locked" if source in locked else source, *rest)
+            for source, *rest in (row.values() for row in entry_texts(found, check.dimension))
         ),
-        tuple(
-            (Cell(f"{row['source']}, locked" if row["source"] in locked else row["source"]),
-             *(Cell(row[name]) for name in ("allocated", "estimated", "margin", "owner")))
-            for row in entry_texts(found, check.dimension)
+        f"{said} Random entries combine in quadrature, systematic ones linearly.",
+    )
+
+
+def owners_table(budgets: Sequence[Budget], labels: Sequence[str]) -> Table | Text:
+    """Who answers for each source of each requirement, and what it may take in each design."""
+    cells: dict[tuple[str, str], dict[int, str]] = {}
+    owners: dict[tuple[str, str], dict[str, None]] = {}
+    for place, budget in enumerate(budgets):
+        for check in budget.verdict.checks:
+            with suppress(InputError):  # a lock of a source that is gone, which the report says
+                for row in entry_texts(allocate(budget, check.name), check.dimension):
+                    key = printable(check.label), row["source"]
+                    cells.setdefault(key, {})[place] = f"{row['allocated']} ({row['estimated']})"
+                    owners.setdefault(key, {})[row["owner"]] = None
+    if not cells:
+        return Text(NOTHING)
+    return table(
+        "review-owners",
+        "What each source may take, and its estimate in brackets",
+        (("Requirement", 1.4), ("Source", 1.4), "Owner", *numbers(*labels)),
+        (
+            (*key, ", ".join(owners[key]), *(texts.get(place, NONE) for place in range(len(budgets))))
+            for key, texts in cells.items()
         ),
-        f"{outcome(found, check, plan)} Random entries combine in quadrature, systematic ones linearly.",
-    )  # fmt: skip
+        "Several owners: the designs name different ones.",
+    )
