@@ -4,7 +4,7 @@ PORT ?= 5006
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 
-.PHONY: run lock test check test-slow validation bench load soak sbom lint system clean
+.PHONY: run lock lint test check test-slow tests browser simulator validation bench load soak sbom system clean
 .DEFAULT_GOAL := run
 
 # Installs what a lock file names, each file checked against its digest. uv does so in a fraction of pip's time; where
@@ -53,19 +53,41 @@ system:
 	  $$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends $$missing; }
 
 lint: .venv/.test
-	$(BIN)/python tests/support/run.py lint
+	@failed=; for one in "ruff check ." "ruff format --check ." mypy lint-imports "hadolint Dockerfile"; do \
+	  $(BIN)/$$one || failed=1; done; test -z "$$failed"
 
-# Lint and both halves of the tests, each to its end. ORDER=random runs the files, and what is in each, in random order.
+# Lint and both halves of the tests run beside each other, as much of a test is waiting for a server or a page: each to
+# its end, and what it has to say then. ORDER=random runs the files, and what is in each, in random order; ORDER=12345 is
+# an order that was random again.
+BESIDE = $(MAKE) --no-print-directory --jobs --output-sync --keep-going
+WORKERS := $(shell cores=$$(nproc 2>/dev/null || echo 2); echo $$((cores > 5 ? cores / 2 : 2)))
+RANDOM_ORDER = --random-order-bucket=module $(patsubst %,--random-order-seed=%,$(filter-out random,$(ORDER)))
+# As a module: processes that a test starts find its file then.
+PYTEST = $(BIN)/python -m pytest -p no:benchmark -n $(WORKERS) --dist loadfile --no-loadscope-reorder \
+  $(if $(ORDER),$(RANDOM_ORDER)) $(KIND)
+# A hundred processes that each compile every source anew are a third of the whole time.
+unexport PYTHONDONTWRITEBYTECODE
+
 test: .venv/.test system
-	$(BIN)/python tests/support/run.py test $(ORDER)
+	+$(BESIDE) lint tests browser
 
 # A minute at most, for while one works: lint and what is quick of the tests without a browser.
 check: .venv/.test
-	$(BIN)/python tests/support/run.py check $(ORDER)
+	+$(BESIDE) lint tests KIND="-m 'not slow and not long'"
 
 # What is too long for every time: many runs, and the longer ways through the browser.
 test-slow: .venv/.test system
-	$(BIN)/python tests/support/run.py slow $(ORDER)
+	+$(BESIDE) tests browser KIND="-m slow --hypothesis-profile searching"
+
+tests: simulator
+	$(PYTEST) --ignore tests/browser
+
+browser: simulator
+	$(PYTEST) tests/browser
+
+# Compiled before the tests: two workers that find nothing compiled would each do it.
+simulator: .venv/.test
+	@$(BIN)/python -m nav_model.simulation.warm
 
 # What the Theory page says results were compared with, from the tests that compare them.
 validation: .venv/.test
