@@ -85,7 +85,9 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required]) -> Table:
     )
     return table(
         f"{unit}-required",
-        "Largest values with which every limit of the design is met, all at once",
+        "Largest values with which every limit of the design is met, all at once"
+        if design.allocation is None
+        else "Largest values within the design's allocation: all at once meet each limit less its reserve",
         (("Quantity", 1.4), *numbers("At most", "Accepted reading", "Assumed so far", width=1)),
         rows,
         f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ.",

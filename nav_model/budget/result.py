@@ -318,14 +318,17 @@ class Check:
         """Shares by sensor: the initial tilt counts for the noises that cause it, tilt growth in a coast for the
         gyros. [T-18]"""
         charged: dict[str, float] = {}
-        makers: dict[str, Shares] = {
-            "initial tilt": self.tilt_shares,
-            "coast before aperture": FrozenMapping({"gyro noise": 1.0}),
-        }
         for source, share in self.shares.items():
-            for sensor, part in makers.get(source, {source: 1.0}).items():
+            for sensor, part in makers_of(self, source).items():
                 charged[sensor] = charged.get(sensor, 0.0) + share * part
         return FrozenMapping(charged)
+
+
+def makers_of(check: Check, source: str) -> Shares:
+    """The noises that make a source of a check, with their shares in it; itself where it is one. [T-18]"""
+    if source == "coast before aperture":
+        return FrozenMapping({"gyro noise": 1.0})
+    return check.tilt_shares if source == "initial tilt" else FrozenMapping({source: 1.0})
 
 
 @dataclass(frozen=True)

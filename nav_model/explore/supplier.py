@@ -1,8 +1,9 @@
 """What a supplier of an inertial unit or a receiver has to deliver for a design, and how a log shows it.
 
-The required values are the largest multiple of the design's own, all of one unit together, with which every limit is
-still met: each can be at its limit at once. A log is accepted where the upper confidence limit of its reading is
-within the required value, so that noise in the test counts against the unit.
+The required values are those that the design's allocation leaves to the sources of a unit. Without one they are the
+largest multiple of the design's own, all of one unit together, with which every limit is still met: each can be at
+its limit at once. A log is accepted where the upper confidence limit of its reading is within the required value, so
+that noise in the test counts against the unit.
 
 Sources: IEEE Std 952-1997, annex C (Allan variance of inertial sensors); NIST SP 1065, sections 5.3 and 5.4
 (confidence from chi-square); C. Greenhall and W. Riley, PTTI 2003 (equivalent degrees of freedom).
@@ -21,6 +22,9 @@ from nav_model.allan.degrees import degrees_of_freedom
 from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
 from nav_model.base.units import from_si, to_si
+from nav_model.budget import analyse
+from nav_model.budget.allocation import allocate
+from nav_model.budget.result import makers_of
 from nav_model.design import Design
 from nav_model.explore.margins import limits, quantity, ratios, worst
 
@@ -70,15 +74,18 @@ class Acceptance:
 
 
 def required(design: Design, unit: Unit) -> tuple[Required, ...]:
-    """The lines of the sheet of a unit.
+    """The lines of the sheet of a unit: from the design's allocation where it has one.
 
     Raises
     ------
     InputError
-        If the design gives no requirement, if no unit of this kind meets them, or if every unit does.
+        If the design gives no requirement, if no unit of this kind meets them, or if every unit does; if its
+        allocation does not close.
     """
     if not limits(design):
         raise InputError("requirements", "none is given; give at least one limit to require values for")
+    if design.allocation is not None:
+        return _allocated(design, unit)
     now = {key: float(value) for key in _NOISES[unit] if isinstance(value := design[key], float)}
     low, high = math.log(1 / _LARGEST), math.log(_LARGEST)
     if not _closes(design, now, math.exp(low)):
@@ -89,6 +96,32 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
         middle = (low + high) / 2
         low, high = (middle, high) if _closes(design, now, math.exp(middle)) else (low, middle)
     return tuple(Required(key, _down(key, math.exp(low) * value, design), value) for key, value in now.items())
+
+
+def _allocated(design: Design, unit: Unit) -> tuple[Required, ...]:
+    """Each noise times the least ratio of allocated to estimated among the entries that it makes.
+
+    An entry of one source scales with it. The initial tilt scales no more than the largest factor of the noises that
+    make it, so that all of them are held to its ratio. The filter that fits the new noises is better than the old one
+    with them, so that each limit less its reserve is met with all values at once.
+    """
+    budget, factors = analyse(design), dict[str, float]()
+    for check in budget.verdict.checks:
+        found = allocate(budget, check.name)
+        if not found.closes:
+            raise InputError(
+                "allocation", f"{check.label} does not close: {', '.join(found.blocked_by)} locked too high"
+            )
+        for entry in found.entries:
+            for maker in makers_of(check, entry.source):
+                factors[maker] = min(factors.get(maker, math.inf), entry.allocated / entry.estimated)
+    now = {key: float(value) for key in _NOISES[unit] if isinstance(value := design[key], float)}
+    if not any(quantity(key).source in factors for key in now):
+        raise InputError(unit, "no limit depends on its noise: every unit meets the limits or none does")
+    return tuple(
+        Required(key, _down(key, factors.get(quantity(key).source, 1.0) * value, design), value)
+        for key, value in now.items()
+    )
 
 
 def _closes(design: Design, now: Mapping[str, float], factor: float) -> bool:

@@ -11,7 +11,9 @@ from nav_model.allan.deviation import overlapping_allan_deviation
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
+from nav_model.budget.allocation import allocate
 from nav_model.budget.figures import FIGURES
+from nav_model.design.own import read_own
 from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, judge_log, required
 
 DESIGN = read_design("examples/tactical_x_band.toml")
@@ -25,6 +27,34 @@ def test_with_all_required_values_at_once_every_limit_is_met_and_one_percent_mor
     assert not analyse(DESIGN.replace({key: 1.011 * value for key, value in at.items()})).verdict.closes
     ratios = [line.value / line.current for line in lines]
     assert max(ratios) == pytest.approx(min(ratios), rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["tactical_x_band", "l_band_jet", "mems_x_band"])
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+@pytest.mark.parametrize("split", ["equal", "shares", "cheapest"])
+def test_values_from_the_allocation_meet_each_limit_less_its_reserve(name: str, mode: str, split: str) -> None:
+    plan = read_own({"allocation": {"split": split, "reserve": "20 %"}})
+    design = read_design(f"examples/{name}.toml").replace({"processing.mode": mode}, own=plan)
+    found = {line.key: line for unit in ("imu", "gnss") for line in required(design, unit)}  # type: ignore[arg-type]
+    new = analyse(design.replace({key: line.value for key, line in found.items()}))
+    assert all(check.value <= 0.8 * check.limit * (1 + 1e-9) for check in new.verdict.checks), [
+        (check.name, check.value / check.limit) for check in new.verdict.checks
+    ]
+    # The noise that limits one entry is at its part: written out for gyro noise in the tightest.
+    gyro = found["imu.angle_random_walk"]
+    ratios = [
+        entry.allocated / entry.estimated
+        for check in analyse(design).verdict.checks
+        for entry in allocate(analyse(design), check.name).entries
+        if entry.source in ("gyro noise", "initial tilt", "coast before aperture")
+    ]
+    assert min(ratios) * 0.99 < gyro.value / gyro.current <= min(ratios)
+
+
+def test_an_allocation_that_does_not_close_has_no_sheet() -> None:
+    plan = read_own({"allocation": {"locks": {"detrended_phase": {"gyro noise": "1000°"}}}})
+    with pytest.raises(InputError, match="gyro noise locked too high"):
+        required(DESIGN.replace({}, own=plan), "imu")
 
 
 def test_what_no_unit_meets_and_a_design_without_limits_are_refused() -> None:
