@@ -53,7 +53,7 @@ class Subject:
 SUBJECTS: tuple[Subject, ...] = (
     Subject("budget", "Budget", "page:BudgetPage", "command", "report"),
     Subject("simulation", "Simulate", "page:SimulatePage", "command", "report", "Simulation"),
-    Subject("trajectory", "Trajectory", "page:TrajectoryPage", "command"),
+    Subject("trajectory", "Trajectory", "page:TrajectoryPage", "command", "report", "Trajectory"),
     Subject("sar", "SAR", "page:SarPage", "command", "report", "SAR"),
     Subject(
         "suborbital",

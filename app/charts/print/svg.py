@@ -152,6 +152,7 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
         axes.set_xlim(*chart.x_range)
     if chart.square:
         axes.set_box_aspect(1.0)
+        axes.set_aspect("equal", adjustable="datalim")
     if chart.y_range is not None:
         axes.set_ylim(*chart.y_range)
     if not chart.x_log:

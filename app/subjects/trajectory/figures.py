@@ -84,3 +84,9 @@ def cause_at(result: TrajectoryResult, name: str, at: int) -> str:
     """The source with the largest share of a figure at an output."""
     shares: NDArray[np.float64] = result.chosen.shares[FIGURES[name].shares][:, at]
     return "" if np.isnan(shares).all() else result.sources[int(np.nanargmax(shares))]
+
+
+def main_figure(result: TrajectoryResult) -> str:
+    """The figure to show first: the one that is least within its limit on some line, or the detrended phase."""
+    within = [(share, name) for line in result.lines for name, share in line.within.items()]
+    return min(within, default=(1.0, "detrended_phase"), key=lambda pair: pair[0])[1]

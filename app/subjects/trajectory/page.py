@@ -22,6 +22,7 @@ from app.session import Session
 from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
 from app.subjects.trajectory.fields import PlanFields
 from app.subjects.trajectory.figures import FIGURES
+from app.subjects.trajectory.kml import as_kml
 from app.subjects.trajectory.run import File, Followed, Rows, follow, row_of, waypoints_in, waypoints_of_lines
 from app.subjects.trajectory.tables import line_table, verdict
 from app.ui.answer_strip import AnswerStrip
@@ -183,6 +184,11 @@ class TrajectoryPage(View):
         result: Followed | None = self.run.result
         return result
 
+    @param.depends("run.result", watch=True)
+    def _found(self) -> None:
+        if self._result is not None:
+            self._session.keep("trajectory", self._result)
+
     @param.depends("run.result", "run.running", "run.message", "figure", watch=True)
     def _show(self) -> None:
         with pn.io.hold():
@@ -228,6 +234,7 @@ class TrajectoryPage(View):
         return pn.FlexBox(
             download("Everything (JSON)", "trajectory.json", lambda: as_json(known())),
             download("Figures (CSV)", "trajectory.csv", lambda: as_csv(known())),
+            download("Lines with their verdict (KML)", "trajectory.kml", lambda: as_kml(known())),
             *takes(lambda found: map_chart(found, self.figure), known),
             *takes(self._drawn_shares, known),
             stylesheets=[PRINT_NOTHING],

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.parts import Trajectory
 
 if TYPE_CHECKING:
     from nav_model.trajectory.plan import Waypoint
@@ -33,12 +34,24 @@ class File:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """The covariance along the flight, and its path [m] north and east of the start."""
+    """The covariance along the flight, its path [m] north and east of the start, and the file it is of, if any."""
 
     design: Design
     result: TrajectoryResult
     north: NDArray[np.float64]
     east: NDArray[np.float64]
+    file: str = ""
+
+    @property
+    def flight(self) -> str:
+        """The flight in words."""
+        study, lines = self.result.spec.study, len(self.result.spec.lines)
+        plan: Any = Trajectory.param["flight"]
+        what = f"the file {self.file}" if self.file else plan.options[self.design.trajectory.flight]
+        gaps = ", ".join(f"{start:g} s to {stop:g} s" for start, stop in study.outages)
+        counted = f"{lines} line{'' if lines == 1 else 's'}, " if lines else ""
+        told = f"Flight: {what}, {counted}{study.duration:.0f} s; outages: {gaps or 'none'}"
+        return f"{told}; filter of {study.filter.states} states."
 
     def place(self, north: float, east: float) -> tuple[float, float]:
         """Latitude and longitude [rad] of a place north and east of the start [m]."""
@@ -80,7 +93,11 @@ def follow(design: Design, states: int, file: File | None = None) -> Followed:
     position = result.truth.position
     north, east = _scales(position[0])
     return Followed(
-        design, result, north * (position[:, 0] - position[0, 0]), east * (np.unwrap(position[:, 1]) - position[0, 1])
+        design,
+        result,
+        north * (position[:, 0] - position[0, 0]),
+        east * (np.unwrap(position[:, 1]) - position[0, 1]),
+        file.name if file else "",
     )
 
 

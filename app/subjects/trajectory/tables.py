@@ -33,7 +33,7 @@ def verdict(followed: Followed, name: str) -> Answer:
         word = f"{lines - len(failing)} of {lines} line{'' if lines == 1 else 's'} within the limits"
     else:
         word = f"{percent(min(result.lines[0].within.values()))} of the flight within the limits"
-    told = "; ".join(_failure(result, line) for line in failing[:_MOST_TOLD])
+    told = "; ".join(failure(result, line) for line in failing[:_MOST_TOLD])
     more = f"; {len(failing) - _MOST_TOLD} more fail" if len(failing) > _MOST_TOLD else ""
     sentences = (f"{told[0].upper()}{told[1:]}{more}.",) if told else ()
     return Answer(
@@ -43,7 +43,7 @@ def verdict(followed: Followed, name: str) -> Answer:
     )
 
 
-def _failure(result: TrajectoryResult, line: LineResult) -> str:
+def failure(result: TrajectoryResult, line: LineResult) -> str:
     """Where a line fails first, in which figure, and from what: "line 3 fails 12 s after its start: ..."."""
     from nav_model.trajectory.lines import along
 

@@ -77,7 +77,10 @@ _REFUSED = [
     ("explore uncertainty DESIGN --vary nonsense", "not a range"),
     ("explore search DESIGN --imus /nowhere.toml", "cannot be read"),
     ("sweep /nowhere.toml -o x.csv", "cannot be read"),
-    ("report DESIGN -o r.pdf --with weather", "--with: 'weather' is not a study; simulation, sar, suborbital"),
+    (
+        "report DESIGN -o r.pdf --with weather",
+        "--with: 'weather' is not a study; simulation, trajectory, sar, ",
+    ),
     ("report DESIGN -o r.pdf --with sar --runs 3", "--runs: 3 is not allowed. Enter 20"),
     ("report DESIGN -o r.pdf --with sar --seed -1", "--seed: -1"),
     ("report DESIGN -o r.pdf --with simulation --outage then", "--outage: 'then'"),

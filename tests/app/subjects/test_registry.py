@@ -31,7 +31,7 @@ def test_what_a_subject_names_is_there(subject: Subject) -> None:
 def test_every_room_is_registered_and_no_other() -> None:
     rooms = {path.parent.name for path in Path(app.subjects.__file__).parent.glob("*/__init__.py")}
     assert {subject.key for subject in SUBJECTS} == rooms
-    assert list(STUDIES) == ["simulation", "sar", "suborbital"]  # what `navbudget report --with` takes
+    assert list(STUDIES) == ["simulation", "trajectory", "sar", "suborbital"]  # what `navbudget report --with` takes
 
 
 def test_addresses_of_the_pages_stay() -> None:

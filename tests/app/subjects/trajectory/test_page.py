@@ -9,7 +9,9 @@ import json
 import math
 from collections import OrderedDict
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -17,18 +19,25 @@ from bokeh.events import DoubleTap
 from waiting import soon
 
 import app.subjects.trajectory.page as trajectory_page
+from app import cli
 from app.charts.kinds import to_csv
+from app.dashboard.report_choice import ReportChoice
+from app.document.blocks import Answer, ChartBlock
 from app.document.pane import html_of
+from app.report.studies import study_sections
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
-from app.subjects.trajectory.figures import FIGURES
+from app.subjects.trajectory.figures import FIGURES, main_figure
+from app.subjects.trajectory.kml import NAMESPACE, as_kml
 from app.subjects.trajectory.page import TrajectoryPage, as_csv, as_json
 from app.subjects.trajectory.run import File, Followed, follow
 from app.subjects.trajectory.tables import line_table, verdict
 from app.work import kept
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.file import format_design
+from nav_model.trajectory.files import kml_waypoints
 
 # A button of panel-material-ui passes its own look on in the old words too.
 pytestmark = [
@@ -219,3 +228,50 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     assert (first[3], first[2], second[2]) == ("first", 3000.0, session.design.flight.altitude)
     with pytest.raises(InputError, match=r"Flight: .* too long for this page"):
         follow(first_design().replace({"trajectory.duration": 1e5}), 9)
+
+
+def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> None:
+    plan = {
+        "trajectory.flight": "waypoints",
+        "trajectory.waypoints": (
+            (0.82, 0.14, 3000.0, "out & <b>in</b>"), (0.8215, 0.14, 3000.0, ""), (0.823, 0.14, 3000.0, "wide"),
+            (0.8245, 0.14, 3000.0, ""),
+        ),
+        "trajectory.limits": (("wide", 1e3, 1e3, *[None] * 3, 1e3, 1e3, *[None] * 4),),
+    }  # fmt: skip
+    text = as_kml(follow(first_design().replace(plan), 9))
+    assert b"<b>" not in text
+    marks = ElementTree.fromstring(text).iter(f"{{{NAMESPACE}}}Placemark")
+    flight, out, wide = [{part.tag.partition("}")[2]: part for part in mark} for mark in marks]
+    assert [mark["name"].text for mark in (flight, out, wide)] == ["flight", "out & <b>in</b>", "wide"]
+    assert [mark["styleUrl"].text for mark in (out, wide)] == ["#fails", "#closes"]
+    assert str(out["description"].text).startswith("out & <b>in</b> fails ")
+    assert wide["description"].text == "wide keeps its limits."
+    assert flight["description"].text == "Flight: waypoints, 2 lines, 319 s; outages: none; filter of 9 states."
+    (again,) = [point for point in kml_waypoints(text, "again") if point.line == "wide"][:1]
+    assert (again.latitude, again.longitude) == pytest.approx((0.823, 0.14), abs=1e-5)
+
+
+def test_a_report_has_the_lines_of_the_design_that_it_is_of(
+    session: Session, followed: Followed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = TrajectoryPage(session)
+    after(page, page.start)
+    chosen = ReportChoice(session)
+    assert chosen.offered() == [{"kind": "trajectory", "label": "Trajectory in the report", "ticked": True}]
+    session.change({"trajectory.flight": "lines"})
+    assert "belong to another design: Trajectory" in chosen.lacking()
+    told, drawn = study_sections({"trajectory": followed}, followed.design, "d1")
+    assert isinstance(told.blocks[0], Answer)
+    assert told.blocks[0].word == "✗ 0 of 2 lines within the limits"
+    assert [block.chart.title for block in drawn.blocks if isinstance(block, ChartBlock)][:2] == [
+        "Map", FIGURES[main_figure(followed.result)].label,
+    ]  # fmt: skip
+    design, target = tmp_path / "two.toml", tmp_path / "r.html"
+    design.write_text(format_design(followed.design), encoding="utf-8")
+    assert cli.main(["report", str(design), "--with", "trajectory", "-o", str(target)]) == 0
+    html = target.read_text(encoding="utf-8")
+    assert "0 of 2 lines within the limits" in html
+    assert "Flight: parallel lines, 2 lines, " in html
+    assert "outages: 100 s to 130 s" in html
+    assert "wrote" in capsys.readouterr().err

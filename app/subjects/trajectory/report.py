@@ -1,0 +1,61 @@
+"""The covariance along a flight as sections of a report."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+from app.document.blocks import Section, Text
+from app.document.chart_block import chart_block
+from app.document.wording import identified, printable
+from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
+from app.subjects.trajectory.figures import main_figure
+from app.subjects.trajectory.run import Followed, follow
+from app.subjects.trajectory.tables import line_table, verdict
+from nav_model.design import Design
+from nav_model.equations.literature import WORKS
+
+REFERENCES = (f"{WORKS['Bryson 1963']} Smoothing along the flight.",)
+_STATES = 9
+
+
+def study(design: Design, options: argparse.Namespace) -> Followed:
+    """The covariance along the flight of the design's plan, for `navbudget report --with trajectory`.
+
+    Raises
+    ------
+    InputError
+        For a key of the design that cannot be flown.
+    """
+    del options  # those of runs
+    return follow(design, _STATES)
+
+
+def belongs(study: Followed, design: Design) -> bool:
+    """Whether it is of exactly this design."""
+    return study.design.content_hash == design.content_hash
+
+
+def of_design(study: Followed) -> str:
+    """The design it is of."""
+    return identified(study.design)
+
+
+def sections(study: Followed, key: str) -> tuple[Section, ...]:
+    """The verdict and the lines, then the charts of what is limited most."""
+    name = main_figure(study.result)
+    lines = line_table(study, name)
+    drawn = (map_chart(study, name), *timelines(study, name), shares_chart(study, name))
+    return (
+        Section(
+            f"{key}-trajectory",
+            "Trajectory: the figures along the planned flight",
+            (verdict(study, name), Text(printable(study.flight)), replace(lines, key=f"{key}-{lines.key}")),
+            REFERENCES,
+        ),
+        Section(
+            f"{key}-trajectory-charts",
+            "Trajectory: along the flight",
+            tuple(chart_block(chart, key) for chart in drawn),
+        ),
+    )
