@@ -66,6 +66,8 @@ class Limit(Sized):
 
     def __post_init__(self) -> None:
         check_text(f"{self.where}.name", self.name)
+        if not self.name[:1].isalnum():  # it heads columns of tables: "=1+1" would be a formula there
+            raise InputError(f"{self.where}.name", "must begin with a letter or a digit.", self.name)
         if self.name in ENTERED or self.name in ("requirements", "all requirements"):
             raise InputError(self.where, "is the name of a requirement already. Choose another name.", self.name)
         if not 0 < self.value < math.inf:

@@ -211,6 +211,7 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     columns.setdefault("processing.mode", [plan.design.processing.mode] * (stop - start))
     names = list(limits(_varied(plan.design, ())))
     limited = [name for name in FIGURES if name in names or f"requirements.{FIGURES[name]}" in columns]
+    limited += [limit.name for limit in plan.design.limits]
     results = {name: np.empty(stop - start) for name in plan.results}
     margins = {name: np.empty(stop - start) for name in limited}
     slow = [i for i, axis in enumerate(plan.axes) if axis.key not in VARIABLES]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,6 +17,8 @@ from nav_model.design.link import from_query, to_query
 from nav_model.design.own import read_own
 from nav_model.explore.margins import ratios
 from nav_model.explore.solve import solve
+from nav_model.explore.sweep import whole_sweep
+from nav_model.explore.sweep_plan import read_plan
 
 _SENSORS = {
     "imu.angle_random_walk": 1e-5, "imu.velocity_random_walk": 1e-3, "imu.gyro_bias": 1e-6,
@@ -141,6 +144,7 @@ def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None
         ({"limits": [{"name": "a", "on": "ce90", "limit": "1 m", "confidence": 2}]}, "limits[a].confidence"),
         ({"limits": [_HEADING | {"name": "tilt"}]}, "limits[tilt]"),
         ({"limits": [_HEADING | {"name": "a\nb"}]}, "limits[a\\nb].name"),
+        ({"limits": [_HEADING | {"name": "=HYPERLINK(1)"}]}, "limits[=HYPERLINK(1)].name"),
         ({"limits": [_HEADING, _HEADING | {"name": "Heading"}]}, "limits[Heading]"),
         ({"limits": [_HEADING | {"name": f"n{n}"} for n in range(1000)]}, "limits"),
         ({"limits": [_HEADING | {"colour": "red"}]}, "limits[heading].colour"),
@@ -161,3 +165,15 @@ def test_what_is_wrong_is_refused_by_name(tables: dict[str, Any], named: str) ->
     with pytest.raises(InputError) as refused:
         read_own(tables)
     assert refused.value.key == named
+
+
+def test_a_sweep_has_their_margins_and_closes_by_them(tmp_path: Path) -> None:
+    design = _design(_HEADING)
+    (tmp_path / "design.toml").write_text(format_design(design), encoding="utf-8")
+    (tmp_path / "plan.toml").write_text(
+        'design = "design.toml"\n[vary]\nimu.angle_random_walk = ["0.1 °/√h", "1 °/√h"]\n', encoding="utf-8"
+    )
+    columns = whole_sweep(read_plan(tmp_path / "plan.toml"))
+    margins = [1 - 3 * math.radians(walk / 60) * math.sqrt(30) / math.radians(0.1) for walk in (0.1, 1.0)]
+    assert list(columns["heading_margin"]) == pytest.approx(margins)
+    assert list(columns["closes"]) == [True, False]
