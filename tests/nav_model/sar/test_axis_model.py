@@ -3,7 +3,7 @@
 import batch
 import numpy as np
 import pytest
-from scipy.linalg import expm, solve_discrete_are
+from scipy.linalg import expm
 
 from nav_model.processing.flight import Channel
 from nav_model.sar.axis_model import (
@@ -11,7 +11,6 @@ from nav_model.sar.axis_model import (
     inertial_drift,
     information_after,
     noise_path,
-    steady_covariance,
 )
 from nav_model.sar.smoother import rts_smooth
 
@@ -23,31 +22,6 @@ def van_loan(model, step):
     block = expm(np.block([[-drift, noise], [np.zeros((3, 3)), drift.T]]) * step)
     phi = block[3:, 3:].T
     return phi, phi @ block[:3, 3:]
-
-
-@pytest.mark.parametrize("step", [0.01, 1.0, 7.5])
-def test_transition_and_noise_are_van_loans(table_designs, step):
-    model, _ = table_designs["GNSS 1 m"]
-    phi, noise = van_loan(model, step)
-    np.testing.assert_allclose(inertial_drift(model, step)[0], phi, rtol=1e-12)
-    np.testing.assert_allclose(inertial_drift(model, step)[1], noise, rtol=1e-6, atol=1e-16)
-
-
-@pytest.mark.parametrize("name", ["GNSS 1 m", "GNSS 2 cm", "short"])
-def test_steady_state_is_that_of_the_riccati_solver(table_designs, name):
-    model, _ = table_designs[name]
-    phi, noise = inertial_drift(model, model.fix_interval)
-    prior = solve_discrete_are(phi.T, np.eye(3)[:, :1], noise, np.array([[model.gnss_sigma**2]]))
-    np.testing.assert_allclose(steady_covariance(model).prior, prior, rtol=1e-6)
-
-
-def test_a_vertical_axis_has_no_tilt():
-    model = AxisModel(0.05 / 60, 1e-4, 1.0, 0.1, horizontal=False)
-    steady = steady_covariance(model)
-    assert not steady.prior[2].any()
-    # [T-4]: the continuous closed form, approached with frequent fixes.
-    s = np.sqrt(0.1)
-    assert steady.prior[0, 0] == pytest.approx(np.sqrt(2) * s**1.5 * np.sqrt(0.05 / 60), rel=0.02)
 
 
 def test_noise_path_has_the_covariance_of_integrated_noise(table_designs):

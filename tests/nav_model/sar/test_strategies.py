@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from quadratic_forms import corrected_residual_variance, exact_corrected_variance
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_discrete_are
 
-from nav_model.sar.axis_model import AxisModel, inertial_drift, steady_covariance
+from nav_model.sar.axis_model import inertial_drift, steady_covariance
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.strategies import (
@@ -18,7 +17,6 @@ from nav_model.sar.strategies import (
     quadratic_correction,
     tracking_filter,
 )
-from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_residual_variance
 
 pytestmark = pytest.mark.long
 
@@ -38,44 +36,6 @@ def assert_mean(sample, expected, sigmas=4.0):
     error = np.std(sample) / np.sqrt(len(sample))
     assert abs(np.mean(sample) - expected) < sigmas * error
     assert sigmas * error < 0.2 * expected
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", ["GNSS 1 m", "GNSS 2 cm", "short"])
-def test_closed_forms_of_2_3_5_and_5w(table_designs, ensembles, name):
-    (model, aperture), result = table_designs[name], ensembles[name]
-    tilt = steady_covariance(model).posterior[2, 2] / model.gravity**2
-    inertial = (aperture, model.accelerometer_noise, model.gyro_noise)
-    squares = {key: decompose(result.of(key)).detrended_rms ** 2 for key in STRATEGY_KEYS}
-    assert_mean(squares["2"], ins_variances(*inertial, tilt).detrended)
-    assert_mean(squares["3"], ins_variances(*inertial, tilt, COAST).detrended)
-    fixes = np.arange(result.fixes) * model.fix_interval
-    exact = exact_corrected_variance(*inertial, model.gnss_sigma, fixes)
-    assert_mean(squares["5"], exact)
-    printed = corrected_residual_variance(*inertial, model.gnss_sigma, model.fix_interval, fixes=result.fixes)
-    assert_mean(squares["5"], printed)
-    curvature = ins_variances(*inertial, tilt).quadratic
-    fit = fit_quadratic_sigma(model.gnss_sigma, model.fix_interval, aperture, result.fixes) ** 2
-    rest = corrected_residual_variance(*inertial, 1e-9, model.fix_interval, fixes=result.fixes)
-    assert_mean(squares["5w"], shrunk_residual_variance(curvature, fit, rest))
-
-
-@pytest.mark.parametrize("name", ["GNSS 1 m", "GNSS 2 cm", "short"])
-def test_quadratic_phase_error_is_s5_and_s7(table_designs, ensembles, name):
-    (model, aperture), result = table_designs[name], ensembles[name]
-    tilt = steady_covariance(model).posterior[2, 2] / model.gravity**2
-    inertial = (aperture, model.accelerometer_noise, model.gyro_noise)
-    assert_mean(decompose(result.of("2")).quadratic ** 2, ins_variances(*inertial, tilt).quadratic)
-    assert_mean(decompose(result.of("3")).quadratic ** 2, ins_variances(*inertial, tilt, COAST).quadratic)
-    added = decompose(result.of("5") - result.of("2")).quadratic
-    ins_part = decompose(
-        quadratic_correction(
-            result.time, result.of("2"), np.arange(result.fixes) * 1.0, np.zeros((RUNS, result.fixes))
-        )
-        - result.of("2")
-    ).quadratic
-    fit = fit_quadratic_sigma(model.gnss_sigma, model.fix_interval, aperture, result.fixes)
-    assert_mean((added - ins_part) ** 2, fit**2)
 
 
 # sar.md's table: detrended rms and QPE std [mm] from 300 runs; where it also printed the two.
@@ -111,19 +71,6 @@ def test_no_strategy_beats_the_smoother_and_5w_loses_to_neither(ensembles, name)
     assert not squares["1"].any()
 
 
-def test_filter_path_has_the_steady_covariance_and_jumps(table_designs, ensembles):
-    model, _ = table_designs["GNSS 1 m"]
-    result, steady = ensembles["GNSS 1 m"], steady_covariance(table_designs["GNSS 1 m"][0])
-    raw = result.of("4")
-    at_fix = np.isclose(result.time % 1.0, 0.0)
-    assert_mean(np.mean(raw[:, at_fix] ** 2, axis=1), steady.posterior[0, 0])
-    just_before = np.flatnonzero(at_fix)[1:] - 1  # 50 ms before the fix
-    assert np.mean(raw[:, just_before] ** 2) == pytest.approx(steady.prior[0, 0], rel=0.05)
-    gain = steady.prior[0, 0] / (steady.prior[0, 0] + model.gnss_sigma**2)
-    jump = gain * np.sqrt(steady.prior[0, 0] + model.gnss_sigma**2)
-    assert_mean(result.jump_rms**2, jump**2)
-
-
 def test_no_coast_makes_3_equal_to_2_and_the_seed_makes_it_repeatable(table_designs):
     model, aperture = table_designs["short"]
     first = simulate_axis(model, aperture, 0.0, 10, seed=3)
@@ -132,19 +79,6 @@ def test_no_coast_makes_3_equal_to_2_and_the_seed_makes_it_repeatable(table_desi
     np.testing.assert_allclose(first.of("3"), first.of("2"), atol=1e-12)
     other = simulate_axis(model, aperture, 0.0, 10, seed=4)
     assert np.abs(other.of("2") - first.of("2")).max() > 1e-4
-
-
-def test_biases_and_a_coast_that_is_no_multiple_of_the_interval():
-    model = AxisModel(1e-5, 1e-7, 0.5, 1.0, accelerometer_bias=2e-3, gyro_bias=1e-5)
-    aperture, coast = 8.0, 12.5
-    result = simulate_axis(model, aperture, coast, 3000, seed=8, rate=20)
-    tilt = steady_covariance(model).posterior[2, 2] / model.gravity**2
-    arguments = (aperture, 1e-5, 1e-7, tilt)
-    biases = {"accelerometer_bias": 2e-3, "gyro_bias": 1e-5}
-    for key, coasted in (("2", 0.0), ("3", coast)):
-        parts = decompose(result.of(key))
-        assert_mean(parts.detrended_rms**2, ins_variances(*arguments, coasted, **biases).detrended)
-        assert_mean(parts.quadratic**2, ins_variances(*arguments, coasted, **biases).quadratic)
 
 
 def test_the_tracking_filter_solves_its_differential_equation(compared):

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
@@ -16,7 +13,7 @@ import pytest
 from nav_model.design import Design
 from nav_model.simulation.departures import chain, departures
 from nav_model.simulation.monte_carlo import chunks, run_chunk, simulate
-from nav_model.simulation.result import to_arrays, to_csv, to_json
+from nav_model.simulation.result import to_arrays
 from nav_model.simulation.single_run import POSTERIOR, fly
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
 
@@ -103,28 +100,6 @@ def test_memory_does_not_grow_with_the_runs(short):
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 1.2 * peaks[0]
-
-
-def test_the_document_holds_the_contracts_keys(short):
-    result = simulate(replace(short, runs=12), closed_form=closed_form)
-    document = json.loads(json.dumps(to_json(result), allow_nan=False))
-    assert {"runs", "seed", "simulated_s", "wall_s", "consistent", "nees", "time_s"} <= document.keys()
-    assert document["nees"].keys() == {"mean", "low", "high", "states"}
-    assert document["simulated_s"] == 12 * 60.0
-    assert document["time_s"] == pytest.approx(np.arange(0.0, 61.0, 2.0))
-    units = {"position": "m", "velocity": "m_s", "attitude": "rad"}
-    for group, unit in units.items():
-        axes = ["roll", "pitch", "yaw"] if group == "attitude" else ["north", "east", "down"]
-        assert list(document[group]) == axes
-        for axis in axes:
-            for key in ("rms", "filter_sigma", "closed_form_sigma"):
-                assert len(document[group][axis][f"{key}_{unit}"]) == 31
-    assert result.verdict.endswith("12 runs")
-    rows = list(csv.reader(io.StringIO(to_csv(result))))
-    assert len(rows) == 32
-    assert len(rows[0]) == 2 + 27
-    with pytest.raises(ValueError, match="closed_form gave shape"):
-        simulate(replace(short, runs=1), closed_form=lambda coast, elapsed: np.zeros(3))
 
 
 def check_against_closed_form(spec: SimulationSpec) -> float:
