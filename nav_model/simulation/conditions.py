@@ -20,7 +20,8 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
     flight, said = design.flight, []
     if spec.trajectory.kind == "file":
         said.append(
-            "The flight comes from the file; the design's speed, latitude, altitude and heading are not used."
+            "The flight comes from the file or plan; the formulas take the design's speed, latitude, altitude and "
+            "heading."
         )
     else:
         local = float(normal_gravity(math.sin(flight.latitude), flight.altitude))

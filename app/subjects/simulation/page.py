@@ -56,11 +56,13 @@ from nav_model.budget import Budget
 from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
+_PLAN = "plan"
 _FLIGHTS = {
     "Nearly straight": "wandering",
     "Exactly straight": "straight",
     "Turns, then a long leg": "turns",
     "A climb half way": "climb",
+    "The design's flight plan": _PLAN,
     "From a file (CSV)": "file",
 }
 _AXES = ["north", "east", "down"]
@@ -148,7 +150,7 @@ class SimulatePage(View):
 
     def show(self, _: Budget) -> None:
         """Follow the current budget: a result of other instruments or another flight is marked stale."""
-        if self._result is None or not same_subject(self._result.study.design, self._session.design):
+        if self._result is None or not same_subject(self._result.study, self._session.design):
             self._recall()
         self._write()
 
@@ -160,14 +162,13 @@ class SimulatePage(View):
             "Trajectory file", ".csv", _UPLOAD, self._uploaded, lambda why: self._say(f"Not used. {why}"),
             visible=choices.trajectory.rx() == "file",
         )  # fmt: skip
+        own = choices.trajectory.rx() != _PLAN  # a plan has its length and outages
         return (
             pmui.Select.from_param(choices.trajectory, width=180, **_LOOK),
             self._upload,
             names(choices.runs, width=70, **_LOOK),
-            names(choices.length, width=90, **_LOOK),
-            names(
-                choices.outages, placeholder="start,stop; start,stop", width=140,
-            ),
+            names(choices.length, width=90, visible=own, **_LOOK),
+            names(choices.outages, placeholder="start,stop; start,stop", width=140, visible=own),
             names(choices.seed, width=65, **_LOOK),
             pmui.Select.from_param(choices.states, width=110, **_LOOK),
         )  # fmt: skip
@@ -215,7 +216,7 @@ class SimulatePage(View):
                 notes.append(f"The rest was not flown. Press Start to fly all {flown.wanted}.")
         elif self.run.message.startswith("Cancelled"):
             notes.append("The last run was cancelled. This is the result before it.")
-        if not same_subject(flown.study.design, self._session.design):
+        if not same_subject(flown.study, self._session.design):
             notes.append("Stale: the instruments or the flight have changed since.")
         return said, " ".join(notes)
 
@@ -251,6 +252,9 @@ class SimulatePage(View):
 
         async def work(run: Run) -> Flown:
             self._asked = self._settings.asked
+            if self.trajectory == _PLAN:
+                # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
+                await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.design_study")
             return await fly(run, self._session.design, self._specification())
 
         self.run.start(work)
@@ -286,19 +290,24 @@ class SimulatePage(View):
             Naming the field, the option or the key of the design.
         """
         runs, seed = whole_number("Runs", self.runs, 1, _MOST_RUNS), whole_number("Seed", self.seed, 0, 2**53)
-        length = number("Length", self.length, 1.0, 1e6)
+        length, outages = number("Length", self.length, 1.0, 1e6), outages_of(self.outages)
         flight: str | TrajectorySpec = self.trajectory
         if flight == "file":
             if self._file is None:
                 raise InputError("Trajectory file", "open a CSV file first")
             flight = self._file
+        elif flight == _PLAN:
+            from nav_model.trajectory.design_study import planned
+
+            plan = planned(self._session.design)
+            flight, length, outages = plan.trajectory, plan.duration, self._session.design.trajectory.outages
         spec = specification(
             self._session.design,
             trajectory=flight,
             runs=runs,
             seed=seed,
             duration=length,
-            outages=outages_of(self.outages),
+            outages=outages,
             every=max(1.0, round(length / _POINTS)),
             states=self.states,
             more=self._more.inputs,

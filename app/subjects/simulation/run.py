@@ -105,10 +105,11 @@ async def _fly(run: Run, design: Design, spec: SimulationSpec, nominal: RunRecor
     return await study(total)
 
 
-def same_subject(one: Design, other: Design) -> bool:
-    """Whether a study of one design holds for another: instruments and flight agree, whatever the rest."""
+def same_subject(study: SimulationStudy, other: Design) -> bool:
+    """Whether a study holds for another design too: instruments and flight agree, whatever the rest."""
+    sections = {"imu", "gnss", "flight"} | ({"trajectory"} if study.result.spec.trajectory.kind == "file" else set())
     return all(
         value == other[key]
-        for key, value in one.items()
-        if key.partition(".")[0] in {"imu", "gnss", "flight"} and not key.endswith(".preset")
+        for key, value in study.design.items()
+        if key.partition(".")[0] in sections and not key.endswith(".preset")
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,35 +11,53 @@ from numpy.typing import NDArray
 from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, Span
 from app.subjects.trajectory.figures import FIGURES, limit_of, limits_along
 from app.subjects.trajectory.run import Followed
+from nav_model.trajectory.specification import Aiding
+
+if TYPE_CHECKING:
+    from nav_model.simulation.result import SimulationResult
 
 _DEG = 180 / math.pi
 _TIME = "time [s]"
 _NO_TIME, _NOTHING = np.array([0.0, 300.0]), np.full(2, np.nan)
 _MOST_OUTAGES = 4
 _MOST_SOURCES = 6
-_SHARE_STYLES = ("horizontal", "vertical", "yaw", "tilt", "simulated, yaw", "refined", "reference")
+_SHARE_STYLES = ("horizontal", "vertical", "yaw", "tilt", "filter", "does not close", "reference")  # a colour each
+_RUNS = {
+    "horizontal_position": [0, 1], "vertical_position": [2], "horizontal_velocity": [3, 4],
+    "vertical_velocity": [5], "tilt": [6, 7], "yaw": [8],
+}  # fmt: skip
+_ALIKE = ("imu", "gnss", "trajectory", "filter", "initial", "outages")  # of two studies that fly the same
 _HOW = "Covariance along the flight: no runs, no closed form; 1σ just after a fix."
 _USUAL = (("horizontal", "horizontal refined"), ("vertical", "vertical refined"))
 
 
-def timelines(followed: Followed | None, name: str) -> tuple[Chart, ...]:
-    """The figure `name`, position, velocity and attitude; None: the frames alone. All on one time array."""
+def timelines(followed: Followed | None, name: str, flown: SimulationResult | None = None) -> tuple[Chart, ...]:
+    """The figure `name`, position, velocity and attitude; None: the frames alone. All on one time array.
+
+    flown: simulated runs, laid over the curves where they are of the same flight.
+    """
     figure = FIGURES[name]
     time = _NO_TIME if followed is None else followed.result.time_s
     spans = _outages(followed)
 
+    runs = simulated(followed, flown)
+
     def pair(key: str, label: str, of: str, scale: float, styles: tuple[str, str]) -> list[Line]:
-        """One figure in real time and post-processed."""
+        """One figure in real time and post-processed, and of runs where they have it."""
         values = [_NOTHING, _NOTHING]
         if followed is not None:
             both = followed.result.real_time, followed.result.post_processed
             values = [scale * (one.attitude[:, 2] if of == "yaw" else one.figure(of)) for one in both]
         ends = (label, "")
         processed = ("real time", "post-processed")
-        return [
+        lines = [
             Line(f"{key} {when}", f"{label}, {when}", time, y, style, "covariance", end)
             for when, y, style, end in zip(processed, values, styles, ends, strict=True)
         ]
+        if of in _RUNS:
+            y = scale * runs[of] if runs else np.full(len(time), np.nan)
+            lines.append(Line(f"{key} runs", f"{label}, simulated", time, y, "reference", "runs, rms", ""))
+        return lines
 
     def chart(key: str, title: str, y_label: str, lines: list[Line], limits: tuple[Limit, ...] = ()) -> Chart:
         return Chart(f"trajectory-{key}", title, _TIME, y_label, tuple(lines), limits=limits, spans=spans,
@@ -128,6 +147,23 @@ def shares_chart(followed: Followed, name: str) -> Chart:
         y_range=(0.0, 100.0),
         knowledge=f"{_HOW} {result.spec.limits.processing.capitalize()}; the shares add up to one at every time.",
     )
+
+
+def simulated(followed: Followed | None, flown: SimulationResult | None) -> dict[str, Array]:
+    """Rms of runs just after a fix, of the axis that is worse along the flight, by figure; none of another flight."""
+    if followed is None or flown is None:
+        return {}
+    result = followed.result
+    own = result.spec.study
+    same = all(getattr(own, part) == getattr(flown.spec, part) for part in _ALIKE) and result.spec.aiding == Aiding()
+    if not same:
+        return {}
+    sigma = np.hstack([result.real_time.position, result.real_time.velocity, result.real_time.attitude])
+    rms = np.column_stack([np.interp(result.time_s, flown.time_s, flown.rms[1][:, axis]) for axis in range(9)])
+    return {
+        name: np.take_along_axis(rms, np.argmax(sigma[:, axes], axis=1)[:, None] + axes[0], axis=1)[:, 0]
+        for name, axes in _RUNS.items()
+    }
 
 
 def _outages(followed: Followed | None) -> tuple[Span, ...]:

@@ -19,7 +19,7 @@ from app.declared import chosen, held
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
+from app.subjects.trajectory.charts import map_chart, shares_chart, simulated, timelines
 from app.subjects.trajectory.fields import PlanFields
 from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.kml import as_kml
@@ -54,7 +54,8 @@ _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
-_KEY = '<span class="quiet fine">solid: real time · dashed: post-processed · grey: no fixes</span>'
+_KEY = '<span class="quiet fine">solid: real time · dashed: post-processed · grey: no fixes{}</span>'
+_RUNS = " · dotted: simulated on this flight"
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 _WAITING = Answer("Working", "open", ("The covariance along the flight follows.",))
 
@@ -96,6 +97,7 @@ class TrajectoryPage(View):
                 )
             ),
         )
+        session.param.watch(self._flown, "findings")
         self._settings = StudySettings(session, "trajectory", self, ("states", "figure"), lambda: None)
         self._follow_plan()
         self._write()
@@ -184,6 +186,11 @@ class TrajectoryPage(View):
         result: Followed | None = self.run.result
         return result
 
+    def _flown(self, event: Any) -> None:
+        """Lay the runs of a new simulation over the curves."""
+        if event.new.get("simulation") is not event.old.get("simulation"):
+            self._show()
+
     @param.depends("run.result", watch=True)
     def _found(self) -> None:
         if self._result is not None:
@@ -198,12 +205,15 @@ class TrajectoryPage(View):
         """Strip, charts and what was unfolded."""
         found, run = self._result, self.run
         self._strip.show(*self._answer())
-        charts = timelines(found, self.figure)
+        study = self._session.findings.get("simulation")
+        flown = study and study.result
+        charts = timelines(found, self.figure, flown)
         if found is not None:
             self._stack.feed(charts)
             self._show_shares(found)
         said, knowledge = "".join(map(described, charts)), charts[0].knowledge
-        self._head.say(head_html("Along the flight", knowledge, said, _COMING if found is None else _KEY))
+        key = _COMING if found is None else _KEY.format(_RUNS if simulated(found, flown) else "")
+        self._head.say(head_html("Along the flight", knowledge, said, key))
         if not run.running:
             self._details.follow()
 

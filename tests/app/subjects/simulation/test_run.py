@@ -9,6 +9,8 @@ from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import panel as pn
@@ -39,6 +41,7 @@ from nav_model.design import Design
 from nav_model.design.link import split_link
 from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
+from nav_model.trajectory import design_study as trajectory_study
 
 pytestmark = pytest.mark.long
 
@@ -148,10 +151,17 @@ def test_outages_as_people_write_them_and_no_others() -> None:
 
 
 def test_only_instruments_and_flight_make_a_study_stale() -> None:
+    def flown(kind: str) -> Any:
+        spec = SimpleNamespace(trajectory=SimpleNamespace(kind=kind))
+        return SimpleNamespace(design=DESIGN, result=SimpleNamespace(spec=spec))
+
     others = {"name": "b", "radar.slant_range": 9e3, "requirements.tilt": 0.1, "coast.duration": 9.0}
-    assert same_subject(DESIGN, DESIGN.replace(others))
+    assert same_subject(flown("straight"), DESIGN.replace(others))
     for key, value in (("imu.rate", 200.0), ("gnss.interval", 0.5), ("flight.gravity", 9.79)):
-        assert not same_subject(DESIGN, DESIGN.replace({key: value}))
+        assert not same_subject(flown("straight"), DESIGN.replace({key: value}))
+    planned = DESIGN.replace({"trajectory.bank": 0.2})
+    assert same_subject(flown("straight"), planned)
+    assert not same_subject(flown("file"), planned)
 
 
 @pytest.mark.long
@@ -267,6 +277,11 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
         for name, value in before.items():
             setattr(page, name, value)
     assert page._specification().outages == ((200.0, 300.0),)
+    plan = {"trajectory.flight": "lines", "trajectory.outages": ((30.0, 40.0),)}
+    planned = SimulatePage(Session(DESIGN.replace(plan)))
+    planned.trajectory = "plan"
+    spec, flight = planned._specification(), trajectory_study.planned(DESIGN.replace(plan))
+    assert (spec.trajectory, spec.duration, spec.outages) == (flight.trajectory, flight.duration, ((30.0, 40.0),))
     sheet, key = page._more.sheet, "gyro.bias_instability"
     sheet.enter(key, "25 °/h")
     assert page._specification().imu.gyro.bias_instability == pytest.approx(25 * np.pi / 648_000)

@@ -8,8 +8,10 @@ import io
 import json
 import math
 from collections import OrderedDict
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -37,6 +39,7 @@ from app.work import kept
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design
+from nav_model.simulation.monte_carlo import simulate
 from nav_model.trajectory.files import kml_waypoints
 
 # A button of panel-material-ui passes its own look on in the old words too.
@@ -228,6 +231,23 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     assert (first[3], first[2], second[2]) == ("first", 3000.0, session.design.flight.altitude)
     with pytest.raises(InputError, match=r"Flight: .* too long for this page"):
         follow(first_design().replace({"trajectory.duration": 1e5}), 9)
+
+
+def test_simulated_runs_of_the_same_flight_are_laid_over_the_curves(session: Session, followed: Followed) -> None:
+    spec = replace(followed.result.spec.study, runs=60, every=5.0)
+    flown = SimpleNamespace(result=simulate(spec, workers=1))
+    lines = {line.key: line for chart in timelines(followed, "tilt", flown.result) for line in chart.lines}
+    for of in ("horizontal", "vertical", "tilt", "yaw"):
+        ratio = lines[f"{of} runs"].y[100:] / lines[f"{of} real time"].y[100:]
+        assert np.abs(np.median(ratio) - 1.0) < 0.15  # one of 60 runs: 9 %, and the axes differ
+    other = timelines(followed, "tilt", simulate(replace(spec, runs=2, outages=()), workers=1))
+    assert np.isnan(next(line.y for line in other[1].lines if line.key == "vertical runs")).all()
+    session.change(TWO_LINES)
+    page = TrajectoryPage(session)
+    after(page, page.start)
+    assert "simulated on this flight" not in page._head.object
+    session.keep("simulation", flown)
+    assert "simulated on this flight" in page._head.object
 
 
 def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> None:
