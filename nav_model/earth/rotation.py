@@ -66,39 +66,29 @@ def euler_error_map(pitch: FloatArray, yaw: FloatArray) -> FloatArray:
 
 
 def quaternion_from_matrix(matrix: ArrayLike) -> FloatArray:
-    """Unit quaternions (..., 4) of matrices (..., 3, 3), of either sign.
-
-    Each is divided by the largest of its four components, so that no rotation loses digits.
-
-    Source: Shepperd, Quaternion from rotation matrix, Journal of Guidance and Control 1, 1978.
-    """
-    r = np.asarray(matrix, dtype=np.float64)
-    trace = r[..., 0, 0] + r[..., 1, 1] + r[..., 2, 2]
-    squares = np.stack([trace, r[..., 0, 0], r[..., 1, 1], r[..., 2, 2]], axis=-1)
-    best = np.argmax(squares, axis=-1)
-    a = r[..., 2, 1] - r[..., 1, 2]
-    b = r[..., 0, 2] - r[..., 2, 0]
-    c = r[..., 1, 0] - r[..., 0, 1]
-    xy = r[..., 0, 1] + r[..., 1, 0]
-    xz = r[..., 0, 2] + r[..., 2, 0]
-    yz = r[..., 1, 2] + r[..., 2, 1]
-    diagonal = 1.0 - trace[..., None] + 2.0 * np.stack([r[..., k, k] for k in range(3)], axis=-1)
-    candidates = np.stack(
-        [
-            np.stack([1.0 + trace, a, b, c], axis=-1),
-            np.stack([a, diagonal[..., 0], xy, xz], axis=-1),
-            np.stack([b, xy, diagonal[..., 1], yz], axis=-1),
-            np.stack([c, xz, yz, diagonal[..., 2]], axis=-1),
-        ],
-        axis=-2,
-    )
-    q = np.take_along_axis(candidates, best[..., None, None], axis=-2)[..., 0, :]
-    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
+    """Unit quaternions (..., 4) of matrices (..., 3, 3), of either sign."""
+    return np.asarray(_rotations().from_matrix(matrix, assume_valid=True).as_quat(scalar_first=True))
 
 
 def matrix_from_quaternion(quaternion: ArrayLike) -> FloatArray:
     """Matrices (..., 3, 3) of unit quaternions (..., 4)."""
-    return matrix_of(*_terms(*np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)))
+    return np.asarray(_rotations().from_quat(quaternion, scalar_first=True).as_matrix())
+
+
+def matrix_from_vector(vector: ArrayLike) -> FloatArray:
+    """exp([v x]), (..., 3, 3), of rotation vectors (..., 3)."""
+    return np.asarray(_rotations().from_rotvec(vector).as_matrix())
+
+
+def vector_from_matrix(matrix: ArrayLike) -> FloatArray:
+    """Rotation vectors (..., 3) of matrices (..., 3, 3), no longer than pi: the inverse of `matrix_from_vector`."""
+    return np.asarray(_rotations().from_matrix(matrix, assume_valid=True).as_rotvec())
+
+
+def _rotations() -> Any:
+    from scipy.spatial.transform import Rotation  # late: a budget starts without it
+
+    return Rotation
 
 
 def skew(vector: ArrayLike) -> FloatArray:
@@ -107,51 +97,13 @@ def skew(vector: ArrayLike) -> FloatArray:
     return matrix_of(0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
 
 
-def matrix_from_vector(vector: ArrayLike) -> FloatArray:
-    """exp([v x]), (..., 3, 3), of rotation vectors (..., 3) (Rodrigues' formula)."""
-    v = np.asarray(vector, dtype=np.float64)
-    angle = np.linalg.norm(v, axis=-1)[..., None, None]
-    cross = skew(v)
-    # np.sinc is sin(pi x)/(pi x): both coefficients stay exact down to a zero angle.
-    first = np.sinc(angle / np.pi)
-    second = 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2
-    return np.asarray(np.eye(3) + first * cross + second * (cross @ cross))
-
-
-def vector_from_matrix(matrix: ArrayLike) -> FloatArray:
-    """Rotation vectors (..., 3) of matrices (..., 3, 3), no longer than pi: the inverse of `matrix_from_vector`."""
-    w, x, y, z = np.moveaxis(quaternion_from_matrix(matrix), -1, 0)
-    axis = np.stack([x, y, z], axis=-1) * np.where(w < 0.0, -1.0, 1.0)[..., None]
-    length = np.linalg.norm(axis, axis=-1)
-    half = np.arctan2(length, np.abs(w))
-    scale = np.where(length > 1e-12, 2.0 * half / np.where(length > 1e-12, length, 1.0), 2.0)
-    return np.asarray(axis * scale[..., None])
-
-
-def _terms(w: Any, x: Any, y: Any, z: Any) -> tuple[Any, ...]:
-    """The nine elements of a matrix, row by row, from the components of its unit quaternion."""
-    return (
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y - w * z),
-        2.0 * (x * z + w * y),
-        2.0 * (x * y + w * z),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - w * x),
-        2.0 * (x * z - w * y),
-        2.0 * (y * z + w * x),
-        1.0 - 2.0 * (x * x + y * y),
-    )
-
-
-_terms_kernel = part(_terms)
-
-
 @part
 def write_matrix(q: FloatArray, out: FloatArray) -> None:
     """Write the 3 x 3 matrix of the unit quaternion `q` into `out`."""
-    terms = _terms_kernel(q[0], q[1], q[2], q[3])
-    for i in range(9):
-        out[i // 3, i % 3] = terms[i]
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    out[0, 0], out[0, 1], out[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    out[1, 0], out[1, 1], out[1, 2] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    out[2, 0], out[2, 1], out[2, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
 @part

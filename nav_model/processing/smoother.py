@@ -34,7 +34,7 @@ _IN_THE_MIDDLE = frozenset(("position", "velocity", "tilt"))  # the others are o
 # then cubics.
 _QUADRATICS = np.array([[0, 0, 3 / 2, 0, 0, 0], [0, 1, 0, 9 / 14, 0, 0], [1, 0, 11 / 14, 0, 2 / 7, 0]])
 _CUBICS = np.array([[0, 0, 0, 5 / 2, 0, 0], [0, 0, 3 / 2, 0, 10 / 9, 0], [0, 1, 0, 23 / 18, 0, 50 / 99]])
-_AT_ONCE = 512  # designs, so that their matrices stay in the cache
+_AT_ONCE = 1024  # designs, so that their matrices stay in the cache
 
 
 def smoothed_error(
