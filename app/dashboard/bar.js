@@ -57,10 +57,15 @@ export function render({ model }) {
   const tell = (message) => model.send_msg(message)
   const [name, tabs, tools, more, chooser] = [".design input", ".tabs", ".tools", ".more", ".chooser"].map(at)
 
-  at(".skip").onclick = () => {
+  const skip = at(".skip")
+  skip.onclick = () => {
     const result = find(".strip[role=status]") ?? find(".main-content")
     result?.setAttribute("tabindex", "-1")
     result?.focus()
+  }
+  const first = () => {  // the first stop of Tab: before the button of the drawer, in the frame's own part of the bar
+    const around = find(".MuiToolbar-root")
+    if (around && skip.parentNode !== around) around.prepend(skip)
   }
 
   // --- name of the design ---
@@ -82,9 +87,10 @@ export function render({ model }) {
   const turned = () => buttons.forEach((tab, index) => {
     tab.setAttribute("aria-selected", index === model.active)
     tab.tabIndex = index === model.active ? 0 : -1
-    if (index === model.active) tab.scrollIntoView?.({ block: "nearest", inline: "nearest" })
+    if (index === model.active) tab.scrollIntoView?.({ block: "nearest", inline: "start" })
   })
-  new ResizeObserver(turned).observe(tabs)  // on a phone the tab in view may be out of sight until the bar has its width
+  // On a phone the tab in view may be out of sight until the bar has its width.
+  new ResizeObserver(() => { first(); turned() }).observe(tabs)
   buttons.forEach((tab, index) => { tab.onclick = () => { model.active = index } })
   tabs.onkeydown = (event) => {
     const here = buttons.indexOf(event.target)

@@ -21,7 +21,7 @@ def ranks_html(chart: DotChart, best: str = "") -> str:
     )
     columns = ["Strategy", "", "[°]", *(["with along-track [°]"] if chart.has_wholes else [])]
     caption = f"{escape(chart.title)}: {escape(chart.x_label)}"
-    heads = "".join(f'<th scope="col">{head}</th>' for head in columns)
+    heads = "".join(f'<th scope="col">{head}</th>' if head else "<td></td>" for head in columns)
     return (
         f'<table class="ranks"><caption class="hidden">{caption}</caption><thead><tr>{heads}</tr></thead>'
         f'<tbody>{rows}</tbody><tfoot aria-hidden="true"><tr><td></td><td><div>{scale.axis()}</div>'

@@ -87,8 +87,8 @@ def theory() -> str:
 
 
 def _symbols() -> Table:
-    rows = ((f"{_MATH}{s.math}", s.meaning, s.unit) for s in ALL_SYMBOLS)
-    return table("all-symbols", "Symbols", ("Symbol", "Meaning", "Unit"), rows)
+    rows = ((s.meaning, f"{_MATH}{s.math}", s.unit) for s in ALL_SYMBOLS)  # a row's heading is text
+    return table("all-symbols", "Symbols", ("Meaning", "Symbol", "Unit"), rows)
 
 
 def _folded(place: str, title: str, note: str, body: str, *, opened: bool = False) -> str:
