@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from html import escape
 
-from app.document.blocks import Block
-from app.document.pane import html_of
 from app.ui.theme import SHEET
 from app.upstream.text_pane import TextPane
 
@@ -13,11 +11,6 @@ from app.upstream.text_pane import TextPane
 def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
     """Our own HTML, in the product's sheet."""
     return TextPane(text, stylesheets=[SHEET], sizing_mode="stretch_width", margin=margin)
-
-
-def block_pane(*blocks: Block, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
-    """Blocks of a document on a page; assign ``html_of(...)`` to its object to change them."""
-    return html_pane(html_of(*blocks), margin)
 
 
 def stale_mark(why: str) -> str:

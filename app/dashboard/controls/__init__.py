@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from typing import Any
 
 from app.dashboard.controls.choice import ChoiceInput
 from app.dashboard.controls.design_input import DesignInput
@@ -11,15 +12,9 @@ from app.dashboard.controls.quantity import QuantityInput
 from app.dashboard.controls.table import TableInput
 from app.session import Session
 from app.ui.input_sheet import Group
-from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.declaration import Choice
 from nav_model.design.parts import INPUTS, PARTS
 from nav_model.design.table import Table
-
-_KINDS: dict[type, Callable[[Session, str], DesignInput]] = {
-    BaseQuantity: QuantityInput,
-    Table: TableInput,
-    Choice: ChoiceInput,
-}
 
 
 def design_groups(session: Session, opened: Iterable[str]) -> list[Group]:
@@ -34,10 +29,15 @@ def design_groups(session: Session, opened: Iterable[str]) -> list[Group]:
     return groups
 
 
-def input_of(session: Session, key: str) -> DesignInput:
+def input_of(session: Session, key: str) -> DesignInput[Any]:
     """The input under a dotted key."""
     section, _, name = key.partition(".")
     if name == "preset":
-        return PresetInput(session, key)
-    make = next(kind for declared, kind in _KINDS.items() if isinstance(INPUTS[section][name], declared))
-    return make(session, key)
+        return PresetInput(session, key, None)
+    match INPUTS[section][name]:
+        case Table() as table:
+            return TableInput(session, key, table)
+        case Choice() as choice:
+            return ChoiceInput(session, key, choice)
+        case quantity:
+            return QuantityInput(session, key, quantity)

@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from app.dashboard.controls.design_input import DesignInput
-from app.session import Session
 from app.ui.input_sheet import Row, choice_row
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.declaration import Choice
-from nav_model.design.parts import declaration_of
 
 
-class ChoiceInput(DesignInput):
+class ChoiceInput(DesignInput[Choice]):
     """A select, or a switch, for one choice."""
-
-    def __init__(self, session: Session, key: str) -> None:
-        super().__init__(session, key)
-        declared = declaration_of(key)
-        assert isinstance(declared, Choice)
-        self._declared = declared
 
     def row(self) -> Row:
         """Its options; none for a switch."""

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import Generic, TypeVar
 
 from app.session import Session
 from app.ui.input_sheet import Row, SheetInput
 from nav_model.design import Design
 
+_D = TypeVar("_D")  # what declares the input
 
-class DesignInput(SheetInput):
+
+class DesignInput(SheetInput, Generic[_D]):
     """A row that is told anew only when something in it has changed: at most steps of a slider nothing has."""
 
-    def __init__(self, session: Session, key: str) -> None:
+    def __init__(self, session: Session, key: str, declared: _D) -> None:
         super().__init__(key)
-        self.session = session
+        self.session, self._declared = session, declared
         self._seen: object = None
         self._told: Row = {}
 

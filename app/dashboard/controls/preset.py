@@ -11,7 +11,7 @@ from nav_model.design.catalogue import Entry, catalogue, find
 from nav_model.design.presets import deviations, entry_of, kind_of, preset_fill, preset_of
 
 
-class PresetInput(DesignInput):
+class PresetInput(DesignInput[None]):
     """The catalogue, first in its section, with a button that restores the entry's values."""
 
     @property

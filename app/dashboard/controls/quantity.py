@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from app.dashboard.controls.design_input import DesignInput
 from app.session import Session
 from app.ui.input_sheet import Row, text_row
@@ -10,20 +12,16 @@ from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity, with_point
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import declaration_of
 from nav_model.design.presets import entry_of, preset_of
 
 _DIGITS = 12  # of a text: what a sum of floats adds beyond is nothing that anybody typed
 
 
-class QuantityInput(DesignInput):
+class QuantityInput(DesignInput[BaseQuantity[Any]]):
     """Box, units and perhaps slider of one quantity."""
 
-    def __init__(self, session: Session, key: str) -> None:
-        super().__init__(session, key)
-        declared = declaration_of(key)
-        assert isinstance(declared, BaseQuantity)
-        self._declared = declared
+    def __init__(self, session: Session, key: str, declared: BaseQuantity[Any]) -> None:
+        super().__init__(session, key, declared)
         self._scale = scale_of(declared) if declared.slider else None
 
     def row(self) -> Row:

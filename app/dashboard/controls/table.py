@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from app.dashboard.controls.design_input import DesignInput
-from app.session import Session
 from app.ui.input_sheet import Row, text_row
 from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.design.parts import declaration_of
 from nav_model.design.table import Table
 
 
-class TableInput(DesignInput):
+class TableInput(DesignInput[Table]):
     """The box of one table; empty, the table is not given."""
-
-    def __init__(self, session: Session, key: str) -> None:
-        super().__init__(session, key)
-        declared = declaration_of(key)
-        assert isinstance(declared, Table)
-        self._declared = declared
 
     def row(self) -> Row:
         """A box as wide as the sheet."""

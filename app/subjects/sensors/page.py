@@ -20,7 +20,7 @@ from app.subjects.sensors.tables import origin_answer, origin_table
 from app.ui.answer_strip import AnswerStrip
 from app.ui.downloads import download
 from app.ui.first_screen import screen_of_views
-from app.ui.html_pane import block_pane, html_pane
+from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.view import View
@@ -44,7 +44,7 @@ class SensorsPage(View):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
-        self._origins = block_pane(origin_table(session.design), margin=(4, 14))
+        self._origins = html_pane(html_of(origin_table(session.design)), margin=(4, 14))
         self.log = LogPanel(session)
         self.tables = {kind: SortableTable(margin=(0, 14), stylesheets=[WHOLE]) for kind in _KINDS}
         self._shown: dict[Kind, str | None] = {}
