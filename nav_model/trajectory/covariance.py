@@ -19,13 +19,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.budget.contributors import entering
+from nav_model.budget.shares import ACCELEROMETER_NOISE
 from nav_model.simulation.layout import ATTITUDE
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
 from nav_model.trajectory.errors import ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import judge
-from nav_model.trajectory.result import Processed, TrajectoryResult
+from nav_model.trajectory.result import Processed, TrajectoryResult, with_contributors
 from nav_model.trajectory.specification import CovarianceSpec
 
 FloatArray = NDArray[np.float64]
@@ -57,17 +59,25 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
     Raises InputError for a flight that cannot be flown, ArithmeticError where the covariance is not finite.
     """
     model = error_model(spec)
+    own = tuple(dict.fromkeys(part.name for parts in spec.contributors.values() for part in parts))
     run = _filtered(model)
     looks = apertures_of(model, spec.aperture, spec.study.gnss.interval)
     variances, images = _forward(model, run, looks, *_sums(model, run, looks))
-    parts = [_processed(*part, spec, looks, model) for part in zip(variances, images, strict=True)]
+    parts = [
+        with_contributors(
+            _processed(values, image, spec, looks, model),
+            {name: entering(spec.contributors, name, post_processed=smoothed) for name in spec.contributors},
+            own,
+        )
+        for values, image, smoothed in zip(variances, images, (False, True), strict=True)
+    ]
     time_s = model.time_s[model.outputs]
     truth = type(model.truth)(*(values[model.outputs] for values in vars(model.truth).values()))
     return TrajectoryResult(
         spec=spec,
         time_s=time_s,
         truth=truth,
-        sources=model.sources,
+        sources=(*model.sources, *own),
         real_time=parts[0],
         post_processed=parts[1],
         lines=judge(spec, time_s, *parts),
@@ -332,9 +342,9 @@ def _processed(
     if spec.aperture is not None:
         shape, accelerometer = spec.aperture, spec.study.imu.accelerometer
         white = np.zeros(len(variances))
-        if "accelerometer noise" in model.sources:
+        if ACCELEROMETER_NOISE in model.sources:
             density = (accelerometer.random_walk * spec.study.imu.vibration_factor) ** 2
-            white[model.sources.index("accelerometer noise")] = density
+            white[model.sources.index(ACCELEROMETER_NOISE)] = density
         for name, values in aperture.figures(image, shape, looks.speed, white).items():
             groups[name] = np.full((len(variances), len(model.outputs)), np.nan)
             groups[name][:, looks.output] = np.maximum(values, 0.0)
@@ -342,4 +352,4 @@ def _processed(
         found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), shape)
     with np.errstate(invalid="ignore"):
         shares = {name: values / values.sum(axis=0) for name, values in groups.items()}
-    return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares)
+    return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares, {})

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from nav_model.base.errors import InputError
+from nav_model.budget.contributors import parts_of
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
@@ -96,7 +97,8 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     everywhere = {name: getattr(design.requirements, name) for name in LIMITED}
     limits = Limits(design.processing.mode, _limits(design, everywhere))
-    return CovarianceSpec(study, aperture_of(design), aiding, flown, limits)
+    shape = aperture_of(design)
+    return CovarianceSpec(study, shape, aiding, flown, limits, parts_of(design, shape.wavelength))
 
 
 def _limits(design: Design, most: Mapping[str, float | None]) -> tuple[tuple[str, float], ...]:

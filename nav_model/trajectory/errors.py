@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE
 from nav_model.earth.rotation import euler_error_map
 from nav_model.simulation.kalman import error_dynamics
 from nav_model.simulation.layout import ATTITUDE, BIASES, GYRO, HEIGHT, LATITUDE, STATE_LENGTH, TRIADS, VELOCITY
@@ -138,8 +139,8 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
         decay[index] = rate
     vibration = study.imu.vibration_factor**2
     drives = [
-        ("accelerometer noise", VELOCITY, study.imu.accelerometer.random_walk**2 * vibration),
-        ("gyro noise", ATTITUDE, study.imu.gyro.random_walk**2 * vibration),
+        (ACCELEROMETER_NOISE, VELOCITY, study.imu.accelerometer.random_walk**2 * vibration),
+        (GYRO_NOISE, ATTITUDE, study.imu.gyro.random_walk**2 * vibration),
         *layout.drive,
     ]
     drives = [drive for drive in drives if drive[2] > 0.0]
@@ -227,10 +228,10 @@ def _sources(spec: CovarianceSpec, layout: _Layout) -> tuple[tuple[str, ...], in
     """The sources that are not zero, and how many of them have noise, which come first."""
     imu, gnss, aiding = spec.study.imu, spec.study.gnss, spec.aiding
     white = {
-        "accelerometer noise": imu.accelerometer.random_walk,
-        "gyro noise": imu.gyro.random_walk,
-        "fix noise": gnss.position_noise,
-        "velocity noise": gnss.velocity_noise,
+        ACCELEROMETER_NOISE: imu.accelerometer.random_walk,
+        GYRO_NOISE: imu.gyro.random_walk,
+        GNSS_NOISE: gnss.position_noise,
+        GNSS_VELOCITY: gnss.velocity_noise,
         "heading aiding": aiding.heading_noise,
         "barometer": aiding.barometer_noise,
     }
@@ -357,15 +358,15 @@ def _measurements(
     noise, extra = np.zeros((k, len(sources), 8)), np.zeros((k, 8))
     position = _position_noise(spec, time_s, lost)
     of_rate = np.einsum("kij,kij->ki", rates, rates) * study.imu.rate
-    if "gyro noise" in sources:
+    if GYRO_NOISE in sources:
         density = study.imu.gyro.random_walk * study.imu.vibration_factor
-        noise[:, sources.index("gyro noise"), 3:6] = of_rate * density**2
-    noise[:, sources.index("fix noise"), 0:3] = position**2
+        noise[:, sources.index(GYRO_NOISE), 3:6] = of_rate * density**2
+    noise[:, sources.index(GNSS_NOISE), 0:3] = position**2
     extra[:, 3:6] = of_rate * tuning_of(study).gyro_density ** 2
     there = np.zeros((k, 8), dtype=np.bool_)
     there[:, 0:3] = fix[:, None]
     for source, columns, sigma, when in (
-        ("velocity noise", slice(3, 6), speed if len(speed) else None, fix),
+        (GNSS_VELOCITY, slice(3, 6), speed if len(speed) else None, fix),
         ("heading aiding", slice(6, 7), aiding.heading_noise, fix),
         ("barometer", slice(7, 8), aiding.barometer_noise, at),
     ):
@@ -373,7 +374,7 @@ def _measurements(
             noise[:, sources.index(source), columns] = np.asarray(sigma) ** 2
             there[:, columns] = when[:, None]
     own = noise.sum(axis=1)
-    own[:, 3:6] -= noise[:, sources.index("gyro noise"), 3:6] if "gyro noise" in sources else 0.0
+    own[:, 3:6] -= noise[:, sources.index(GYRO_NOISE), 3:6] if GYRO_NOISE in sources else 0.0
     variance = np.where(there, own * study.filter.gnss_noise_scale**2 + extra, np.inf)
     used = there.any(axis=0)
     rows *= there[:, :, None]

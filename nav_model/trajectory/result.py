@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.budget import contributors
+from nav_model.budget.contributors import Part, random_and_systematic
 from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.truth import TruthStates
 from nav_model.trajectory.specification import CovarianceSpec
@@ -41,6 +43,8 @@ class Processed:
     position [m] and velocity [m/s] north, east, down, attitude [rad] roll, pitch, yaw: (outputs, 3). image: by the
     names of `FIGURES`, (outputs), NaN where the aperture does not lie within the flight. shares: by figure,
     (sources, outputs); they add up to one at every time. Shares of `ce90` are of the sum of both variances.
+    entering: the user's own contributors by figure. `image`, its shares and `figure` have them; position, velocity
+    and attitude are the model's.
     """
 
     position: FloatArray
@@ -48,6 +52,7 @@ class Processed:
     attitude: FloatArray
     image: Mapping[str, FloatArray]
     shares: Mapping[str, FloatArray]
+    entering: Mapping[str, tuple[Part, ...]]
 
     def figure(self, name: str) -> FloatArray:
         """A figure by its name among `FIGURES` and `STATES`, (outputs)."""
@@ -57,7 +62,26 @@ class Processed:
         if name == "tilt":
             part = self.attitude[:, [0, 1, 1]]
         found: FloatArray = part[:, 2] if name.startswith("vertical") else part[:, :2].max(axis=1)
-        return found
+        return np.asarray(contributors.with_contributors(found, self.entering.get(name, ())))
+
+
+def with_contributors(
+    model: Processed, entering: Mapping[str, tuple[Part, ...]], names: tuple[str, ...]
+) -> Processed:
+    """The image figures with the user's own contributors, and their shares as those of the budget: logarithmic
+    derivatives."""
+    image, shares = dict(model.image), {}
+    for name, values in model.shares.items():
+        own = np.zeros((len(names), values.shape[1]))
+        if parts := entering.get(name) if name in image else None:
+            sigma = image[name]
+            root, systematic = random_and_systematic(sigma, parts)
+            image[name] = whole = root + systematic
+            values = values * sigma**2 / (root * whole)
+            for part in parts:
+                own[names.index(part.name)] = part.size / whole * (1.0 if part.systematic else part.size / root)
+        shares[name] = np.concatenate([values, own])
+    return replace(model, image=image, shares=shares, entering=entering)
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,10 @@ Immutable and in SI, as `SimulationSpec`, which holds the instruments, the filte
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 from nav_model.base.errors import InputError
+from nav_model.budget.contributors import NONE, Parts
 from nav_model.simulation.specification import SimulationSpec
 
 
@@ -49,13 +50,13 @@ class Aiding:
     time_offset: float = 0.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for own in fields(self):
+            value = getattr(self, own.name)
             numbers = [x for pair in value for x in pair] if isinstance(value, tuple) else [value]
-            least = 0.0 if field.name in ("lever_arm_error", "time_offset") else math.ulp(0.0)
+            least = 0.0 if own.name in ("lever_arm_error", "time_offset") else math.ulp(0.0)
             if any(x is not None and not (math.isfinite(x) and x >= least) for x in numbers):
                 allowed = "zero or positive" if least == 0.0 else "positive"
-                raise InputError(field.name, f"{value!r} must be {allowed} and finite", value)
+                raise InputError(own.name, f"{value!r} must be {allowed} and finite", value)
 
 
 def heading_noise(carrier_noise: float, baseline: float) -> float:
@@ -89,10 +90,11 @@ class Line:
 @dataclass(frozen=True)
 class CovarianceSpec:
     """One covariance along a flight. `study`: its runs and seed mean nothing here. Without lines the whole flight is
-    one; without an aperture there are no image figures."""
+    one; without an aperture there are no image figures. contributors: of the user's own, by the figure they enter."""
 
     study: SimulationSpec
     aperture: Aperture | None = None
     aiding: Aiding = Aiding()
     lines: tuple[Line, ...] = ()
     limits: Limits = Limits()
+    contributors: Parts = field(default_factory=lambda: NONE)

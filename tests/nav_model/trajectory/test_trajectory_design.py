@@ -33,6 +33,22 @@ waypoints = [
 outages = [{start = "60 s", stop = "75 s"}]
 limits = [{line = "line 2", quadratic_phase = "3000°", detrended_phase = "3000°"}]
 """
+OWN = """
+[[contributors]]
+name = "lever arm"
+value = "1 mm"
+enters = "quadratic_phase"
+[[contributors]]
+name = "clock"
+value = "0.02 rad"
+enters = "quadratic_phase"
+kind = "systematic"
+processing = "real time"
+[[contributors]]
+name = "survey"
+value = "0.5 m"
+enters = "horizontal_position"
+"""
 
 
 def design(text: str = PLAN, **changes: str) -> Design:
@@ -80,6 +96,32 @@ def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
     other = own.replace({"trajectory.limits": read("limits", "line 3, tilt=1°")})
     with pytest.raises(InputError, match=r"trajectory.limits\[1\].line: the flight has no line 'line 3'; its lines:"):
         covariance_specification(other, study, flight.lines)
+
+
+def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None:
+    """As the budget adds them: lengths by 4π/λ, the random in quadrature, the systematic linearly."""
+    own = design()
+    more = design(PLAN + OWN)
+    flight = planned(own)
+    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    plain, whole = (covariance(covariance_specification(one, study, flight.lines)) for one in (own, more))
+    assert whole.spec.aperture is not None
+    phase = 4 * math.pi / whole.spec.aperture.wavelength * 1e-3
+    for before, after, systematic in (
+        (plain.real_time, whole.real_time, 0.02),
+        (plain.post_processed, whole.post_processed, 0.0),
+    ):
+        sigma, found = before.image["quadratic_phase"], after.image["quadratic_phase"]
+        root = np.hypot(sigma, phase)
+        np.testing.assert_allclose(found, root + systematic, rtol=1e-12)
+        shares = dict(zip(whole.sources, after.shares["quadratic_phase"], strict=True))
+        np.testing.assert_allclose(shares["clock"], systematic / found, rtol=1e-12)
+        np.testing.assert_allclose(shares["lever arm"], phase**2 / root / found, rtol=1e-12)
+        np.testing.assert_allclose(sum(shares.values()), np.where(np.isnan(found), np.nan, 1.0), rtol=1e-9)
+        np.testing.assert_array_equal(after.image["cubic_phase"], before.image["cubic_phase"])
+        np.testing.assert_allclose(
+            after.figure("horizontal_position"), np.hypot(before.figure("horizontal_position"), 0.5), rtol=1e-12
+        )
 
 
 @pytest.mark.parametrize(
