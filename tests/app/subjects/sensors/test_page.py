@@ -88,7 +88,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
 
 def test_the_unit_of_a_log_is_chosen_and_may_be_of_counts(sensors: SensorsPage):
     panel = sensors.log
-    asyncio.run(panel.take(log(), "bench.csv"))
+    asyncio.run(panel.take("bench.csv", log()))
     panel.counts["gyro_unit"].value = "0.05"
     with pytest.raises(InputError, match="choose the unit"):
         panel._request(BenchNoise())
