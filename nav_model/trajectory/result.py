@@ -72,7 +72,7 @@ def with_contributors(
     derivatives."""
     image, shares = dict(model.image), {}
     for name, values in model.shares.items():
-        own = np.zeros((len(names), values.shape[1]))
+        own = np.zeros((len(names), 1)) * values[:1]  # no number where there is no aperture
         if parts := entering.get(name) if name in image else None:
             sigma = image[name]
             root, systematic = random_and_systematic(sigma, parts)
