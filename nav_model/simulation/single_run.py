@@ -286,6 +286,18 @@ def initial_sigma(spec: SimulationSpec) -> FloatArray:
     return sigma
 
 
+def believed_sigma(spec: SimulationSpec) -> FloatArray:
+    """Sigma that the filter starts with (states)."""
+    believed = initial_sigma(spec) * spec.filter.initial_scale
+    believed[9:] = np.maximum(believed[9:] * spec.filter.bias_scale, _least_biases(spec.filter.states))
+    return believed
+
+
+def _least_biases(states: int) -> FloatArray:
+    """As nearly as a bias that is zero is known to be: the covariance stays regular."""
+    return np.resize([1e-9, 1e-9, 1e-9, 1e-13, 1e-13, 1e-13], states - 9)
+
+
 def _receiver(model: GnssModel, noisy: bool) -> Receiver:
     on = 1.0 if noisy else 0.0
     vertical = model.vertical_markov_noise
@@ -312,15 +324,9 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     state = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
     # `correct` takes an error out; its negative puts one in.
     correct(state, np.zeros(12), -draw)
-    believed = sigma * spec.filter.initial_scale
-    believed[9:] *= spec.filter.bias_scale
-    # A bias the model says is zero is known to be zero, as nearly as keeps the covariance regular, and is
-    # drawn to that: its state would otherwise have no error and the NEES too small an expectation.
-    least = np.resize([1e-9, 1e-9, 1e-9, 1e-13, 1e-13, 1e-13], n - 9)
     bias = np.zeros(12)
-    if noisy:
-        bias[: n - 9] = np.where(sigma[9:] == 0.0, least, 0.0) * start_noise.standard_normal(n - 9)
-    believed[9:] = np.maximum(believed[9:], least)
+    if noisy:  # a bias of zero is drawn as well as the filter knows it: its NEES would otherwise be too small
+        bias[: n - 9] = np.where(sigma[9:] == 0.0, _least_biases(n), 0.0) * start_noise.standard_normal(n - 9)
     outputs = len(truth.time_s)
     record = _Record(
         np.empty((2, outputs, n)),
@@ -332,7 +338,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     _fly(
         state,
         bias,
-        np.diag(believed**2),
+        np.diag(believed_sigma(spec) ** 2),
         schedule.increments,
         1.0 / imu.rate,
         schedule.events,

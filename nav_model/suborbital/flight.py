@@ -34,11 +34,11 @@ class FlightParameters:
     initial_thrust_m_s2: float = 20.0
     final_thrust_m_s2: float = 90.0
     burn_time_s: float = 195.0
-    pitch_program_start_s: float = 10.0
-    pitch_program_end_s: float = 150.0
+    pitch_start_s: float = 10.0
+    pitch_end_s: float = 150.0
     initial_pitch_rad: float = np.radians(90.0)
     burnout_pitch_rad: float = np.radians(19.0)
-    coast_pitch_down_rad_s: float = to_si(Fraction("0.045"), "°/s", "angular rate")
+    coast_pitch_rate_rad_s: float = to_si(Fraction("0.045"), "°/s", "angular rate")
     coast_ramp_s: float = 60.0
     yaw_amplitude_rad: float = np.radians(1.0)
     yaw_period_s: float = 300.0
@@ -64,11 +64,11 @@ class FlightParameters:
             f"latitude_rad = {self.latitude_rad!r}: must lie between the poles, -pi/2 to pi/2",
         )
         require(
-            0.0 <= self.pitch_program_start_s < self.pitch_program_end_s <= self.burn_time_s < self.duration_s,
-            f"pitch_program_start_s = {self.pitch_program_start_s!r}, pitch_program_end_s = "
-            f"{self.pitch_program_end_s!r}, burn_time_s = {self.burn_time_s!r}, duration_s = "
+            0.0 <= self.pitch_start_s < self.pitch_end_s <= self.burn_time_s < self.duration_s,
+            f"pitch_start_s = {self.pitch_start_s!r}, pitch_end_s = "
+            f"{self.pitch_end_s!r}, burn_time_s = {self.burn_time_s!r}, duration_s = "
             f"{self.duration_s!r}: must rise in this order",
-            *("pitch_program_start_s", "pitch_program_end_s", "burn_time_s", "duration_s"),
+            *("pitch_start_s", "pitch_end_s", "burn_time_s", "duration_s"),
         )
         for name in ("burn_time_s", "duration_s"):
             steps = getattr(self, name) / self.step_s
@@ -228,16 +228,16 @@ def thrust(parameters: FlightParameters, time_s: FloatArray) -> FloatArray:
 def attitude_program(parameters: FlightParameters, time_s: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Roll, pitch, yaw (..., 3) rad and their rates, rad/s, from launch-site axes frozen at lift-off."""
     p = parameters
-    span = p.pitch_program_end_s - p.pitch_program_start_s
-    u = np.clip((time_s - p.pitch_program_start_s) / span, 0.0, 1.0)
+    span = p.pitch_end_s - p.pitch_start_s
+    u = np.clip((time_s - p.pitch_start_s) / span, 0.0, 1.0)
     turn = p.burnout_pitch_rad - p.initial_pitch_rad
     pitch = p.initial_pitch_rad + turn * u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
     pitch_rate = turn * 30.0 * u**2 * (1.0 - u) ** 2 / span
     # The pitch-down rate grows as a cubic smooth step; its integral carries the angle.
     w = np.clip((time_s - p.burn_time_s) / p.coast_ramp_s, 0.0, 1.0)
     after = np.maximum(time_s - p.burn_time_s - p.coast_ramp_s, 0.0)
-    pitch = pitch - p.coast_pitch_down_rad_s * (p.coast_ramp_s * (w**3 - 0.5 * w**4) + after)
-    pitch_rate = pitch_rate - p.coast_pitch_down_rad_s * w * w * (3.0 - 2.0 * w)
+    pitch = pitch - p.coast_pitch_rate_rad_s * (p.coast_ramp_s * (w**3 - 0.5 * w**4) + after)
+    pitch_rate = pitch_rate - p.coast_pitch_rate_rad_s * w * w * (3.0 - 2.0 * w)
     yaw_w, roll_w = 2.0 * np.pi / p.yaw_period_s, 2.0 * np.pi / p.roll_period_s
     yaw = p.azimuth_rad + p.yaw_amplitude_rad * np.sin(yaw_w * time_s)
     roll = p.roll_amplitude_rad * np.sin(roll_w * time_s)

@@ -7,11 +7,7 @@ import numpy as np
 from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.base.errors import InputError
 from nav_model.earth.gravity import gravitation
-from nav_model.earth.rotation import (
-    matrix_from_euler,
-    matrix_from_quaternion,
-    quaternion_from_matrix,
-)
+from nav_model.earth.rotation import matrix_from_euler
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.suborbital.checks import require
@@ -50,9 +46,9 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     axes = ned_to_inertial(lat, lon + EARTH_RATE * time)
     track = CubicSpline(time, -axes[:, :, 2] * (SPHERE_RADIUS + height)[:, None])
     c_bi = axes @ matrix_from_euler(roll, pitch, yaw)
-    turn = RotationSpline(time, Rotation.from_quat(np.roll(quaternion_from_matrix(c_bi), -1, axis=-1)))
+    turn = RotationSpline(time, Rotation.from_matrix(c_bi, assume_valid=True))
     half_time = np.minimum(0.5 * step_s * np.arange(2 * n + 1), time[-1])
-    attitude = matrix_from_quaternion(np.roll(turn(half_time).as_quat(), 1, axis=-1))
+    attitude = turn(half_time).as_matrix()
     force_i = track(half_time, 2) - gravitation(track(half_time), gravity)
     ground = track(half_time, 1) - earth_velocity(track(half_time))
     local = np.einsum("tji,tj->ti", local_axes(track(half_time)), ground)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -119,45 +120,23 @@ class Settings:
         return real if self["sky.stars"] == "Hipparcos" else synthetic_sky(len(real), seed, limit)
 
 
-_FLIGHT = {
-    "latitude_rad": "flight.latitude",
-    "longitude_rad": "flight.longitude",
-    "azimuth_rad": "flight.azimuth",
-    "initial_thrust_m_s2": "flight.initial_thrust",
-    "final_thrust_m_s2": "flight.final_thrust",
-    "pitch_program_start_s": "flight.pitch_start",
-    "pitch_program_end_s": "flight.pitch_end",
-    "burn_time_s": "flight.burn_time",
-    "duration_s": "flight.duration",
-    "step_s": "flight.step",
-    "initial_pitch_rad": "flight.initial_pitch",
-    "burnout_pitch_rad": "flight.burnout_pitch",
-    "coast_pitch_down_rad_s": "flight.coast_pitch_rate",
-    "coast_ramp_s": "flight.coast_ramp",
-    "yaw_amplitude_rad": "flight.yaw_amplitude",
-    "yaw_period_s": "flight.yaw_period",
-    "roll_amplitude_rad": "flight.roll_amplitude",
-    "roll_period_s": "flight.roll_period",
-    "gravity": "flight.gravity",
-}
-_AIDING = {
-    "from_height_m": "tracker.from_height",
-    "frame_interval_s": "tracker.frame_interval",
-    "latency_s": "tracker.latency",
-    "misalignment_rad": "tracker.misalignment",
-    "dropouts_s": "tracker.dropouts",
-}
-_CAMERA = {
-    "focal_length_m": "camera.focal_length",
-    "brightest": "camera.brightest",
-    "least_stars": "camera.least_stars",
-}
-"""What the model calls its inputs; where several must fit together, the first one named is blamed."""
+_UNIT = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
+
+
+def _keys(model: type, section: str) -> dict[str, str]:
+    """What the model calls its inputs -> their keys, where they are inputs: the unit is only in the former."""
+    named = {field.name: f"{section}.{_UNIT.sub('', field.name)}" for field in fields(model)}
+    return {name: key for name, key in named.items() if key in INPUTS}
+
+
+_FLIGHT, _AIDING = _keys(FlightParameters, "flight"), _keys(Aiding, "tracker")
+_MODELS = _FLIGHT | _AIDING | _keys(StarCamera, "camera")
+"""Where several inputs must fit together, the first one named is blamed."""
 
 
 def _blamed(fields: tuple[str, ...], changes: Mapping[str, Value]) -> str:
     """The input to name in an error: one that the model rejects and that was changed, else the only one changed."""
-    named = [key for name, key in (_FLIGHT | _AIDING | _CAMERA).items() if name in fields]
+    named = [key for name, key in _MODELS.items() if name in fields]
     blamed = [key for key in named if key in changes]
     return (blamed or (list(changes) if len(changes) == 1 else named) or [*changes, "study"])[0]
 

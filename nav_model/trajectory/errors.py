@@ -21,7 +21,7 @@ from nav_model.earth.rotation import euler_error_map
 from nav_model.simulation.kalman import error_dynamics
 from nav_model.simulation.layout import ATTITUDE, BIASES, GYRO, HEIGHT, LATITUDE, STATE_LENGTH, TRIADS, VELOCITY
 from nav_model.simulation.schedule import in_outage, output_samples, samples_at_multiples
-from nav_model.simulation.single_run import initial_sigma, tuning_of
+from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
 from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
@@ -153,9 +153,6 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
     ]
     top, kept, factors, filter_noise = (np.concatenate(part) for part in zip(*parts, strict=True))
     start = initial_sigma(study)
-    believed = start * study.filter.initial_scale
-    believed[BIASES:] *= study.filter.bias_scale
-    believed[BIASES:] = np.maximum(believed[BIASES:], np.resize([1e-9] * 3 + [1e-13] * 3, m - BIASES))
     initial = np.zeros((len(sources), n))
     begins = [("initial position and velocity", 0, start[:6]), ("initial tilt", 6, start[6:8])]
     begins += [("initial heading", 8, start[8:9])]
@@ -180,7 +177,7 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
         own=tuple(first if first >= BIASES else 0 for _, first, _ in drives),
         filter_noise=filter_noise,
         initial=initial,
-        filter_start=np.diag(believed**2),
+        filter_start=np.diag(believed_sigma(study) ** 2),
         **measured,
     )
 

@@ -54,7 +54,7 @@ def test_angular_rate_is_the_derivative_of_the_attitude(flight):
         ({"step_s": 0.0}, "step_s"),
         ({"gravity": "flat"}, "gravity"),
         ({"latitude_rad": math.pi / 2}, "latitude_rad"),
-        ({"burn_time_s": 120.0}, "pitch_program_end_s"),
+        ({"burn_time_s": 120.0}, "pitch_end_s"),
         ({"initial_thrust_m_s2": math.nan}, "initial_thrust_m_s2"),
     ],
 )
