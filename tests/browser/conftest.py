@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from on_page import IDLE
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 from served import serving
 from waiting import PATIENCE
@@ -18,7 +19,6 @@ _FLAGS = [
     "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
-_IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
 
 
 _STILL = """() => {
@@ -86,7 +86,7 @@ def _watched(page: Page, server: str) -> Iterator[Callable[..., Page]]:
     def open_(path: str = "/", **size: int) -> Page:
         page.set_viewport_size({"width": size.get("width", 1440), "height": size.get("height", 900)})
         page.goto(server + path)
-        page.wait_for_function(_IDLE)
+        page.wait_for_function(IDLE)
         page.get_by_role("tablist").first.wait_for()
         return page
 

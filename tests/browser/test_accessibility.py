@@ -8,13 +8,11 @@ from collections.abc import Callable
 
 import pypdf
 import pytest
+from on_page import IDLE, Check, Visit
 from playwright.sync_api import Page, expect
 
 from app.subjects import SUBJECTS
 
-Visit = Callable[..., Page]
-Check = Callable[..., None]
-_IDLE = "() => Bokeh.documents.every(d => d.is_idle)"
 _FOCUSED = """() => {
   let at = document.activeElement
   while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement
@@ -85,7 +83,7 @@ def _to(page: Page, role: str, name: str, key: str = "Tab") -> None:
 
 def test_the_main_job_by_keyboard_alone(visit: Visit) -> None:
     page = visit()
-    page.wait_for_function(_IDLE)
+    page.wait_for_function(IDLE)
     _to(page, "text", "Design")
     page.keyboard.press("Control+A")
     page.keyboard.type("By keyboard")
@@ -108,7 +106,7 @@ def test_the_main_job_by_keyboard_alone(visit: Visit) -> None:
 def test_the_first_result_is_near_and_the_page_has_one_outline(visit: Visit) -> None:
     """One stop from the top of the page to the answer; one h1; headings go down by one level at a time."""
     page = visit()
-    page.wait_for_function(_IDLE)
+    page.wait_for_function(IDLE)
     page.keyboard.press("Tab")
     assert page.evaluate(_FOCUSED) == ["button", "Skip to the result"]
     page.keyboard.press("Enter")

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from on_page import IDLE
 from playwright.sync_api import Browser, Page, Route
 from waiting import PATIENCE
 
-_IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
 _TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 _PASSES = """() => {
   const [root] = Bokeh.index.roots, measure = root.measure_layout.bind(root)
@@ -85,7 +85,7 @@ def shipped(browser: Browser) -> Iterator[Page]:
         page.set_default_timeout(1e3 * PATIENCE)
         page.add_init_script(_CONNECTIONS)
         page.goto(f"http://127.0.0.1:{int(process.stdout.readline())}/")
-        page.wait_for_function(_IDLE)
+        page.wait_for_function(IDLE)
         page.get_by_role("combobox", name="choice").wait_for()
         page.locator(".bk-Figure").wait_for()
         yield page
@@ -156,5 +156,5 @@ def test_a_page_connects_when_all_has_run_and_ours_while_a_library_is_still_to_c
     with page.expect_event("websocket", timeout=1e3 * PATIENCE):
         page.goto(server, wait_until="commit")
     late.pop().continue_()
-    page.wait_for_function(_IDLE, timeout=1e3 * PATIENCE)
+    page.wait_for_function(IDLE, timeout=1e3 * PATIENCE)
     assert page.evaluate("() => connections") == ["loading"]

@@ -5,19 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from on_page import box, card, columns, content, enter, section
+from on_page import Check, Visit, box, card, columns, content, enter, section
 from playwright.sync_api import Locator, Page, expect
 from waiting import until
 
 from nav_model.budget import analyse
 from nav_model.design.file import parse_design, read_design
-
-Visit = Callable[..., Page]
-Check = Callable[..., None]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

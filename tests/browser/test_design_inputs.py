@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from on_page import box, card, content, enter, section
+from on_page import Visit, box, card, content, enter, section
 from playwright.sync_api import Page, expect
 
 from nav_model.design.file import parse_design, read_design
 from nav_model.design.link import from_query
-
-Visit = Callable[..., Page]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

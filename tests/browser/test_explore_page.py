@@ -7,20 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from on_page import COLUMNS, Check, Visit, columns
 from playwright.sync_api import Page, expect
 
 from app.subjects.explore.page import QUESTIONS
-
-Visit = Callable[..., Page]
-Check = Callable[..., None]
-
-_SOURCE = """(name) => {
-  const out = {}
-  for (const d of Bokeh.documents) for (const m of d._all_models.values())
-    if (m.type === "ColumnDataSource" && m.name === name)
-      for (const [key, value] of (m.data.entries ? m.data.entries() : Object.entries(m.data))) out[key] = [...value]
-  return out
-}"""
 
 
 def _open(visit: Visit, question: str = "What would close it", **size: int) -> Page:
@@ -33,7 +23,7 @@ def _open(visit: Visit, question: str = "What would close it", **size: int) -> P
 
 
 def _cross(page: Page) -> list[float]:
-    data = page.evaluate(_SOURCE, "map design")
+    data = columns(page, "map design")
     return [data["x"][0], data["y"][0]]
 
 
@@ -56,8 +46,8 @@ def test_every_question_fits_the_window_and_says_nothing_in_the_console(
 
 def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
     page = _open(visit, "Trade-off map")
-    page.wait_for_function(f"() => ({_SOURCE})('map design').x")
-    catalogue = page.evaluate(_SOURCE, "map catalogue")
+    page.wait_for_function(f"() => ({COLUMNS})('map design').x")
+    catalogue = columns(page, "map catalogue")
     said = dict(zip(catalogue["unit"], catalogue["said"], strict=True))
     assert said["LN-100"].startswith("meets the limit, margin +")
     assert said["MPU-9250"].startswith("does not meet the limit, margin −")
@@ -67,7 +57,7 @@ def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
     assert place is not None
     before = _cross(page)
     page.mouse.click(place["x"] + 0.3 * place["width"], place["y"] + 0.7 * place["height"])
-    page.wait_for_function(f"(x) => ({_SOURCE})('map design').x[0] !== x", arg=before[0])
+    page.wait_for_function(f"(x) => ({COLUMNS})('map design').x[0] !== x", arg=before[0])
     x, y = _cross(page)
     expect(page.get_by_role("textbox", name="Angle random walk", exact=True)).to_have_value(f"{x:.3g} °/√h")
     expect(page.get_by_role("textbox", name="Velocity random walk", exact=True)).to_have_value(f"{y:.3g} m/s/√h")

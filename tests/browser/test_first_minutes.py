@@ -6,14 +6,13 @@ import re
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import Page, expect
+from on_page import Visit
+from playwright.sync_api import expect
 
 from app.serving.server import first_design
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
 from nav_model.design.presets import preset_fill
-
-Visit = Callable[..., Page]
 
 
 @pytest.mark.slow

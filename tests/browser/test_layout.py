@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from on_page import Visit
 from playwright.sync_api import Page, expect
 from waiting import until
-
-Visit = Callable[..., Page]
 
 # Counts how often the figures that can be seen now are measured from here on.
 _COUNT_FIGURES = """() => {

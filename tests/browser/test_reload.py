@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from on_page import Visit
 from playwright.sync_api import Page, expect
-
-Visit = Callable[..., Page]
 
 _BACK = "The design you had on this page is back"
 

@@ -12,12 +12,10 @@ from typing import Any
 import pypdf
 import pytest
 from deaf import Deaf
-from on_page import content
-from playwright.sync_api import Browser, Locator, Page, expect
+from on_page import Check, Visit, box, content
+from playwright.sync_api import Browser, Page, expect
 from waiting import PATIENCE
 
-Visit = Callable[..., Page]
-Check = Callable[..., None]
 HOSTILE = "<img src=x onerror=\"document.title='owned'\"><script>document.title='owned'</script>{{7*7}}"
 
 
@@ -30,20 +28,16 @@ def press(page: Page, name: str | re.Pattern[str]) -> None:
     page.get_by_role("button", name=name, exact=isinstance(name, str)).click()
 
 
-def field(page: Page, label: str) -> Locator:
-    return page.get_by_role("textbox", name=label, exact=True)
-
-
 def said(page: Page, text: str | re.Pattern[str]) -> None:
     expect(page.get_by_role("status").filter(has_text=text).first).to_be_visible()
 
 
 def save(page: Page, name: str, author: str = "Ann") -> None:
     """Save the current design under a name, on the Review page."""
-    field(page, "Design").first.fill(name)
-    field(page, "Design").first.press("Enter")
-    if field(page, "Your name").input_value() != author:
-        field(page, "Your name").fill(author)
+    box(page, "Design").first.fill(name)
+    box(page, "Design").first.press("Enter")
+    if box(page, "Your name").input_value() != author:
+        box(page, "Your name").fill(author)
     press(page, "Save as new design")
     expect(page.get_by_role("checkbox", name=name[:40])).to_be_visible()
 
@@ -54,7 +48,7 @@ def begin_review(page: Page, design: str, title: str) -> None:
     page.get_by_role("checkbox", name=design).check()
     expect(page.get_by_label("Selected designs")).to_contain_text(design)
     tab(page, "Reviews")
-    field(page, "Title of a new review").fill(title)
+    box(page, "Title of a new review").fill(title)
     press(page, "Start review of selected designs")
 
 
@@ -77,12 +71,12 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
         action(*arguments)
 
     act(tab, page, "Review")
-    act(field(page, "Your name").fill, "Ann")
+    act(box(page, "Your name").fill, "Ann")
     act(press, page, "Save as new design")
     said(page, "Saved: revision 1")
-    act(field(page, "Design").first.fill, "Better gyro")
-    act(field(page, "Angle random walk").fill, "0.01 °/√h")
-    act(field(page, "Angle random walk").press, "Enter")
+    act(box(page, "Design").first.fill, "Better gyro")
+    act(box(page, "Angle random walk").fill, "0.01 °/√h")
+    act(box(page, "Angle random walk").press, "Enter")
     act(press, page, "Save as new design")
     said(page, "Saved: revision 1 of Better gyro")
     act(page.get_by_role("checkbox", name="MEMS IMU at X band").check)
@@ -96,7 +90,7 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
     text = "".join(sheet.extract_text() for sheet in pypdf.PdfReader(io.BytesIO(content(download.value))).pages)
     assert "Better gyro" in text
     assert actions <= 15, actions
-    link = field(page, "Link to this comparison").input_value()
+    link = box(page, "Link to this comparison").input_value()
     page = visit("/?" + link.partition("?")[2])
     expect(page.get_by_label("Compared")).to_contain_text("Better gyro")
     accessible(page, every=True)
@@ -121,7 +115,7 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(
     act(page.get_by_role("checkbox", name="Its twin").check)
     expect(page.get_by_label("Selected designs")).to_contain_text("D2")
     act(tab, page, "Reviews")
-    act(field(page, "Title of a new review").fill, "CDR")
+    act(box(page, "Title of a new review").fill, "CDR")
     act(press, page, "Start review of selected designs")
     act(press, page, "Accept the 6 that are met")
     open_rows = page.get_by_role("row").filter(has_text="open")
@@ -149,22 +143,22 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(
     ):
         assert said_there in first
     again = visit("/#review")  # the same browser, later
-    expect(field(again, "Your name")).to_have_value("Ann")
+    expect(box(again, "Your name")).to_have_value("Ann")
 
 
 @pytest.mark.slow
 def test_hostile_names_notes_and_comments_are_shown_and_do_nothing(visit: Visit) -> None:
     page = visit()
     tab(page, "Review")
-    field(page, "Note").fill(HOSTILE)
+    box(page, "Note").fill(HOSTILE)
     save(page, HOSTILE, HOSTILE[:100])
     page.get_by_role("checkbox", name=HOSTILE[:40]).first.check()
     expect(page.get_by_label("Selected designs")).to_contain_text("<img")
     tab(page, "Reviews")
-    field(page, "Title of a new review").fill(HOSTILE)
+    box(page, "Title of a new review").fill(HOSTILE)
     press(page, "Start review of selected designs")
     expect(page.get_by_role("heading", name=HOSTILE[:40])).to_be_visible()
-    field(page, "Comment").fill(HOSTILE)
+    box(page, "Comment").fill(HOSTILE)
     press(page, "Add comment")
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text(HOSTILE)
     page.get_by_label("Presenter view").check()
@@ -191,7 +185,7 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     said(page, "Saved: revision 3 of Shared design")
 
     tab(page, "Reviews")
-    field(page, "Title of a new review").fill("PDR")
+    box(page, "Title of a new review").fill("PDR")
     press(page, "Start review of selected designs")
     heading = page.locator(".strip").filter(has=page.get_by_role("heading", name="PDR"))
     expect(heading).to_contain_text("5 to decide")
@@ -238,9 +232,9 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     second.goto(server + "/#review")
     tab(second, "Reviews")
     second.get_by_role("region", name="All reviews").get_by_role("button", name="Both").click()
-    field(second, "Your name").fill("Bob")
+    box(second, "Your name").fill("Bob")
     decide(page, "Detrended phase")  # asks for a reason, which is being written meanwhile
-    expect(field(page, "Reason: D1: Detrended phase")).to_be_focused()
+    expect(box(page, "Reason: D1: Detrended phase")).to_be_focused()
     decide(second, "Horizontal position", "Reject", "no margin left")
     expect(second.locator(".strip").filter(has_text="1 requirement rejected")).to_be_visible()
     header = page.get_by_role("rowheader", name="D1: Horizontal position", exact=True)
@@ -248,7 +242,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(row).to_contain_text("rejected by Bob")  # by itself
     expect(row).to_contain_text("no margin left")
     expect(row.get_by_role("button")).to_have_text(["Change"])  # theirs is seen before another takes its place
-    expect(field(page, "Reason: D1: Detrended phase")).to_be_focused()
+    expect(box(page, "Reason: D1: Detrended phase")).to_be_focused()
     page.keyboard.press("Enter")
     expect(page.get_by_text("Enter a reason.")).to_be_visible()
     page.keyboard.type("autofocus removes it")
@@ -259,10 +253,10 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(detrended.get_by_role("button")).to_have_text(["Change"])
     decide(page, "Detrended phase", "Change")
     decide(page, "Detrended phase")
-    expect(field(page, "Reason: D1: Detrended phase")).to_have_value("autofocus removes it")
+    expect(box(page, "Reason: D1: Detrended phase")).to_have_value("autofocus removes it")
     page.keyboard.press("Enter")
     expect(heading).to_contain_text("1 waiver")
-    field(second, "Comment").fill("and one more thing")
+    box(second, "Comment").fill("and one more thing")
     press(second, "Add comment")
     expect(second.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     second.context.close()
@@ -294,7 +288,7 @@ def test_a_page_that_still_says_open_does_not_replace_anothers_reject(
     second.get_by_role("slider", name="Position noise").wait_for()  # which comes last
     tab(second, "Reviews")
     second.get_by_role("region", name="All reviews").get_by_role("button", name="Too late").click()
-    field(second, "Your name").fill("Bob")
+    box(second, "Your name").fill("Bob")
     first.deaf = True
     decide(second, "Horizontal position", "Reject", "no margin left")
     theirs = second.get_by_role("row").filter(has_text="rejected by Bob")
@@ -383,7 +377,7 @@ def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
     page.get_by_label("Presenter view").check()
     slide = page.locator(".slide")
     expect(slide).to_contain_text("decision 1 of 5")
-    for tool in (page.get_by_role("button", name="Report", exact=True), field(page, "Your name"),
+    for tool in (page.get_by_role("button", name="Report", exact=True), box(page, "Your name"),
                  page.get_by_role("tab", name="Budget"), page.get_by_role("tab", name="Library")):  # fmt: skip
         expect(tool).to_be_hidden()
     assert slide.locator("h2").evaluate("e => parseFloat(getComputedStyle(e).fontSize)") >= 60
@@ -392,5 +386,5 @@ def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
     page.evaluate("() => { location.hash = '#budget' }")  # the only way out but the switch
     expect(page.get_by_role("tab", name="Budget")).to_be_visible()
     tab(page, "Review")
-    expect(field(page, "Your name")).to_be_visible()
+    expect(box(page, "Your name")).to_be_visible()
     expect(page.get_by_label("Presenter view")).not_to_be_checked()

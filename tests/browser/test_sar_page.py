@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from on_page import Check, Visit
 from playwright.sync_api import Page, expect
 from waiting import until
 
-Visit = Callable[..., Page]
-Check = Callable[..., None]
 _MATCH = "The runs match the design."
 _ANSWER = re.compile("Detrended phase not met")
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from playwright.sync_api import Page, expect
-
-Visit = Callable[..., Page]
-Check = Callable[..., None]
+from on_page import Check, Visit
+from playwright.sync_api import expect
 
 _CURVE = """() => {
   for (const d of Bokeh.documents) for (const m of d._all_models.values())

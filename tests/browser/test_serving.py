@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from on_page import IDLE
 from playwright.sync_api import Browser, Page, expect
 from served import serving
 from waiting import PATIENCE, until
@@ -21,7 +22,6 @@ from app.library.store import Library
 from app.serving.passwords import password_line
 
 _PASSWORD = "correct horse battery"
-_IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
 
 
 def _log_in(page: Page, name: str, password: str) -> None:
@@ -45,7 +45,7 @@ def test_the_way_in_and_out_with_a_password(page: Page, tmp_path: Path) -> None:
         expect(page.get_by_role("alert")).to_be_visible()
         assert page.locator("b").count() == 0
         _log_in(page, "ada", _PASSWORD)
-        page.wait_for_function(_IDLE)
+        page.wait_for_function(IDLE)
         page.get_by_role("tab", name="Review", exact=True).click()
         who = page.get_by_role("textbox", name="Your name", exact=True)
         expect(who).to_have_value("ada")
@@ -122,7 +122,7 @@ def test_oversized_and_wrong_files_are_refused_where_they_are_given(visit: Calla
 def test_a_report_under_way_arrives_although_the_server_is_told_to_stop(page: Page, tmp_path: Path) -> None:
     with serving("--library", str(tmp_path / "library.db"), "--grace", "300") as (server, process):
         page.goto(server)
-        page.wait_for_function(_IDLE)
+        page.wait_for_function(IDLE)
         page.get_by_role("status").first.wait_for()
         page.get_by_role("button", name="Report", exact=True).click()
         with page.expect_download() as download:
@@ -144,7 +144,7 @@ def test_a_page_that_lost_its_server_says_so_and_goes_on_with_its_design(page: P
     box = page.get_by_role("textbox", name="Angle random walk", exact=True)
     with serving("--library", str(library)) as (server, _):
         page.goto(server)
-        page.wait_for_function(_IDLE)
+        page.wait_for_function(IDLE)
         slider.press("ArrowRight")
         expect(box).to_have_value("0.157 °/√h")
     lost = page.get_by_role("alert").filter(has_text="Connection to the server lost")
@@ -169,7 +169,7 @@ def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_
     box = page.get_by_role("textbox", name="Angle random walk", exact=True)
     with serving("--library", str(tmp_path / "library.db"), "--processes", "1") as (server, process):
         page.goto(server)
-        page.wait_for_function(_IDLE)
+        page.wait_for_function(IDLE)
         slider.focus()
         process.send_signal(signal.SIGSTOP)
         try:
@@ -218,7 +218,7 @@ def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on
     options = "--log", "json", "--library", str(tmp_path / "library.db")
     with serving(*options, log=log, program=("-c", _FAULTY)) as (server, _):
         page.goto(server)
-        page.wait_for_function(_IDLE)
+        page.wait_for_function(IDLE)
         notice = page.get_by_role("alert").first
         for kind, act in (
             ("RuntimeError", page.get_by_role("tab", name="Theory", exact=True)),
@@ -249,7 +249,7 @@ def test_what_one_visitor_opens_first_another_can_open_too(browser: Browser, tmp
         for page in pages:
             page.on("pageerror", lambda error: failed.append(str(error)))
             page.goto(server)
-            page.wait_for_function(_IDLE)
+            page.wait_for_function(IDLE)
         for page in pages:
             page.get_by_role("tab", name="Sensors", exact=True).click()
             expect(page.get_by_role("button", name="Choose a log")).to_be_visible()

@@ -5,23 +5,16 @@ from __future__ import annotations
 import math
 import re
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from on_page import Visit, box, enter
 from playwright.sync_api import Page, expect
 from served import serving
 from waiting import until
 
-Visit = Callable[..., Page]
-
 _HEADER = "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"
-
-
-def enter(page: Page, label: str, text: str) -> None:
-    box = page.get_by_role("textbox", name=label, exact=True)
-    box.fill(text)
-    box.press("Enter")
 
 
 def open_simulate(visit: Visit) -> Page:
@@ -70,8 +63,8 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
     upload.set_input_files(flight(tmp_path / "weave.csv"))
     expect(page.get_by_text("weave.csv: a flight of 60 s.")).to_be_visible()
     expect(page.get_by_role("textbox", name="Length [s]")).to_have_value("60.0")
-    enter(page, "Runs", "8")
-    enter(page, "Outages [s]", "40,60")
+    enter(box(page, "Runs"), "8")
+    enter(box(page, "Outages [s]"), "40,60")
     page.get_by_role("button", name="Start", exact=True).click()
     expect(page.get_by_text("8 × 60 s")).to_be_visible()
     page.get_by_role("button", name="Where formula and simulation differ, and why").click()
@@ -95,8 +88,8 @@ def test_closing_the_page_ends_its_runs(page: Page, forgetful: str) -> None:
     page.goto(forgetful)
     page.get_by_text("Simulate", exact=True).click()
     expect(page.get_by_role("button", name="Start", exact=True)).to_be_enabled()
-    enter(page, "Runs", "2000")
-    enter(page, "Length [s]", "2000")
+    enter(box(page, "Runs"), "2000")
+    enter(box(page, "Length [s]"), "2000")
     page.get_by_role("button", name="Start", exact=True).click()
     expect(page.get_by_text(re.compile(r"[1-9]\d* of 2000 runs, about \d+ s left"))).to_be_visible()
     assert heavy_tasks(forgetful) > 0

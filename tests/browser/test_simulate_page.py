@@ -4,28 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
-from playwright.sync_api import Locator, Page, expect
-
-Visit = Callable[..., Page]
-Check = Callable[..., None]
+from on_page import Check, Visit, box, enter
+from playwright.sync_api import Page, expect
 
 _CURVE = """(column) => {
   const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
   const data = sources.map(m => m.data instanceof Map ? m.data : new Map(Object.entries(m.data)))
   return [...(data.find(columns => columns.has(column) && columns.get(column).length > 2)?.get(column) ?? [])]
 }"""
-
-
-def field(page: Page, label: str) -> Locator:
-    return page.get_by_role("textbox", name=label, exact=True)
-
-
-def enter(page: Page, label: str, text: str) -> None:
-    field(page, label).fill(text)
-    field(page, label).press("Enter")
 
 
 def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
@@ -39,12 +27,12 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     expect(answer).to_contain_text("Not run yet")
     figures = page.locator(".bk-Figure:visible")
     expect(figures).to_have_count(5)
-    enter(page, "Outages [s]", "soon")
+    enter(box(page, "Outages [s]"), "soon")
     start.click()
     expect(page.get_by_text("is not start,stop in seconds")).to_be_visible()
-    enter(page, "Runs", "20")
-    enter(page, "Length [s]", "120")
-    enter(page, "Outages [s]", "90,120")
+    enter(box(page, "Runs"), "20")
+    enter(box(page, "Length [s]"), "120")
+    enter(box(page, "Outages [s]"), "90,120")
     start.click()
     expect(answer).to_have_text(
         re.compile(r"(Consistent|Optimistic|Pessimistic).*NEES \d+\.?\d* with 9 states, 95 % band .*, 20 runs")
@@ -52,11 +40,11 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     expect(start).to_be_enabled()
     page.wait_for_function(f"() => ({_CURVE})('sim-position rms 2').length === 121")
     for figure in [answer, *figures.all()]:  # all of it in the window
-        box = figure.bounding_box()
-        assert box is not None
-        assert box["y"] >= 0
-        assert box["x"] + box["width"] <= 1440
-        assert box["y"] + box["height"] <= 900
+        place = figure.bounding_box()
+        assert place is not None
+        assert place["y"] >= 0
+        assert place["x"] + place["width"] <= 1440
+        assert place["y"] + place["height"] <= 900
     page.get_by_role("button", name="Exports", exact=True).click()
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Everything (JSON)").click()
@@ -66,14 +54,14 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     assert page.evaluate(_CURVE, "sim-position rms 2") == document["position"]["down"]["rms_m"]
 
     page.reload()  # settings and result are still there
-    expect(field(page, "Runs")).to_have_value("20")
-    expect(field(page, "Outages [s]")).to_have_value("90,120")
+    expect(box(page, "Runs")).to_have_value("20")
+    expect(box(page, "Outages [s]")).to_have_value("90,120")
     expect(answer).to_contain_text("20 runs")
     expect(answer).not_to_contain_text("Stale")
     page.get_by_role("slider", name="Angle random walk").press("ArrowRight")
     expect(answer).to_contain_text("Stale: the instruments or the flight have changed since.")
 
-    enter(page, "Runs", "2000")
+    enter(box(page, "Runs"), "2000")
     start.click()
     expect(page.get_by_text(re.compile(r"[1-9]\d* of 2000 runs, about \d+ s left"))).to_be_visible()
     cancel.click()

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
-
-Visit = Callable[..., Page]
-Check = Callable[..., None]
+from on_page import Check, Visit
+from playwright.sync_api import expect
 
 
 @pytest.mark.slow

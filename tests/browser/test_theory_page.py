@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from on_page import Visit
 from playwright.sync_api import Page, expect
 
 from nav_model.equations import ALL_EQUATIONS
 
-Visit = Callable[..., Page]
 _IN_VIEW = "e => { const b = e.getBoundingClientRect(); return b.top >= 0 && b.top < innerHeight / 2 }"
 
 _COUNT = """() => {

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
+from on_page import Check, Visit
 from playwright.sync_api import Page, expect
 
-Visit = Callable[..., Page]
-Check = Callable[..., None]
 _PLAN = """<gpx><rte><rtept lat="47" lon="8"><ele>3000</ele><name>first</name></rtept>
 <rtept lat="47.08" lon="8"><ele>3000</ele></rtept><rtept lat="47.08" lon="8.1"><ele>3000</ele></rtept></rte></gpx>"""
 

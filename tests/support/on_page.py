@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import Download, Locator, Page
+
+Visit = Callable[..., Page]
+Check = Callable[..., None]
+IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
 
 
 def box(page: Page, label: str) -> Locator:
@@ -36,9 +41,9 @@ def content(download: Download) -> bytes:
     return Path(path).read_bytes()
 
 
-_COLUMNS = """(name) => {
+COLUMNS = """(name) => {
   const sources = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "ColumnDataSource")
-  const data = sources.find(m => m.name === name).data
+  const data = sources.find(m => m.name === name)?.data ?? {}
   const pairs = [...(data instanceof Map ? data : Object.entries(data))]
   return Object.fromEntries(pairs.map(([key, values]) => [key, [...values]]))
 }"""
@@ -46,5 +51,5 @@ _COLUMNS = """(name) => {
 
 def columns(page: Page, name: str) -> dict[str, list[Any]]:
     """What the curves of a chart are drawn from."""
-    found: dict[str, list[Any]] = page.evaluate(_COLUMNS, name)
+    found: dict[str, list[Any]] = page.evaluate(COLUMNS, name)
     return found

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from nav_model.base.errors import InputError
-from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import solve
 from nav_model.explore.uncertainty import Uncertain, read_uncertain, uncertain_verdict
 
@@ -33,23 +32,6 @@ def test_the_interval_covers_at_its_rate(open_design):
     spread = {ARW: Uncertain("lognormal", 0.04 * DEG, 1.5)}
     found = [uncertain_verdict(open_design, spread, seed, points=64).closes for seed in range(100)]
     assert sum(p.low <= exact <= p.high for p in found) >= 88
-
-
-def test_agrees_with_plain_monte_carlo(open_design):
-    spread = {
-        ARW: Uncertain("uniform", 0.02 * DEG, 0.06 * DEG),
-        "imu.velocity_random_walk": Uncertain("lognormal", 0.06 / 60, 1.4),
-        "gnss.position_noise": Uncertain("log-uniform", 0.3, 3.0),
-    }
-    rng = np.random.default_rng(5)
-    draws = {key: u.at(rng.random(200_000)) for key, u in spread.items()}
-    plain = float(np.mean(worst(ratios(open_design, draws)) <= 1))
-    found = uncertain_verdict(open_design, spread)
-    tolerance = 4 * np.sqrt(plain * (1 - plain) / 200_000) + found.closes.high - found.closes.low
-    assert found.closes.value == pytest.approx(plain, abs=tolerance)
-    assert found.margin[0] < found.margin[1] < found.margin[2]
-    assert sum(found.limiting.values()) == pytest.approx(1)
-    assert found == uncertain_verdict(open_design, spread)
 
 
 def test_certainty_still_has_an_error_bar(closed_design):
