@@ -50,7 +50,6 @@ class LibraryView(View):
         self._open_designs: set[str] = set()
         self._ticks: list[tuple[str, pmui.Checkbox]] = []  # a design's latest revision may have two
         self._putting = False  # ticks are being set to what is picked
-        self._fetched: set[str] = set()  # ticked, and on its way from the library
         self._note = pmui.TextInput(label="Note", max_length=4000, width=260, **LOOK)
         self._new = button("Save as new design", partial(self._save, True), variant="contained")
         self._next = button("Save as next revision", partial(self._save, False), visible=False)
@@ -144,32 +143,29 @@ class LibraryView(View):
         tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in saved.tags)
         when = f"<span>{moment(saved.saved)}</span>"
         cells = f'{_verdict(saved.closes, saved.verdict)}<span class="who">{escape(saved.author)}</span>{when}{tags}'
-        rows = [self._row(saved.key, shortened(saved.name, 60), cells, history)]
+        rows = [self._row(saved, shortened(saved.name, 60), cells, history)]
         if shown and many:
             rows += [
-                self._row(r.key, f"Revision {r.number}: {shortened(r.name, 44)}", _revision_cells(r), None, indent=28)
+                self._row(r, f"Revision {r.number}: {shortened(r.name, 44)}", _revision_cells(r), None, indent=28)
                 for r in histories[saved.design]
             ]
         return rows
 
-    def _row(self, key: str, label: str, cells: str, extra: Any, indent: int = 0) -> pn.FlexBox:
-        tick = pmui.Checkbox(
-            label=label, value=self._is_ticked(key), width=330 - indent,
-            margin=(0, 4, 0, 6 + indent),
-        )  # fmt: skip
+    def _row(self, revision: Revision, label: str, cells: str, extra: Any, indent: int = 0) -> pn.FlexBox:
+        picked = revision.key in {own.key for own in self.desk.picked}
+        tick = pmui.Checkbox(label=label, value=picked, width=330 - indent, margin=(0, 4, 0, 6 + indent))
 
         def ticked(event: Any) -> None:
             if self._putting:
                 return
             if event.new:
-                self._fetched.add(key)
-                pn.state.execute(partial(self._fetch, key))
+                self.desk.pick(revision)
             else:
-                self._fetched.discard(key)
-                self.desk.put_back(key)
+                self.desk.put_back(revision.key)
+            self._picks()  # also where one too many was refused
 
         tick.param.watch(ticked, "value")
-        self._ticks.append((key, tick))
+        self._ticks.append((revision.key, tick))
         parts = [tick, html_pane(f'<div class="line">{cells}</div>', margin=(2, 6)), *([extra] if extra else [])]
         parts[1].param.update(sizing_mode=None, styles={"flex": "1 1 280px"})
         return pn.FlexBox(*parts, align_items="center", styles=_RULE)
@@ -180,25 +176,14 @@ class LibraryView(View):
 
     # --- the chosen ones -------------------------------------------------------------------------------
 
-    def _is_ticked(self, key: str) -> bool:
-        return key in self._fetched or key in {own.key for own in self.desk.picked}
-
-    async def _fetch(self, key: str) -> None:
-        """Pick a revision that was ticked, unless its tick was taken back meanwhile."""
-        revision = await self.desk.ask(lambda place: place.revision(key))
-        if key in self._fetched:
-            self._fetched.remove(key)
-            if revision is not None:
-                self.desk.pick(revision)
-            self._picks()
-
     @param.depends("desk.picked", watch=True)
     def _picks(self) -> None:
+        picked = {own.key for own in self.desk.picked}
         with pn.io.hold():
             self._putting = True
             try:
                 for key, tick in self._ticks:
-                    tick.value = self._is_ticked(key)
+                    tick.value = key in picked
             finally:
                 self._putting = False
             self._say_picked()
