@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from nav_model.base.errors import InputError
-from nav_model.budget.contributors import parts_of
-from nav_model.budget.inputs import inputs_of
+from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.contributors import Part, Parts
+from nav_model.budget.figures import begun, phase_sources, placing, with_fast
+from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
+from nav_model.design.contributors import BOTH
 from nav_model.design.trajectory import AIDING, LIMITED, LINES, WAYPOINTS
+from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
 from nav_model.trajectory.specification import Aiding, Aperture, CovarianceSpec, Limits, Line
 
+_PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase")
+_PLACES = ("azimuth_shift", "range_shift", "ce90")
 PLAN = "plan"
 """Name of a design's own flight among those that the commands fly."""
 
@@ -97,8 +106,25 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     everywhere = {name: getattr(design.requirements, name) for name in LIMITED}
     limits = Limits(design.processing.mode, _limits(design, everywhere))
-    shape = aperture_of(design)
-    return CovarianceSpec(study, shape, aiding, flown, limits, parts_of(design, shape.wavelength))
+    x = inputs_of(design)
+    if x.rectified is not None:  # a bias that vibration makes is one more of the accelerometers
+        meters = study.imu.accelerometer
+        whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
+        study = replace(study, imu=replace(study.imu, accelerometer=whole))
+    return CovarianceSpec(study, aperture_of(design), aiding, flown, limits, _besides(x))
+
+
+def _besides(x: Inputs) -> Parts:
+    """What enters the image figures beside the errors of the flight: vibration, unsensed motion and the oscillator
+    [P-8], in CE90 as circles, and the user's own contributors."""
+    found = dict(x.own)
+    sources, still = phase_sources(x, begun(x).horizontal), Shifts(*np.zeros(len(Shifts._fields)))
+    for source, made in x.fast.items():
+        moved = with_fast(replace(x, fast={source: made}), still)
+        sizes = dict(zip(_PHASES, x.to_phase * np.sqrt(sources[source]), strict=True))
+        for figure, size in (sizes | placing(replace(x, scene_height_error=np.zeros(())), moved, _PLACES)).items():
+            found[figure] = (*found.get(figure, ()), Part(source, size, False, BOTH))
+    return FrozenMapping(found)
 
 
 def _limits(design: Design, most: Mapping[str, float | None]) -> tuple[tuple[str, float], ...]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,21 @@ from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import _filtered, covariance
-from nav_model.trajectory.design_study import aperture_of
+from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.errors import error_model
 from nav_model.trajectory.result import Processed, TrajectoryResult
-from nav_model.trajectory.specification import Aiding, CovarianceSpec
+from nav_model.trajectory.specification import Aiding
 
 MEMS = read_design("examples/mems_x_band.toml")
 TACTICAL = read_design("examples/tactical_x_band.toml")
 DENSE = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=["gnss.interval=0.1 s"])
+SHAKEN = parse_design(
+    Path("examples/mems_x_band.toml").read_bytes(),
+    changes=[
+        "motion.lines=3 Hz 0.2 mm", "motion.delay=3 ms", "motion.unsensed_lines=2 Hz 0.5 mm",
+        "oscillator.phase_noise=1 Hz 0 dBc/Hz; 1 kHz -60 dBc/Hz",
+    ],
+)  # fmt: skip
 FAST = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=["gnss.velocity_noise=3 cm/s"])
 RICH = read_study_inputs(
     {
@@ -41,7 +49,8 @@ RICH = read_study_inputs(
 
 def along(design: Design, aiding: Aiding | None = None, **options: Any) -> TrajectoryResult:
     study = specification(design, **{"trajectory": "straight", "duration": 300.0, **options})
-    return covariance(CovarianceSpec(study, aperture_of(design), aiding or Aiding()))
+    spec = covariance_specification(design, study)
+    return covariance(replace(spec, aiding=aiding or Aiding()))
 
 
 def states(part: Processed) -> np.ndarray:
@@ -66,7 +75,7 @@ def test_a_filter_that_knows_its_errors_is_that_of_the_simulator(options: dict[s
 
 def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
     """[S-5], [P-5] and their shares: to one part in a hundred, where a fix comes at the aperture's start."""
-    for design in (MEMS, TACTICAL, FAST):
+    for design in (MEMS, TACTICAL, FAST, SHAKEN):
         budget = analyse(design)
         found = along(design, duration=500.0)
         smooth, at = found.post_processed, 250
