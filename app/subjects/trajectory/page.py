@@ -34,7 +34,7 @@ from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
-from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
+from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import upload
 from app.ui.view import View
 from app.work.kept import keep, kept
@@ -82,13 +82,14 @@ class TrajectoryPage(View):
             self._head, *(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots),
             sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE],
         )  # fmt: skip
-        whole = {"sizing_mode": "stretch_both"}
+        whole: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
         self._shares = pn.Column(html_pane(_COMING), **whole)
         above = details.later(self._map, **whole)
         self._places = pn.Column(self._plan.table("waypoints"), visible=False, margin=(0, 10))
         self._view = pn.Column(
-            first_screen(self._strip, self._bar, self._places, left=[curves], right=[above, self._shares]),
+            self._places,
+            first_screen(self._strip, self._bar, left=[curves], right=[above, self._shares]),
             Folded(
                 (
                     ("Aiding, and limits of single lines", self._more),

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.errors import InputError
+from nav_model.base.units import to_si
 from nav_model.design import Design
 from nav_model.design.parts import Trajectory
 
@@ -123,7 +125,7 @@ def waypoints_of_lines(design: Design) -> Rows:
 
 def row_of(latitude: float, longitude: float, height: float, line: str = "") -> tuple[float, float, float, str]:
     """A place [rad, m] to a millimetre as a row of the design's waypoints; a name without what parts its cells."""
-    across = (math.radians(round(math.degrees(angle), 8)) for angle in (latitude, longitude))
+    across = (to_si(Fraction(f"{math.degrees(angle):.8f}"), "°", "angle") for angle in (latitude, longitude))
     return *across, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split())  # type: ignore[return-value]
 
 

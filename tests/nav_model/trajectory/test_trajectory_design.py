@@ -169,5 +169,7 @@ def test_the_commands_fly_the_plan_of_the_design(tmp_path: Path, capsys: pytest.
     assert main(["simulate", str(path), "--trajectory", "plan", "--runs", "2", "--workers", "1",
                  "--set", "trajectory.barometer_noise=3 m"]) == 0  # fmt: skip
     flown = json.loads(capsys.readouterr().out)
+    assert main(["trajectory", str(path), "--set", "trajectory.outages=90, 60"]) == 2
+    assert "navbudget: trajectory.outages: (90.0, 60.0) cannot be simulated" in capsys.readouterr().err
     assert flown["time_s"][-1] == found["time_s"][-1]
     assert any("leave out what the flight plan has of barometer" in said for said in flown["conditions"])

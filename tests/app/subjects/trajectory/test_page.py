@@ -185,6 +185,8 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     after(page, lambda: page.show(session.budget))
     rows, before = tables["waypoints"].rows, session.design
     assert [row[3] for row in rows if row[3]] == [f"line {n}" for n in range(1, 5)]
+    assert rows[0] == ["48", "0", "3000", "line 1"]
+    assert max(len(cell) for row in rows for cell in row) <= len("-0.05159620")
     north = math.radians(float(rows[1][0]) - float(rows[0][0])) * 6.37e6
     assert north * math.cos(0) == pytest.approx(3000.0, rel=0.01)
     wrong = [["48", "0", "3000", "a"], ["98", "0", "3000", ""]]
