@@ -53,33 +53,18 @@ class Figure:
 
     def feed(self, chart: Plotted) -> None:
         """Show another chart of the same structure."""
-        renamed = isinstance(chart, Chart) and self._rename(chart)
         for name, columns in _columns(chart).items():
-            sent, source = self._sent[name], self._sources[name]
-            if renamed:
-                source.data = dict(columns)
-            elif changed := {key: new for key, new in columns.items() if not same(sent[key], new)}:
-                source.data.update(changed)
+            sent = self._sent[name]
+            if changed := {key: new for key, new in columns.items() if not same(sent[key], new)}:
+                self._sources[name].data.update(changed)
             self._sent[name] = columns
         if isinstance(chart, Chart):
-            self._feed_ranges(chart)
+            self._feed_frame(chart)
 
-    def _rename(self, chart: Chart) -> bool:
-        """Update the hover text of lines, such as which run a line is; whether any changed.
-
-        The old column stays until the line uses the new one: a line without its column is an error in the browser.
-        """
-        renamed = False
+    def _feed_frame(self, chart: Chart) -> None:
         for renderer, line in zip(self._lines, chart.lines, strict=True):
-            name = _column(line)
-            if renderer.name != name:
-                renamed, data = True, renderer.data_source.data
-                data[name] = data[renderer.name]
-                renderer.glyph.y = field_of(name)
-                renderer.name = name
-        return renamed
-
-    def _feed_ranges(self, chart: Chart) -> None:
+            if renderer.name != _hovered(line):  # such as which run a line is
+                renderer.name = _hovered(line)
         for span in chart.spans:
             box, label = self._spans[span.key]
             shown = not math.isnan(span.start)
@@ -135,7 +120,11 @@ def _columns(chart: Plotted) -> dict[str, dict[str, Any]]:
 
 
 def _column(line: Line) -> str:
-    """A line's column is named after its hover text, so one hover tool serves all lines of a figure."""
+    return f"y of {line.key}"
+
+
+def _hovered(line: Line) -> str:
+    """What a line says when it is hovered: its renderer's name, so one hover tool serves all lines of a figure."""
     return f"{line.label}: {line.source}"
 
 
@@ -183,9 +172,9 @@ def _curves(chart: Chart, height: int | None) -> Figure:
     lines = []
     for line in chart.lines:
         glyph = LineGlyph(x="x", y=field_of(_column(line)), **line_look(STYLES[line.style]))
-        lines.append(add_glyph(plot, sources[_line_source(chart, line.x)], glyph, _column(line)))
+        lines.append(add_glyph(plot, sources[_line_source(chart, line.x)], glyph, _hovered(line)))
     x_unit, y_unit = unit_of(chart.x_label), unit_of(chart.y_label)
-    _hover(plot, lines, f"<b>$name</b><br>@$name{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
+    _hover(plot, lines, f"<b>$name</b><br>$snap_y{{0.000e+0}} {y_unit} at @x{{0.000}} {x_unit}")
     for points in chart.points:
         style = STYLES[points.style]
         source = sources[f"points {points.key}"]
