@@ -11,11 +11,7 @@ from app.dashboard.frame import Frame
 from app.serving.server import first_design
 from app.session import Session
 
-# The Material download button passes both names of one argument to its own base class.
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
-    pytest.mark.long,
-]
+pytestmark = pytest.mark.long
 
 
 def _models(root: Model) -> list[DataModel]:

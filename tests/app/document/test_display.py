@@ -16,8 +16,6 @@ from app.subjects.budget.timelines import together
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 
-pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style'")
-
 
 @pytest.mark.parametrize(("spread", "held", "pair"), [
     ("95 %", 0.95, False), ("95 %", 0.95, True), ("CEP", 0.5, True), ("2σ", stats.norm.cdf(2) * 2 - 1, False),

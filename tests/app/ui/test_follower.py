@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import panel as pn
-import pytest
 from bokeh.models import ColumnDataSource
 
 from app.charts.kinds import Chart, Line
 from app.ui.follower import Follower
-
-# The Material download button passes both names of one argument to its own base class.
-pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
 
 _COMING = "<p>Appears with the first result.</p>"
 

@@ -24,7 +24,6 @@ NONE = np.zeros(0)
 TABLE = Curve(np.array([0.05, 1.0, 20.0, 2000.0]), np.array([1e-3, 2e-3, 0.5, 0.01]))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("bandwidth", "delay"), [(None, 0.4), (200.0, 0.0), (200.0, 5e-3)])
 def test_integrals(bandwidth, delay, compared):
     """Against a sum over two million frequencies, SciPy's Bessel functions, the transfer as complex numbers."""
@@ -159,7 +158,6 @@ def test_the_highest_echo_counts_and_slow_lines_do_not():
     assert float(highest_echo([slow], one, aperture, 1.0)) == NOTHING
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("window", "density", "falls"),
     [("uniform", 1e-4, 0.0), ("uniform", 0.02, -2.0), ("hamming", 5e-3, -1.0), ("taylor", 1e-4, 0.0)],
@@ -227,7 +225,6 @@ def _line_fitted(f: Array, aperture: float) -> tuple[Array, Array]:
     return np.abs(turning.mean(axis=1)) ** 2 / 2, np.abs(slope) ** 2 / 2
 
 
-@pytest.mark.long
 def test_what_vibrates_shifts_the_image(open_design):
     """Range and azimuth of a line and of a spectrum that the IMU does not feel, by a line fitted to sinusoids."""
     rows = ((0.1, 1e-6, "length density"), (5.0, 1e-8, "length density"))

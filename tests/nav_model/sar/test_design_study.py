@@ -85,7 +85,6 @@ def residuals(case, runs, seed):
     return *at_middle, np.concatenate(whole, axis=1)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", [*THREE, *MORE])
 def test_closed_forms_hold_along_the_line_of_sight(name):
     """2000 runs: within 4 standard errors and 5 % (start just after a fix, few fixes under 5, along-track slope)."""

@@ -29,8 +29,6 @@ from nav_model.budget.provenance import cautions
 from nav_model.design import Design
 from nav_model.design.file import read_design
 
-# The widget library sets both of its own button parameters.
-pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style'")
 EXAMPLES = Path(__file__).parents[4] / "examples"
 _FACTOR = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "mm/s": 1e-3, "cm/s": 1e-2, "m/s": 1.0,
            "°": math.pi / 180, "arcsec": math.pi / 648000}  # fmt: skip

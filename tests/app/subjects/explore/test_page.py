@@ -29,10 +29,7 @@ from nav_model.explore.search import OWN_GNSS
 from nav_model.explore.sweep import sweep_ratios, to_csv, to_parquet
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
-    pytest.mark.long,
-]
+pytestmark = pytest.mark.long
 
 OWN = """
 [[imu]]

@@ -15,7 +15,6 @@ from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from nav_model.budget import analyse
 
-pytestmark = pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style'")
 _NAMES = "ABCDEFG"
 
 

@@ -33,11 +33,7 @@ from nav_model.budget import analyse
 from nav_model.design.link import split_link
 from nav_model.sar.strategies import NAMES
 
-# A button of panel-material-ui passes its own look on in the old words too.
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
-    pytest.mark.long,
-]
+pytestmark = pytest.mark.long
 
 
 MEMS = str(Path(__file__).parents[4] / "examples" / "mems_x_band.toml")

@@ -30,11 +30,7 @@ from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
 from nav_model.design.catalogue import catalogue
 
-# The Material download button passes both names of one argument to its own base class.
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
-    pytest.mark.long,
-]
+pytestmark = pytest.mark.long
 
 ARW, VRW = np.radians(0.3) / 60.0, 0.05 / 60.0
 HEADER = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"

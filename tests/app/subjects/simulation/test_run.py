@@ -93,7 +93,6 @@ def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     assert np.array_equal(run.result.study.result.rms, _study(((40, 60),), runs=80).result.rms)
 
 
-@pytest.mark.long
 def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancelled(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -164,7 +163,6 @@ def test_only_instruments_and_flight_make_a_study_stale() -> None:
     assert not same_subject(flown("file"), planned)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("describe", CHARTS)
 def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: SimulationStudy, describe) -> None:
     chart = describe(study)
@@ -241,8 +239,6 @@ def test_settings_travel_in_the_link_and_the_server_still_has_the_result(
     assert SimulatePage(Session(DESIGN))._result is None
 
 
-# The widget library sets both of its own button parameters.
-@pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
 def test_everything_folded_opens_and_shows_the_result_that_comes_later(study: SimulationStudy) -> None:
     page = SimulatePage(Session(DESIGN))
     folded = page.__panel__().objects[-1]
@@ -254,8 +250,6 @@ def test_everything_folded_opens_and_shows_the_result_that_comes_later(study: Si
     assert len(folded.select(pn.pane.Bokeh)) == seen + 4  # path and attitude, outage and spread
 
 
-# The widget library sets both of its own button parameters.
-@pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
 def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: SimulationStudy) -> None:
     session = Session(DESIGN)
     page = SimulatePage(session)
@@ -326,7 +320,6 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert '"consistent"' in as_json(other)
 
 
-@pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
 def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
     page = SimulatePage(Session(DESIGN))
     page.outages = "later"

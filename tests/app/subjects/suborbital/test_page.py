@@ -35,11 +35,7 @@ from nav_model.suborbital.settings import DEFAULTS, follows_design
 from nav_model.suborbital.study_file import format_study, from_link, to_link
 from nav_model.suborbital.survey import Survey, run_survey
 
-# Panel Material UI warns of its own widgets.
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
-    pytest.mark.long,
-]
+pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")

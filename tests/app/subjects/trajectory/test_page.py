@@ -42,11 +42,7 @@ from nav_model.design.file import format_design
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.trajectory.files import kml_waypoints
 
-# A button of panel-material-ui passes its own look on in the old words too.
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning"),
-    pytest.mark.long,
-]
+pytestmark = pytest.mark.long
 TWO_LINES = {
     "trajectory.flight": "lines", "trajectory.lines": 2.0, "trajectory.length": 3000.0,
     "trajectory.outages": ((100.0, 130.0),),
