@@ -1,7 +1,6 @@
 """Complex steps through the closed forms: shares against Lyapunov solutions, slopes against 50-digit differences."""
 
 import numpy as np
-import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
 from nav_model.analytic.steady_state import horizontal, vertical
@@ -59,12 +58,3 @@ def test_vertical_parts_against_the_lyapunov_equation(fleet, reference):
         theirs = _lyapunov_parts(reference, fleet.sigma_a[i], 0.0, fleet.s[i], fleet.g[i], order=2)
         for ours, part in zip(parts[..., i], theirs, strict=True):
             np.testing.assert_allclose(ours, [part[0, 0], part[0, 1], part[1, 1]], rtol=1e-9)
-
-
-def test_gyro_dominated_limit():
-    inputs = 1e-9, 1e-3, 1.0
-    whole = horizontal(*inputs, 9.8)
-    gyro, gnss = (each for n, each in enumerate(_slopes(lambda *x: horizontal(*x, 9.8), *inputs)) if n)
-    for element, share in ((0, 1 / 6), (3, 1 / 2), (5, 5 / 6)):
-        assert float(gyro[element] / whole[element]) / 2 == pytest.approx(share, abs=1e-6)
-        assert float(gnss[element] / whole[element]) / 2 == pytest.approx(1 - share, abs=1e-6)

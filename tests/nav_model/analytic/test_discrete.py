@@ -72,10 +72,3 @@ def test_slow_error_cycle(fleet, reference, compared, ratio_off):
     compared(
         "Before and after a fix with a slow GNSS error", "T-8", "solver written by others", ORACLE, off, 1e-9, MEASURE
     )
-
-
-def test_cycle_broadcasts(worked):
-    grid = cycle(worked.sigma_a, worked.sigma_w, worked.g, np.array([[0.5], [1.0]]), np.array([0.1, 1.0, 2.0]), 1.0)
-    assert grid.prior.horizontal.p11.shape == (2, 3)
-    one = cycle(worked.sigma_a, worked.sigma_w, worked.g, 1.0, 2.0, 1.0)
-    assert grid.posterior.horizontal.p23[1, 2] == pytest.approx(float(one.posterior.horizontal.p23), rel=1e-11)

@@ -8,7 +8,7 @@ import pytest
 from nav_model.analytic.coast import horizontal_growth, vertical_growth
 from nav_model.analytic.discrete import cycle
 from nav_model.analytic.refined_coast import refined_growth
-from nav_model.analytic.steady_state import Horizontal, Vertical, horizontal, vertical
+from nav_model.analytic.steady_state import horizontal, vertical
 
 OMEGA, RADIUS = 7.2921150e-5, 6371008.8
 
@@ -117,16 +117,6 @@ def test_check_values_of_the_page(worked, differs):
     assert math.sqrt(ours.vertical[0]) == pytest.approx(0.900, abs=0.002)
     assert math.sqrt(ours.vertical[1]) == pytest.approx(2.39, abs=0.005)
     assert math.sqrt(ours.horizontal[0]) == pytest.approx(47.4, abs=0.1)
-
-
-def test_order_of_times_does_not_matter(worked):
-    p = Horizontal(*(np.float64(x) for x in (1.0, 0.0, 0.0, 0.01, 0.0, 1e-6)))
-    v = Vertical(*(np.float64(x) for x in (1.0, 0.0, 0.01)))
-    args = (p, v, worked.sigma_a, worked.sigma_w, worked.g)
-    one = refined_growth(*args, [30.0, 0.0, 5.0], speed=100.0, latitude=0.5)
-    two = refined_growth(*args, [0.0, 5.0, 30.0], speed=100.0, latitude=0.5)
-    np.testing.assert_allclose(one.vertical, two.vertical[[2, 0, 1]], rtol=1e-15)
-    assert refined_growth(*args, 0.0, speed=100.0, latitude=0.5).horizontal == pytest.approx(1.0, rel=1e-15)
 
 
 def test_a_curve_remembered_is_the_one_worked_out(worked):

@@ -9,7 +9,6 @@ from mpmath import mp
 
 from nav_model.analytic.regime import catalogue_points, design_point
 from nav_model.analytic.steady_state import (
-    Horizontal,
     gyro_dominated,
     horizontal,
     position_ratio,
@@ -117,31 +116,6 @@ def test_gyro_dominated_limit_against_the_riccati_equation(reference, compared, 
         1e-6,
         "largest ratio − 1",
     )
-
-
-def test_gyro_dominated_limit_and_its_error():
-    """[T-7]: the error in p11 is kappa^(-4/3)/3, and the exponents are 1/6, 5/6; 1/2, 1/2; 5/6, 1/6."""
-    g, s = 9.80665, 1.0
-    for kappa, a in ((10.0, None), (100.0, None), (1000.0, None), (1e4, None)):
-        w = 1e-4
-        a = (2 * math.sqrt(2) * g * w * math.sqrt(s) / kappa) ** (2 / 3)
-        p, limit = horizontal(a, w, s, g), gyro_dominated(w, s, g)
-        error = 1 - float(limit[0] / p.p11)
-        assert error == pytest.approx(kappa ** (-4 / 3) / 3, rel=0.1)
-        for ours, bound in zip((p.p22, p.p33), limit[1:], strict=True):
-            assert float(bound / ours) == pytest.approx(1, abs=3 * kappa ** (-4 / 3))
-
-
-def test_broadcasting():
-    a, w, s = np.full((4, 1, 1), 1e-3), np.full((3, 1), 1e-5), np.linspace(0.1, 1, 5)
-    p = horizontal(a, w, s, 9.8)
-    assert p.p11.shape == (4, 3, 5)
-    one = horizontal(1e-3, 1e-5, float(s[2]), 9.8)
-    for whole, single in zip(p, one, strict=True):
-        whole = np.broadcast_to(whole, (4, 3, 5))
-        assert whole[1, 2, 2] == pytest.approx(float(single), rel=1e-15)
-    assert p.matrix().shape == (4, 3, 5, 3, 3)
-    np.testing.assert_array_equal(np.stack(Horizontal.of(p.matrix()))[0], p.p11)
 
 
 @pytest.mark.parametrize("velocity", [None, 0.03])

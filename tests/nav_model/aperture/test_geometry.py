@@ -4,15 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from nav_model.aperture.geometry import (
     WINDOW_WIDTH,
     aperture_time,
     cell_length,
-    line_of_sight_weights,
 )
 
 
@@ -71,16 +68,6 @@ def test_mathworks_example_of_the_presets_page(compared):
         5e-5,
         "difference, s",
     )
-
-
-@given(st.floats(0, math.pi / 2), st.floats(0, 10), st.floats(0, 10))
-def test_line_of_sight(angle, sigma_y, sigma_z):
-    """Variance along the unit vector to the scene, from the covariance matrix itself."""
-    u = np.array([0.0, math.cos(angle), math.sin(angle)])
-    expected = u @ np.diag([7.0, sigma_y**2, sigma_z**2]) @ u
-    level, upright = line_of_sight_weights(angle)
-    assert level * sigma_y**2 + upright * sigma_z**2 == pytest.approx(expected, rel=1e-13, abs=1e-300)
-    assert level + upright == pytest.approx(1, rel=1e-15)
 
 
 @pytest.mark.parametrize("squint", [-0.7, 0.4])

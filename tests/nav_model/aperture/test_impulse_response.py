@@ -15,7 +15,7 @@ from nav_model.aperture.impulse_response import (
     response_curve,
 )
 from nav_model.aperture.polynomial_response import quadratic_response
-from nav_model.aperture.window import WINDOWS, Taper
+from nav_model.aperture.window import WINDOWS
 
 X = aperture_positions(1024)
 
@@ -127,20 +127,6 @@ def test_paired_echoes_are_bessel_functions(cycles, amplitude, compared):
         1e-3,
         "largest difference, dB",
     )
-
-
-@pytest.mark.parametrize(
-    ("taper", "width"),
-    [
-        (Taper("uniform"), 0.8859),
-        (Taper("taylor"), 1.1875),
-        (Taper("taylor", -35, 4), 1.1842),
-        (Taper("taylor", -30, 4), 1.1247),
-        (Taper("hamming"), 1.3030),
-    ],
-)
-def test_window_broadening(taper, width):
-    assert impulse_response(np.ones(1024), taper).width_cells == pytest.approx(width, abs=1e-4)
 
 
 @settings(max_examples=25)

@@ -100,6 +100,8 @@ def test_times_are_taken_exactly_and_in_order():
     coast = analyse(BASE, t).coast
     assert coast.time.tolist() == t
     assert coast.position_horizontal[0] == coast.position_horizontal[3]
+    order = np.argsort(t)
+    np.testing.assert_allclose(coast.refined_vertical[order], analyse(BASE, np.sort(t)).coast.refined_vertical)
     assert analyse(BASE, 3.0).coast.time.tolist() == [3.0]
     default = analyse(BASE).coast.time
     assert len(default) == COAST_POINTS == 300

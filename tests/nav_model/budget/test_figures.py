@@ -28,6 +28,13 @@ def test_equal_to_analyse(data, designs):
     assert bool(worst(over) <= 1) == verdict.closes
 
 
+def test_slow_error_too(closed_design):
+    design = closed_design.replace({"gnss.correlated": True, "coast.before_aperture": 5.0})
+    found = figures(inputs_of(design))
+    for check in analyse(design).verdict.checks:
+        assert float(found[check.name]) == pytest.approx(check.sigma, rel=1e-14)
+
+
 def test_arrays_are_designs_side_by_side(closed_design):
     x, y = np.geomspace(1e-6, 1e-3, 5), np.geomspace(0.01, 5, 4)
     grid = figures(inputs_of(closed_design, {"imu.angle_random_walk": x[None, :], "gnss.position_noise": y[:, None]}))

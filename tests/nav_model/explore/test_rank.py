@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from nav_model.analytic.steady_state import horizontal
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.budget.figures import FIGURES
+from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
@@ -74,6 +74,21 @@ def test_an_input_counts_where_its_declaration_says(key):
 def test_sources_are_called_what_a_budget_calls_them():
     budget = analyse(EVERYTHING.replace({f"requirements.{name}": 1.0 for name in FIGURES.values() if name != "tilt"}))
     assert set(SENSORS.values()) <= {source for check in budget.verdict.checks for source in check.by_sensor}
+
+
+@pytest.mark.parametrize("figure", ["quadratic_phase", "horizontal_position", "coast_horizontal_position"])
+def test_agrees_through_the_filter_with_a_slow_error(figure, open_design):
+    """With a slow GNSS error the complex step passes through the augmented filter."""
+    design = open_design.replace({"gnss.correlated": True, "coast.before_aperture": 3.0})
+    keys = ["imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "gnss.interval",
+            "gnss.correlated_noise", "gnss.correlation_time", "coast.before_aperture"]  # fmt: skip
+    slopes = log_derivatives(design, keys, [figure])[figure]
+    for key, slope in zip(keys, slopes, strict=True):
+        now = float(figures(inputs_of(design), [figure])[figure])
+        h = 1e-3
+        values = np.array([design[key] * (1 + k * h) for k in (-2, -1, 1, 2)])
+        f = np.log(np.broadcast_to(figures(inputs_of(design, {key: values}), [figure])[figure], 4) / now)
+        assert slope == pytest.approx((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * h), abs=1e-6)
 
 
 def test_post_processed_slopes_are_the_shares(open_design):
