@@ -97,6 +97,16 @@ def test_two_lines_that_change_their_names_keep_their_values():
         assert np.array_equal(renderer.data_source.data[renderer.glyph.y.field], line.y)
 
 
+def test_a_map_that_changes_in_its_middle_is_sent():
+    """The printed form of a large array leaves its middle out."""
+    chart = arw_winner_chart(analyse(example("mems_x_band")))
+    figure, winner = to_bokeh(chart), chart.winner.copy()
+    middle = (slice(20, 40),) * 2
+    winner[middle] = (winner[middle] + 1) % len(chart.names)
+    figure.feed(replace(chart, winner=winner))
+    assert np.array_equal(figure._sources["map"].data["image"][0], winner)
+
+
 def test_what_points_come_from_is_text_in_their_hover():
     """A hover's template is HTML, in figures and on grids."""
     named = Points("p", "points", np.array([5.0]), np.array([0.5]), ("here",), "reference", source="<img src=x>")
