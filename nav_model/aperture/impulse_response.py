@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.aperture.lobe_measures import measure_periodic
-from nav_model.aperture.window import Taper, Window, as_taper, ideal_null_cells
+from nav_model.aperture.window import Window, ideal_null_cells, weights_of
 
 MINIMUM_SAMPLES = 1024
 ZERO_PADDING = 64
@@ -85,7 +85,7 @@ def aperture_of_phase(phase_rad: ArrayLike, samples: int = MINIMUM_SAMPLES, keep
 
 
 def impulse_response(
-    aperture: ArrayLike, window: Window | Taper = "uniform", zero_padding: int = ZERO_PADDING
+    aperture: ArrayLike, window: Window = "uniform", zero_padding: int = ZERO_PADDING
 ) -> ImpulseResponse:
     """Impulse response of complex aperture samples, shape (..., N), N >= 1024 on the last axis.
 
@@ -105,9 +105,8 @@ def impulse_response(
         raise ValueError("aperture: values that are not finite; every sample must be a finite number")
     if zero_padding < 4:
         raise ValueError(f"zero_padding: {zero_padding}; at least 4 is needed to find the lobes")
-    taper = as_taper(window)
-    weights = taper.weights(aperture_positions(samples))
-    null = ideal_null_cells(taper)
+    weights = weights_of(window, aperture_positions(samples))
+    null = ideal_null_cells(window)
     rows = aperture.reshape(-1, samples)
     measured = np.empty((len(rows), len(_MEASURES)))
     for row, values in zip(rows, measured, strict=True):
@@ -119,7 +118,7 @@ def impulse_response(
 
 def response_curve(
     aperture: ArrayLike,
-    window: Window | Taper = "uniform",
+    window: Window = "uniform",
     extent_cells: float = 20.0,
     zero_padding: int = 16,
 ) -> tuple[_FloatArray, _FloatArray]:
@@ -133,12 +132,12 @@ def response_curve(
 
 
 def near_power(
-    aperture: ArrayLike, window: Window | Taper, extent_cells: float, zero_padding: int
+    aperture: ArrayLike, window: Window, extent_cells: float, zero_padding: int
 ) -> tuple[_FloatArray, _FloatArray]:
     """`response_curve`, its power as a ratio; fast where extents are few, as what depends on one alone is kept."""
     aperture = np.asarray(aperture, complex)
     samples = aperture.shape[-1]
-    weights = as_taper(window).weights(aperture_positions(samples))
+    weights = weights_of(window, aperture_positions(samples))
     reach = min(round(extent_cells * zero_padding), samples * zero_padding // 2 - 1)
     offsets = np.arange(-reach, reach + 1)
     chirp, kernel = _chirps(samples, zero_padding, reach)

@@ -20,7 +20,7 @@ from nav_model.aperture.impulse_response import (
     response_curve,
 )
 from nav_model.aperture.lobe_measures import ISLR_NULL_DISTANCES, TIE, half_power_places, measure_line
-from nav_model.aperture.window import Taper, Window, as_taper, ideal_null_cells
+from nav_model.aperture.window import Window, ideal_null_cells, weights_of
 
 _FAST_PADDING = ZERO_PADDING  # the same grid, so that both routes find the same shallow minima
 _CURVE_PADDING = 16  # samples to a cell of a curve
@@ -30,9 +30,7 @@ _WIDEST = 3.0  # cells beyond half the spread, farther than half the peak reache
 _FloatArray = NDArray[np.float64]
 
 
-def quadratic_response(
-    quadratic_rad: float, window: Window | Taper = "uniform", cubic_rad: float = 0.0
-) -> ImpulseResponse:
+def quadratic_response(quadratic_rad: float, window: Window = "uniform", cubic_rad: float = 0.0) -> ImpulseResponse:
     """Fast response of the pure phase ``quadratic x^2 + cubic x^3`` [rad at the aperture ends], scalars.
 
     The aperture integral is done by Gauss-Legendre quadrature on a line of a few tens of cells around the
@@ -40,18 +38,18 @@ def quadratic_response(
     `impulse_response` (N = 1024, x64) within 0.005 dB and 0.001 cell up to a QPE of 9 rad; beyond 8 cells of
     spread (a QPE of 4 pi) it hands over to `impulse_response` with as many samples as the phase needs.
     """
-    taper, spread = as_taper(window), _spread(quadratic_rad, cubic_rad)
+    spread = _spread(quadratic_rad, cubic_rad)
     if spread > _FAST_SPREADS[-1]:
         aperture, padding = _sampled(quadratic_rad, cubic_rad, spread)
-        return impulse_response(aperture, taper, padding)
-    line = _fast_line(taper, next(limit for limit in _FAST_SPREADS if spread <= limit))
+        return impulse_response(aperture, window, padding)
+    line = _fast_line(window, next(limit for limit in _FAST_SPREADS if spread <= limit))
     power = _power(line, quadratic_rad, cubic_rad)
     peak = _peak(power)
     values = measure_line(power, peak, _FAST_PADDING, line.null, line.total_energy, len(power) // 2)
     return gathered(np.array([values]), (), line.null)
 
 
-def half_power_extent(quadratic_rad: float, window: Window | Taper = "uniform") -> float:
+def half_power_extent(quadratic_rad: float, window: Window = "uniform") -> float:
     """``half_power_extent_cells`` of `quadratic_response`, in a third of its time, as side lobes are not measured."""
     spread = _spread(quadratic_rad)
     if spread > _FAST_SPREADS[-1]:
@@ -62,13 +60,13 @@ def half_power_extent(quadratic_rad: float, window: Window | Taper = "uniform") 
         return (high - low) / padding
     limit = next(limit for limit in _FAST_SPREADS if spread <= limit)
     near = round((limit / 2 + _WIDEST) * _FAST_PADDING)
-    power = _power(_fast_line(as_taper(window), limit), quadratic_rad, 0.0, slice(near))
+    power = _power(_fast_line(window, limit), quadratic_rad, 0.0, slice(near))
     low, high = half_power_places(power, _peak(power))
     return (high - low) / _FAST_PADDING
 
 
 def polynomial_curve(
-    quadratic_rad: float, cubic_rad: float, window: Window | Taper, extent_cells: float
+    quadratic_rad: float, cubic_rad: float, window: Window, extent_cells: float
 ) -> tuple[_FloatArray, _FloatArray]:
     """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power [dB] is (2, m).
 
@@ -79,7 +77,7 @@ def polynomial_curve(
         x = aperture_positions(MINIMUM_SAMPLES)
         phases = quadratic_rad * x**2 + np.array([[0.0], [cubic_rad]]) * x**3
         return response_curve(np.exp(1j * phases), window, extent_cells, _CURVE_PADDING)
-    line = _fast_line(as_taper(window), next(limit for limit in _FAST_SPREADS if spread <= limit))
+    line = _fast_line(window, next(limit for limit in _FAST_SPREADS if spread <= limit))
     reach, step = round(extent_cells * _CURVE_PADDING), _FAST_PADDING // _CURVE_PADDING
     shown = slice(0, reach * step + 1, step)
     power = np.stack([_power(line, quadratic_rad, cubic, shown) for cubic in (0.0, cubic_rad)])
@@ -138,8 +136,8 @@ class _FastLine:
 
 
 @cache
-def _fast_line(taper: Taper, spread: float) -> _FastLine:
-    null = ideal_null_cells(taper)
+def _fast_line(window: Window, spread: float) -> _FastLine:
+    null = ideal_null_cells(window)
     # The minima move out with the error, and ten null distances with them.
     reach = (ISLR_NULL_DISTANCES + 1) * (2 * null + 1 + spread / 4) + spread
     cells = np.arange(int(np.ceil(reach * _FAST_PADDING)) + 1) / _FAST_PADDING
@@ -147,7 +145,7 @@ def _fast_line(taper: Taper, spread: float) -> _FastLine:
     nodes = int(np.ceil(0.5 * np.pi * (cells[-1] + spread))) + 24
     x, quadrature = np.polynomial.legendre.leggauss(nodes)
     x, quadrature = (x + 1) / 2, quadrature / 2
-    shape = taper.weights(x)
+    shape = weights_of(window, x)
     area = 2 * float(quadrature @ shape)
     angle = np.pi * np.outer(x, cells)
     return _FastLine(

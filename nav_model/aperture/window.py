@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Literal
 
@@ -18,50 +17,22 @@ TAYLOR_NBAR = 5
 _FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Taper:
-    """An aperture weighting: its name and, for Taylor, the side-lobe level [dB, negative] and nbar."""
-
-    name: Window = "uniform"
-    level_db: float = TAYLOR_LEVEL_DB
-    nbar: int = TAYLOR_NBAR
-
-    def __post_init__(self) -> None:
-        if self.name not in WINDOWS:
-            raise ValueError(f"window: {self.name!r} is not one of {', '.join(WINDOWS)}")
-        if not (np.isfinite(self.level_db) and self.level_db < 0):
-            raise ValueError(f"window level_db: {self.level_db} dB; a side-lobe level below 0 dB is needed")
-        if self.nbar < 1:
-            raise ValueError(f"window nbar: {self.nbar}; at least 1 is needed")
-
-    def weights(self, x: ArrayLike) -> _FloatArray:
-        """Weight at aperture positions x in [-1, 1]; Taylor after Taylor (1955), Carrara et al. (1995)."""
-        x = np.asarray(x, float)
-        if self.name == "uniform":
-            return np.ones_like(x)
-        if self.name == "hamming":
-            return np.asarray(0.54 + 0.46 * np.cos(np.pi * x))
-        weight = np.ones_like(x)
-        for m, coefficient in enumerate(_taylor_coefficients(self.level_db, self.nbar), start=1):
-            weight += 2 * coefficient * np.cos(np.pi * m * x)
-        return weight
-
-
-def as_taper(window: Window | Taper) -> Taper:
-    """The window named, with the product's Taylor (-35 dB, nbar 5) unless a Taper says otherwise."""
-    return window if isinstance(window, Taper) else Taper(window)
-
-
-def ideal_null_cells(window: Window | Taper) -> float:
-    """Distance from the peak to the first null (first minimum) of the error-free response [cells]."""
-    return _ideal_null(as_taper(window))
+def weights_of(window: Window, x: ArrayLike) -> _FloatArray:
+    """Weight at aperture positions x in [-1, 1]; Taylor after Taylor (1955), Carrara et al. (1995)."""
+    x = np.asarray(x, float)
+    if window == "hamming":
+        return np.asarray(0.54 + 0.46 * np.cos(np.pi * x))
+    weight = np.ones_like(x)
+    for m, coefficient in enumerate(_taylor_coefficients() if window == "taylor" else (), start=1):
+        weight += 2 * coefficient * np.cos(np.pi * m * x)
+    return weight
 
 
 @cache
-def _taylor_coefficients(level_db: float, nbar: int) -> tuple[float, ...]:
-    a = np.arccosh(10 ** (-level_db / 20)) / np.pi
-    stretch = nbar**2 / (a**2 + (nbar - 0.5) ** 2)
-    order = np.arange(1, nbar)
+def _taylor_coefficients() -> tuple[float, ...]:
+    a = np.arccosh(10 ** (-TAYLOR_LEVEL_DB / 20)) / np.pi
+    stretch = TAYLOR_NBAR**2 / (a**2 + (TAYLOR_NBAR - 0.5) ** 2)
+    order = np.arange(1, TAYLOR_NBAR)
     coefficients = []
     for m in order:
         numerator = np.prod(1 - m**2 / (stretch * (a**2 + (order - 0.5) ** 2)))
@@ -71,13 +42,16 @@ def _taylor_coefficients(level_db: float, nbar: int) -> tuple[float, ...]:
 
 
 @cache
-def _ideal_null(taper: Taper) -> float:
-    """First minimum of the error-free response, by golden-section refinement of a coarse line."""
-    x, weights = np.polynomial.legendre.leggauss(64)
-    weights = weights * taper.weights(x)
+def ideal_null_cells(window: Window) -> float:
+    """Distance from the peak to the first null (first minimum) of the error-free response [cells].
+
+    By golden-section refinement of a coarse line.
+    """
+    x, quadrature = np.polynomial.legendre.leggauss(64)
+    weighted = quadrature * weights_of(window, x)
 
     def amplitude(cells: float) -> float:
-        return abs(float(np.cos(np.pi * cells * x) @ weights))
+        return abs(float(np.cos(np.pi * cells * x) @ weighted))
 
     step = 1 / 64
     cells = 0.0

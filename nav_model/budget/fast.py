@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from nav_model.aperture.impulse_response import aperture_positions
-from nav_model.aperture.window import as_taper, ideal_null_cells
+from nav_model.aperture.window import ideal_null_cells, weights_of
 from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.frozen import FrozenMapping
@@ -58,7 +58,7 @@ def _of_one(
 
 def _through(motion: Motion, oscillator: Oscillator, window: str, numbers: Mapping[str, Array]) -> Mapping[str, Fast]:
     sources = _sources(motion, oscillator, numbers)
-    lobe = ideal_null_cells(window) if sources else 1.0  # type: ignore[arg-type]
+    lobe = ideal_null_cells(window) if sources else 1.0
     return FrozenMapping(
         {name: through_aperture(source, numbers["aperture"], lobe) for name, source in sources.items()}
     )
@@ -90,7 +90,7 @@ def scattered_floor(design: Design, cells: Array, wavelength: float, aperture: f
     numbers = {key: np.asarray(design[key], float) for key in _NUMBERS if design[key] is not None}
     sources = _sources(design.motion, design.oscillator, numbers | {"wavelength": np.asarray(wavelength)})
     density = sum((density_of(source, frequency) for source in sources.values()), start=0 * cells)
-    weights = as_taper(design.radar.window).weights(aperture_positions(1024))
+    weights = weights_of(design.radar.window, aperture_positions(1024))
     wide = np.mean(weights**2) / np.mean(weights) ** 2  # energy of the lobe over its peak, cells
     share = -math.expm1(-exponent) / exponent if exponent else 1.0
     one_side = (4 * math.pi / wavelength) ** 2 * density / 2 / aperture
@@ -162,7 +162,7 @@ def not_flown(design: Design) -> tuple[str, ...]:
 
 def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
     """Both figures of `LEVELS`, as amplitudes over a target's: the highest paired echo, and the scattered energy."""
-    sources, lobe = tuple(made), ideal_null_cells(window)  # type: ignore[arg-type]
+    sources, lobe = tuple(made), ideal_null_cells(window)
     exponent = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)
     return {
         "paired_echo": paired_echo.highest_echo(sources, to_phase, aperture, lobe),
@@ -172,7 +172,7 @@ def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) 
 
 def stays(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
     """Power that stays at a target, and the same with only the errors within ten null distances."""
-    sources, lobe = tuple(made), ideal_null_cells(window)  # type: ignore[arg-type]
+    sources, lobe = tuple(made), ideal_null_cells(window)
     near = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe, "near")
     return np.exp(-paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)), np.exp(-near)
 

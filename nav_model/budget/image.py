@@ -99,7 +99,7 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
         )
 
     shares = shares_of(shares_by_step(x, _heights))
-    lobe = ideal_null_cells(x.window)  # type: ignore[arg-type]
+    lobe = ideal_null_cells(x.window)
     echoes = [
         Echo(name, float(at), float(phase), float(level), float(at * x.aperture * cell))
         for name, made in x.fast.items()

@@ -59,18 +59,6 @@ class AxisModel:
     velocity_sigma: float = 0.0
     leg_after: float = math.inf
 
-    def __post_init__(self) -> None:
-        for name in ("accelerometer_noise", "gnss_sigma", "fix_interval", "gravity", "slow_time"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{name}: {value}; a positive, finite number is needed")
-        for name in ("gyro_noise", "accelerometer_bias", "gyro_bias", "slow_sigma", "velocity_sigma"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                raise ValueError(f"{name}: {value}; zero or a positive, finite number is needed")
-        if not self.leg_after >= 0:
-            raise ValueError(f"leg_after: {self.leg_after}; zero or a positive number is needed")
-
     @property
     def tilt_noise(self) -> float:
         """Density of the noise that drives a: g sigma_w [m/s^2/sqrt(s)], zero on the vertical axis."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.aperture.impulse_response import aperture_of_phase, impulse_response
-from nav_model.aperture.window import Taper, Window
+from nav_model.aperture.window import Window
 
 HIGHEST_SMOOTH_ORDER = 8
 ENSEMBLE_PADDING = 8
@@ -119,9 +119,7 @@ def band(values: ArrayLike) -> Band:
     return Band(np.asarray(median), np.asarray(low), np.asarray(high))
 
 
-def run_responses(
-    phase: ArrayLike, window: Window | Taper = "uniform", autofocus_order: int = 1
-) -> dict[str, _FloatArray]:
+def run_responses(phase: ArrayLike, window: Window = "uniform", autofocus_order: int = 1) -> dict[str, _FloatArray]:
     """Every measure of the impulse response of each run (...), from phases (..., n) [rad].
 
     Apertures of 1024 samples, padded by 8: within 0.03 dB and 0.0005 cell of the x64 response. The line is

@@ -68,7 +68,6 @@ def simulate_histories(
     rate: float = 100.0,
 ) -> NavigationHistories:
     """The fast engine: error histories (runs, n) of the INS, the filter and the smoother of one axis."""
-    _check(aperture_time, coast_time, runs, rate, model)
     random = np.random.default_rng(seed)
     steady = steady_covariance(model)
     # Each source of randomness has its own stream, so a longer coast does not reshuffle the aperture.
@@ -116,17 +115,6 @@ def simulate_histories(
         smoothed_position=smoothed(model, done, output[0], time, fix_time),
         leg_position=smoothed(model, in_leg, leg_output, time, fix_time),
     )
-
-
-def _check(aperture_time: float, coast_time: float, runs: int, rate: float, model: AxisModel) -> None:
-    if not (np.isfinite(aperture_time) and aperture_time > 0):
-        raise ValueError(f"aperture_time: {aperture_time} s; a positive, finite time is needed")
-    if not (np.isfinite(coast_time) and coast_time >= 0):
-        raise ValueError(f"coast_time: {coast_time} s; zero or a positive, finite time is needed")
-    if runs < 1:
-        raise ValueError(f"runs: {runs}; at least 1 is needed")
-    if not (np.isfinite(rate) and rate * aperture_time >= 15):
-        raise ValueError(f"rate: {rate} Hz; at least 16 samples over the aperture are needed")
 
 
 def _before_aperture(

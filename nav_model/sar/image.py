@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.aperture.impulse_response import aperture_positions
-from nav_model.aperture.window import Taper, Window, as_taper
+from nav_model.aperture.window import Window, weights_of
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.npz_arrays import read_npz_arrays
 from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
@@ -118,7 +118,7 @@ def back_project(
     x: ArrayLike,
     y: ArrayLike,
     range_error: ArrayLike = 0.0,
-    window: Window | Taper = "uniform",
+    window: Window = "uniform",
 ) -> _ComplexArray:
     """Complex image (len(y), len(x)) on the plane z = 0, mean over pulses and frequencies: amplitude 1 stays 1.
 
@@ -129,9 +129,8 @@ def back_project(
     from nav_model.sar.back_projection import project_pulses
 
     samples, pulses = history.samples.shape
-    taper = as_taper(window)
-    in_frequency = taper.weights(aperture_positions(samples))
-    in_pulses = taper.weights(aperture_positions(pulses))
+    in_frequency = weights_of(window, aperture_positions(samples))
+    in_pulses = weights_of(window, aperture_positions(pulses))
     weighted = history.samples * np.outer(in_frequency / in_frequency.sum(), in_pulses / in_pulses.sum())
     bins = 1 << int(np.ceil(np.log2(samples * RANGE_PADDING)))
     # Band about zero, so that the profile varies slowly from bin to bin; the middle's phase is added exactly.
@@ -158,7 +157,7 @@ def point_target_image(
     range_cell: float,
     azimuth_cells: ArrayLike,
     range_cells: ArrayLike,
-    window: Window | Taper = "uniform",
+    window: Window = "uniform",
 ) -> _FloatArray:
     """Focused point target in dB over the error-free peak, shape (..., azimuth, range).
 
@@ -167,13 +166,12 @@ def point_target_image(
     axis give images on one scale.
     """
     error = np.asarray(range_error, float)
-    taper = as_taper(window)
     x = np.linspace(-1, 1, error.shape[-1])
-    weights = taper.weights(x)
+    weights = weights_of(window, x)
     steering = np.exp(-1j * np.pi * np.multiply.outer(np.asarray(azimuth_cells, float), x))
     pulses = weights / weights.sum() * np.exp(4j * np.pi / wavelength * error)
     nodes, quadrature = np.polynomial.legendre.leggauss(64)
-    band = quadrature * taper.weights(nodes)
+    band = quadrature * weights_of(window, nodes)
     turns = np.exp(1j * np.pi * np.multiply.outer(nodes, np.asarray(range_cells, float)))
     walk = np.exp(-1j * np.pi / range_cell * error[..., None] * nodes) * (band / band.sum())
     image = (steering * pulses[..., None, :]) @ (walk @ turns)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.aperture.geometry import cell_length
-from nav_model.aperture.window import Taper, Window
+from nav_model.aperture.window import Window
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.sar.image import back_project, pulse_errors, simulate_phase_history
 from nav_model.sar.line_of_sight import ApertureGeometry
@@ -37,19 +37,14 @@ def scene_images(
     amplitudes: ArrayLike = 1.0,
     half_width: float = 10.0,
     pixels: int = 128,
-    window: Window | Taper = "taylor",
+    window: Window = "taylor",
 ) -> Scene:
     """Images of targets (m, 2) [m] on the ground, one for each ``range_error`` (..., n) [m].
 
     The errors run from end to end of the aperture. Pulses and frequencies are as many as the scene of
-    +- ``half_width`` [m] needs not to fold. Raises ValueError for a target outside the scene.
+    +- ``half_width`` [m] needs not to fold.
     """
     targets = np.atleast_2d(np.asarray(targets, float))
-    if targets.shape[1] != 2 or np.abs(targets).max() > half_width:
-        raise ValueError(f"targets: (x, y) pairs within +-{half_width} m are needed")
-    for name, value in (("bandwidth", bandwidth), ("half_width", half_width), ("wavelength", wavelength)):
-        if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{name}: {value}; a positive, finite number is needed")
     azimuth_cell = cell_length(wavelength, geometry.slant_range, geometry.speed, aperture_time, geometry.squint)
     range_cell = SPEED_OF_LIGHT / (2 * bandwidth)
     diagonal = 2 * np.sqrt(2) * half_width * _ROOM

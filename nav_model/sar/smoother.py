@@ -34,8 +34,6 @@ def rts_smooth(
     ``posterior_state``, ``prior_state``: (k, ..., m) just after and just before each fix, estimates or errors
     alike (the recursion is linear); covariances (k, m, m); ``phi``: (k - 1, m, m) from fix i to fix i + 1.
     """
-    if len(phi) != len(posterior_state) - 1:
-        raise ValueError(f"phi: {len(phi)} transitions; {len(posterior_state) - 1} are needed between the fixes")
     gains = smoother_gain(posterior_covariance[:-1], phi, prior_covariance[1:])
     smoothed = np.array(posterior_state, float)
     for i in range(len(phi) - 1, -1, -1):

@@ -73,13 +73,6 @@ class Tuning:
     proportional_gain: float = 0.3
     integral_gain: float = 0.01
 
-    def __post_init__(self) -> None:
-        for name in ("natural_frequency", "damping", "proportional_gain"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                raise ValueError(f"{name}: {getattr(self, name)}; a positive, finite number is needed")
-        if not (np.isfinite(self.integral_gain) and self.integral_gain >= 0):
-            raise ValueError(f"integral_gain: {self.integral_gain}; zero or a positive number is needed")
-
 
 @dataclass(frozen=True)
 class NavigationHistories:
@@ -105,16 +98,6 @@ class NavigationHistories:
     smoothed_position: _FloatArray
     leg_position: _FloatArray
 
-    def __post_init__(self) -> None:
-        samples, fixes = len(self.time), len(self.fix_time)
-        for name in self.__dataclass_fields__:
-            if name in ("time", "fix_time"):
-                continue
-            expected = fixes if name in ("filter_correction", "gnss_error") else samples
-            shape = np.shape(getattr(self, name))
-            if not shape or shape[-1] != expected:
-                raise ValueError(f"{name}: shape {shape}; {expected} values on the last axis are needed")
-
 
 @dataclass(frozen=True)
 class StrategyErrors:
@@ -130,8 +113,6 @@ class StrategyErrors:
 
     def of(self, key: str) -> _FloatArray:
         """Error histories (..., n) of one strategy, by its key ("2", "5w", ...)."""
-        if key not in STRATEGY_KEYS:
-            raise ValueError(f"strategy: {key!r}; one of {', '.join(STRATEGY_KEYS)} is needed")
         return np.asarray(self.error[STRATEGY_KEYS.index(key)])
 
 

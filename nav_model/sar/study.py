@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.aperture.window import Taper, Window
+from nav_model.aperture.window import Window
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import Decomposition, autofocus, decompose, fix_rate_harmonics, run_responses
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
@@ -67,15 +67,10 @@ def measure_runs(
     geometry: ApertureGeometry,
     wavelength: float,
     fix_interval: float,
-    window: Window | Taper = "uniform",
+    window: Window = "uniform",
     autofocus_order: int = 1,
 ) -> RunMeasures:
-    """Measure strategies already applied to each axis (along, across, down), by either engine.
-
-    Raises ValueError for a wavelength [m] that is not positive and finite.
-    """
-    if not (np.isfinite(wavelength) and wavelength > 0):
-        raise ValueError(f"wavelength: {wavelength} m; a positive, finite number is needed")
+    """Measure strategies already applied to each axis (along, across, down), by either engine."""
     along, across, down = axes
     error = range_error(geometry, along.time, along.error, across.error, down.error)
     line = geometry.target / geometry.slant_range

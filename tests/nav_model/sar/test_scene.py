@@ -31,16 +31,3 @@ def test_nothing_folds_into_the_scene():
     far = scene.power_db[:100, :100]
     assert far.max() < -25
     assert scene.power_db.shape == (128, 128)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"targets": [[20.0, 0.0]]}, "targets"),
-        ({"bandwidth": 0.0}, "bandwidth"),
-        ({"wavelength": np.nan}, "wavelength"),
-    ],
-)
-def test_bad_scenes_are_refused_by_name(change, message):
-    with pytest.raises(ValueError, match=message):
-        scene_images(GEOMETRY, **(RADAR | {"targets": TARGETS} | change))

@@ -79,12 +79,6 @@ def test_tuning_is_chosen_and_repeatable_and_better_than_a_bad_one():
     assert rms["stiff"][1] > 1.1 * rms["chosen"][1]
 
 
-def test_bad_wavelength_is_refused():
-    axes = simulate_axes((HORIZONTAL,) * 3, 6.0, 0.0, 2, np.random.SeedSequence(1), 25.0, Tuning())
-    with pytest.raises(ValueError, match="wavelength"):
-        measure_runs(axes, GEOMETRY, 0.0, 1.0)
-
-
 def test_fast_fixes_and_short_apertures_are_studied_too():
     fast = studied((AxisModel(VRW, ARW, 0.05, 0.04),) * 3, 0.8, runs=10, rate=50.0)
     assert fast.fix_harmonics.shape == (len(STRATEGY_KEYS), 10, 1)
