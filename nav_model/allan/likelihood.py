@@ -111,13 +111,11 @@ def _scaled(
     return problem, scale, ramp_scale
 
 
-def _deviance(
-    problem: _Problem, theta: FloatArray, fixed_slope: float | None
-) -> tuple[float, FloatArray, FloatArray, float]:
+def _deviance(problem: _Problem, theta: FloatArray) -> tuple[float, FloatArray, FloatArray, float]:
     """-2 ln of the likelihood of `theta` up to a constant; model variances; powers that Fisher scoring aims
     at; slope.
 
-    With a free slope this is the restricted likelihood (the slope integrated out): plain likelihood would
+    This is the restricted likelihood (the slope integrated out): plain likelihood would
     count the wander that the fitted ramp swallowed as absence of wander, and underrate the rate random walk.
     """
     model = theta @ problem.shapes
@@ -126,13 +124,11 @@ def _deviance(
         return np.inf, model, power, 0.0
     weight = problem.count[: problem.singles] * problem.ramp / model[: problem.singles]
     information = float(weight @ problem.ramp)
-    slope = float(weight @ problem.amplitude) / information if fixed_slope is None else fixed_slope
+    slope = float(weight @ problem.amplitude) / information
     single = power[: problem.singles]
     single[:] = (problem.amplitude - slope * problem.ramp) ** 2
-    deviance = float(problem.count @ (np.log(model) + power / model))
-    if fixed_slope is None:
-        deviance += np.log(information)
-        single += problem.ramp**2 / information
+    deviance = float(problem.count @ (np.log(model) + power / model) + np.log(information))
+    single += problem.ramp**2 / information
     return deviance, model, power, slope
 
 
@@ -141,7 +137,6 @@ def _solve(
     start: FloatArray,
     fixed_term: int | None = None,
     fixed_value: float = 0.0,
-    fixed_slope: float | None = None,
 ) -> _Solution:
     """Fisher scoring with theta >= 0: each step a weighted non-negative least squares, halved if too long."""
     from scipy.optimize import nnls
@@ -152,7 +147,7 @@ def _solve(
         theta[fixed_term] = fixed_value
     if np.any(theta @ problem.shapes <= 0.0):
         theta[1 if fixed_term != 1 else 2] += 0.1
-    deviance, model, power, slope = _deviance(problem, theta, fixed_slope)
+    deviance, model, power, slope = _deviance(problem, theta)
     for _ in range(_ITERATIONS):
         weight = np.sqrt(problem.count) / model
         target = power if fixed_term is None else power - fixed_value * problem.shapes[fixed_term]
@@ -161,7 +156,7 @@ def _solve(
         fraction, previous = 1.0, deviance
         for _halving in range(30):
             trial = theta + fraction * (step - theta)
-            found = _deviance(problem, trial, fixed_slope)
+            found = _deviance(problem, trial)
             if found[0] <= deviance:
                 theta = trial
                 deviance, model, power, slope = found
