@@ -18,10 +18,10 @@ LIMITED = (
     "horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt",
 )  # fmt: skip
 """Requirements on figures that are known along a flight."""
-AIDING = (
-    "bank_limit", "after_loss", "heading_noise", "barometer_noise", "lever_arm_error", "time_offset",
-)  # fmt: skip
-"""Inputs of aiding, which the simulator does not have."""
+AIDING = ("heading_noise", "barometer_noise", "after_loss")
+"""Inputs of aiding that the simulator does not have."""
+FLOWN = ("bank_limit", "lever_arm_error", "time_offset")
+"""Inputs of aiding that the simulator has too."""
 
 
 def _number(

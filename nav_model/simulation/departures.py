@@ -280,6 +280,8 @@ def untold(spec: SimulationSpec) -> list[str]:
     cases = (
         (tuning.states == 9 and biased, "biases, which 9 states do not include"),
         (spec.gnss.markov_noise > 0.0 or spec.gnss.vertical_markov_noise > 0.0, "the slow GNSS error"),
+        (spec.gnss.lever_arm_error > 0.0, "the lever arm error"),
+        (spec.gnss.time_offset > 0.0, "the time offset"),
         (any(m.scale_factor for m in triads), "scale factor errors"),
         (any(m.misalignment for m in triads), "misalignment"),
         (any(m.quantisation for m in triads), "quantization"),

@@ -60,7 +60,8 @@ def specification(
     The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases as
     turn-on biases: constant through a run, drawn anew for each. GNSS takes the fix noise, horizontal and
     vertical, the interval, the velocity noise, and the slow error where it is switched on; a velocity noise in `more`
-    holds for all axes. The flight starts at the design's latitude, altitude, speed and heading. Errors start at the
+    holds for all axes. Lever arm error, time offset and the bank that loses fixes are those of the design's
+    section [trajectory]. The flight starts at the design's latitude, altitude, speed and heading. Errors start at the
     closed form's horizontal steady-state sigmas [T-3] on all axes, so that little time is spent settling; yaw starts
     at 0.1°.
 
@@ -93,6 +94,9 @@ def specification(
             velocity_noise=velocity[0],
             vertical_velocity_noise=velocity[1],
             lever_arm=more.lever_arm(),
+            lever_arm_error=design.trajectory.lever_arm_error,
+            time_offset=design.trajectory.time_offset,
+            bank_limit=design.trajectory.bank_limit,
         ),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states),

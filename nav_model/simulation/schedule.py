@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nav_model.earth.rotation import euler_error_map
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.trajectory import Trajectory, plan_trajectory
 from nav_model.simulation.truth import TruthStates, perfect_increments, true_states
 
 FloatArray = NDArray[np.float64]
@@ -24,7 +24,8 @@ OUTPUT: Final = 4
 class Schedule:
     """Events per IMU sample (`steps` + 1, bit flags), perfect increments, and truth at fixes and outputs.
 
-    error_map: (outputs, 3, 3), filter's attitude error to roll, pitch, yaw error.
+    fix_acceleration: (fixes, 3), NED [m/s^2]. error_map: (outputs, 3, 3), filter's attitude error to roll, pitch and
+    yaw error.
     coast_s: time since the start of the outage an output falls in, 0 outside outages.
     """
 
@@ -32,6 +33,7 @@ class Schedule:
     increments: FloatArray
     fixes: TruthStates
     outputs: TruthStates
+    fix_acceleration: FloatArray
     error_map: FloatArray
     coast_s: FloatArray
 
@@ -62,6 +64,20 @@ def in_outage(spec: SimulationSpec, time_s: FloatArray) -> tuple[NDArray[np.bool
     return lost, coast
 
 
+def without_fix(spec: SimulationSpec, truth: TruthStates) -> NDArray[np.bool_]:
+    """At which of some true states a fix is lost: in an outage, or beyond the bank that the antenna allows."""
+    lost = in_outage(spec, truth.time_s)[0]
+    if spec.gnss.bank_limit is not None:
+        lost |= np.abs(truth.euler[:, 0]) > spec.gnss.bank_limit
+    return lost
+
+
+def acceleration(trajectory: Trajectory, time_s: FloatArray) -> FloatArray:
+    """Change of the velocity over a tenth of a second around each time, NED [m/s^2], (n, 3)."""
+    change: FloatArray = trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)
+    return change / 0.1
+
+
 @lru_cache(maxsize=2)
 def _plan(spec: SimulationSpec) -> Schedule:
     rate = spec.imu.rate
@@ -70,7 +86,7 @@ def _plan(spec: SimulationSpec) -> Schedule:
     stride = max(1, round(rate / spec.filter.propagation_rate))
     events[stride::stride] |= PROPAGATE
     fixes = samples_at_multiples(spec.gnss.interval, spec)
-    fixes = fixes[~in_outage(spec, fixes / rate)[0]]
+    fixes = fixes[~without_fix(spec, true_states(trajectory, fixes / rate))]
     events[fixes] |= FIX
     outputs = output_samples(spec)
     events[outputs] |= OUTPUT
@@ -80,6 +96,7 @@ def _plan(spec: SimulationSpec) -> Schedule:
         increments=perfect_increments(spec.trajectory, spec.duration, rate),
         fixes=true_states(trajectory, fixes / rate),
         outputs=truth,
+        fix_acceleration=acceleration(trajectory, fixes / rate),
         error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
         coast_s=in_outage(spec, outputs / rate)[1],
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nav_model.base.compiled import kernel, part
 from nav_model.earth.rotation import write_matrix
-from nav_model.earth.wgs84 import curvature_radii_kernel
+from nav_model.earth.wgs84 import curvature_radii, curvature_radii_kernel
 from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix
 from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
 from nav_model.simulation.layout import (
@@ -348,7 +348,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         _receiver(spec.gnss, noisy),
         gnss_noise,
         tuning_of(spec),
-        _kernel_truth(schedule.fixes),
+        _kernel_truth(_displaced(schedule, spec.gnss, start_noise) if noisy else schedule.fixes),
         _kernel_truth(truth),
         schedule.error_map,
         record,
@@ -365,6 +365,21 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         6 if spec.gnss.velocity_noise else 3,
         record.fix_error,
     )
+
+
+def _displaced(schedule: Schedule, model: GnssModel, generator: np.random.Generator) -> TruthStates:
+    """The truth at the fixes as a receiver sees it whose lever arm and time are wrong by what is drawn for a run."""
+    fixes = schedule.fixes
+    if not (model.lever_arm_error or model.time_offset):
+        return fixes
+    arm, late = model.lever_arm_error * generator.standard_normal(3), model.time_offset * generator.standard_normal()
+    moved = fixes.matrix @ arm + late * fixes.velocity
+    meridian, prime = curvature_radii(np.sin(fixes.position[:, 0]))
+    latitude, _, height = fixes.position.T
+    scale = np.column_stack([meridian + height, (prime + height) * np.cos(latitude), np.full(len(height), -1.0)])
+    swing = np.einsum("kij,kj->ki", fixes.matrix, np.cross(fixes.body_rate, arm))
+    velocity = fixes.velocity + swing + late * schedule.fix_acceleration
+    return replace(fixes, position=fixes.position + moved / scale, velocity=velocity)
 
 
 def _kernel_truth(states: TruthStates) -> Truth:

@@ -117,6 +117,8 @@ class GnssModel:
     lever_arm: antenna from the IMU, body axes forward-right-down [m]; the filter knows it.
     velocity_noise: sigma per axis [m/s]; None for a receiver that gives position only. Each vertical noise is that
     of the other axes where it is not given.
+    lever_arm_error: of the lever arm per axis [m]; time_offset: of the fixes against the IMU [s]; 1 sigma, constant
+    through a run, not known to the filter. bank_limit: fixes are lost beyond this bank angle [rad].
     Fixes come at the IMU sample nearest to each multiple of `interval`.
     """
 
@@ -129,14 +131,17 @@ class GnssModel:
     velocity_noise: float | None = None
     vertical_velocity_noise: float | None = None
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    lever_arm_error: float = 0.0
+    time_offset: float = 0.0
+    bank_limit: float | None = None
 
     def __post_init__(self) -> None:
-        names = ("vertical_position_noise", "velocity_noise", "vertical_velocity_noise")
+        names = ("vertical_position_noise", "velocity_noise", "vertical_velocity_noise", "bank_limit")
         optional = tuple(name for name in names if getattr(self, name) is not None)
         _check(
             self,
             positive=("position_noise", "interval", "markov_time", *optional),
-            non_negative=("markov_noise", "vertical_markov_noise"),
+            non_negative=("markov_noise", "vertical_markov_noise", "lever_arm_error", "time_offset"),
         )
         if len(self.lever_arm) != 3 or not all(math.isfinite(x) for x in self.lever_arm):
             raise _refuse("GnssModel.lever_arm", self.lever_arm, "three finite numbers")

@@ -20,7 +20,7 @@ from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCI
 from nav_model.earth.rotation import euler_error_map
 from nav_model.simulation.kalman import error_dynamics
 from nav_model.simulation.layout import ATTITUDE, BIASES, GYRO, HEIGHT, LATITUDE, STATE_LENGTH, TRIADS, VELOCITY
-from nav_model.simulation.schedule import in_outage, output_samples, samples_at_multiples
+from nav_model.simulation.schedule import acceleration, output_samples, samples_at_multiples, without_fix
 from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
@@ -95,7 +95,7 @@ class _Layout:
 
 
 def _layout(spec: CovarianceSpec) -> _Layout:
-    study, gnss, aiding = spec.study, spec.study.gnss, spec.aiding
+    study, gnss = spec.study, spec.study.gnss
     found = _Layout(study.filter.states)
     triads = (("accelerometer", study.imu.accelerometer), ("gyro", study.imu.gyro))
     for name, model in triads:
@@ -109,7 +109,7 @@ def _layout(spec: CovarianceSpec) -> _Layout:
         slow = "slow GNSS error"
         found.add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
     found.moving = found.size
-    constant = [("lever arm error", 3, aiding.lever_arm_error), ("time offset", 1, aiding.time_offset)]
+    constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
     for name, model in triads:
         constant += [(f"{name} bias", 3, model.turn_on_bias), (f"{name} scale factor", 3, model.scale_factor)]
         constant += [(f"{name} misalignment", 6, model.misalignment)]
@@ -327,8 +327,7 @@ def _measurements(
     n, m, gnss, k = layout.size, study.filter.states, spec.study.gnss, len(time_s)
     at = np.zeros(k, dtype=np.bool_)
     at[np.searchsorted(time_s, scheduled - 1e-9)] = True
-    bank = np.inf if aiding.bank_limit is None else aiding.bank_limit
-    lost = in_outage(study, time_s)[0] | (np.abs(truth.euler[:, 0]) > bank)
+    lost = without_fix(study, truth)
     fix, speed = at & ~lost, np.array(gnss.axis_velocity_noise)
     rows = np.zeros((k, 8, n))
     arm = np.array(gnss.lever_arm)
@@ -349,7 +348,7 @@ def _measurements(
         rows[:, 3:6, place : place + 3] = truth.matrix @ _cross(truth.body_rate)
     if (place := layout.first.get("time offset")) is not None:
         rows[:, 0:3, place] = truth.velocity
-        rows[:, 3:6, place] = (trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)) / 0.1
+        rows[:, 3:6, place] = acceleration(trajectory, time_s)
     rows[:, 6, ATTITUDE : ATTITUDE + 3] = euler_error_map(truth.euler[:, 1], truth.euler[:, 2])[:, 2]
     rows[:, 7, 2] = 1.0
     noise, extra = np.zeros((k, len(sources), 8)), np.zeros((k, 8))

@@ -33,30 +33,24 @@ class Aperture:
 
 @dataclass(frozen=True)
 class Aiding:
-    """What aids the INS beyond GNSS, when GNSS is lost, and errors of GNSS that the filter does not estimate.
+    """What aids the INS beyond GNSS, and the solutions of a receiver that has lost its fixes.
 
     heading_noise: of one heading by two antennas, 1 sigma [rad]; barometer_noise: of one height [m]. Both come with
     the fixes; None where there is no such sensor. The heading is lost with the fixes, the height is not.
-    bank_limit: fixes are lost beyond this bank angle [rad]. after_loss: (duration [s], position noise [m]) of the
-    solutions that follow each loss in turn, as code, then float, before the receiver is fixed again.
-    lever_arm_error: per axis [m]; time_offset: of the fixes against the IMU [s]; 1 sigma, constant through a run.
+    after_loss: (duration [s], position noise [m]) of the solutions that follow each loss in turn, as code, then
+    float, before the receiver is fixed again.
     """
 
     heading_noise: float | None = None
     barometer_noise: float | None = None
-    bank_limit: float | None = None
     after_loss: tuple[tuple[float, float], ...] = ()
-    lever_arm_error: float = 0.0
-    time_offset: float = 0.0
 
     def __post_init__(self) -> None:
         for own in fields(self):
             value = getattr(self, own.name)
             numbers = [x for pair in value for x in pair] if isinstance(value, tuple) else [value]
-            least = 0.0 if own.name in ("lever_arm_error", "time_offset") else math.ulp(0.0)
-            if any(x is not None and not (math.isfinite(x) and x >= least) for x in numbers):
-                allowed = "zero or positive" if least == 0.0 else "positive"
-                raise InputError(own.name, f"{value!r} must be {allowed} and finite", value)
+            if any(x is not None and not (math.isfinite(x) and x > 0.0) for x in numbers):
+                raise InputError(own.name, f"{value!r} must be positive and finite", value)
 
 
 def heading_noise(carrier_noise: float, baseline: float) -> float:

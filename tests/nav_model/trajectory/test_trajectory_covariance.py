@@ -152,8 +152,8 @@ def test_the_sources_of_a_filter_that_knows_them_add_up_to_what_it_believes() ->
 
 def test_a_considered_error_improves_no_figure() -> None:
     plain = along(MEMS, trajectory="turns", duration=200.0)
-    for aiding in (Aiding(lever_arm_error=0.3), Aiding(time_offset=0.01)):
-        worse = along(MEMS, aiding, trajectory="turns", duration=200.0)
+    for change in ({"trajectory.lever_arm_error": 0.3}, {"trajectory.time_offset": 0.01}):
+        worse = along(MEMS.replace(change), trajectory="turns", duration=200.0)
         for one, other in ((plain.real_time, worse.real_time), (plain.post_processed, worse.post_processed)):
             assert np.all(states(other) >= states(one) * (1 - 1e-9))
             for name, figure in one.image.items():
@@ -163,13 +163,13 @@ def test_a_considered_error_improves_no_figure() -> None:
 
 def test_a_source_that_is_zero_has_no_share() -> None:
     assert "lever arm error" not in along(MEMS).sources
-    assert "lever arm error" in along(MEMS, Aiding(lever_arm_error=0.1)).sources
+    assert "lever arm error" in along(MEMS.replace({"trajectory.lever_arm_error": 0.1})).sources
 
 
 def test_beyond_the_bank_limit_no_fix_is_used() -> None:
     """The same covariance as with an outage from when the aircraft banks beyond the limit until it no longer does."""
     limit = math.radians(10.0)
-    found = along(MEMS, Aiding(bank_limit=limit), trajectory="turns", duration=200.0)
+    found = along(MEMS.replace({"trajectory.bank_limit": limit}), trajectory="turns", duration=200.0)
     beyond = np.abs(found.truth.euler[:, 0]) > limit
     edges = np.flatnonzero(np.diff(beyond.astype(int)))
     assert len(edges) == 6  # three turns
@@ -205,8 +205,16 @@ def runs_of(spec: SimulationSpec, count: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("runs", [60, pytest.param(1000, marks=pytest.mark.slow)])
-def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_confidence(runs: int) -> None:
-    found = along(MEMS, trajectory="turns", duration=220.0, every=10.0, more=RICH, outages=[(170.0, 200.0)])
+@pytest.mark.parametrize(
+    "receiver",
+    [{}, {"trajectory.lever_arm_error": 2.0, "trajectory.time_offset": 0.02, "trajectory.bank_limit": 0.3}],
+    ids=["", "receiver"],
+)
+def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_confidence(
+    runs: int, receiver: dict[str, float]
+) -> None:
+    flight = {"trajectory": "turns", "duration": 220.0, "every": 10.0, "outages": [(170.0, 200.0)]}
+    found = along(MEMS.replace(receiver), more=RICH, **flight)
     ratio = (runs_of(found.spec.study, runs)[1:] / states(found.real_time)[1:]) ** 2
     # The mean over times and axes of many correlated ratios, and each of them within five of its own sigmas.
     assert np.mean(ratio) == pytest.approx(1.0, abs=6.0 / np.sqrt(runs))

@@ -103,12 +103,12 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
 @pytest.mark.parametrize("runs", [400, pytest.param(4000, marks=pytest.mark.slow)])
 def test_runs_that_are_smoothed_back_from_fix_to_fix_lie_within_their_confidence(runs: int) -> None:
     """Errors that the filter does not estimate, a turn, an outage, heading and height among the fixes."""
-    design = read_design("examples/mems_x_band.toml")
+    design = read_design("examples/mems_x_band.toml").replace({"trajectory.lever_arm_error": 0.3})
     more = read_study_inputs(
         {"gyro.bias_instability": "20 °/h", "gyro.correlation_time": "100 s", "gyro.scale_factor": "1000 ppm"}
     )
     study = specification(design, trajectory="turns", duration=180.0, every=6.0, outages=[(100, 130)], more=more)
-    spec = CovarianceSpec(study, None, Aiding(heading_noise=0.002, barometer_noise=2.0, lever_arm_error=0.3))
+    spec = CovarianceSpec(study, None, Aiding(heading_noise=0.002, barometer_noise=2.0))
     found = covariance(spec).post_processed
     squares = np.mean(smoothed_runs(error_model(spec), runs)[:, :6] ** 2, axis=2)
     ratio = squares / np.hstack([found.position, found.velocity]) ** 2

@@ -156,7 +156,12 @@ def test_only_instruments_and_flight_make_a_study_stale() -> None:
 
     others = {"name": "b", "radar.slant_range": 9e3, "requirements.tilt": 0.1, "coast.duration": 9.0}
     assert same_subject(flown("straight"), DESIGN.replace(others))
-    for key, value in (("imu.rate", 200.0), ("gnss.interval", 0.5), ("flight.gravity", 9.79)):
+    for key, value in (
+        ("imu.rate", 200.0),
+        ("gnss.interval", 0.5),
+        ("flight.gravity", 9.79),
+        ("trajectory.time_offset", 1e-3),
+    ):
         assert not same_subject(flown("straight"), DESIGN.replace({key: value}))
     planned = DESIGN.replace({"trajectory.bank": 0.2})
     assert same_subject(flown("straight"), planned)
