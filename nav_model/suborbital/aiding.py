@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
-from nav_model.suborbital.checks import require, require_finite
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import Triple
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
@@ -31,21 +31,6 @@ class Aiding:
     latency_s: float = 0.0
     misalignment_rad: Triple = (0.0, 0.0, 0.0)
     dropouts_s: tuple[tuple[float, float], ...] = ()
-
-    def __post_init__(self) -> None:
-        require_finite("frame_interval_s", self.frame_interval_s)
-        require_finite("latency_s", self.latency_s)
-        require_finite("misalignment_rad", self.misalignment_rad)
-        require(self.frame_interval_s > 0.0, f"frame_interval_s = {self.frame_interval_s!r}: must be positive")
-        require(self.latency_s >= 0.0, f"latency_s = {self.latency_s!r}: must not be negative")
-        if self.from_height_m is not None:
-            require_finite("from_height_m", self.from_height_m)
-        for pair in self.dropouts_s:
-            require_finite("dropouts_s", pair)
-            require(
-                len(pair) == 2 and pair[0] < pair[1],
-                f"dropouts_s: {pair!r} must be (start, stop) with start before stop",
-            )
 
     @property
     def perfect(self) -> bool:

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
 
 class Misfit(ValueError):
     """Values that are not allowed together; `fields` are the model's names of those that could change."""
@@ -23,8 +19,3 @@ def require(condition: bool, message: str, *fields: str) -> None:
     """Raise `Misfit` with `message` and `fields` unless the condition holds."""
     if not condition:
         raise Misfit(message, fields)
-
-
-def require_finite(name: str, value: Any) -> None:
-    """Raise `Misfit` naming the field unless every number in `value` is finite."""
-    require(bool(np.all(np.isfinite(value))), f"{name} = {value!r}: every value must be a finite number", name)

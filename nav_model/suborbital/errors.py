@@ -15,7 +15,7 @@ import numpy as np
 
 from nav_model.base.units import to_si
 from nav_model.earth.rotation import FloatArray
-from nav_model.suborbital.checks import require, require_finite
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.layout import (
     ACCELEROMETERS,
     ATTITUDE,
@@ -77,13 +77,6 @@ class SensorErrors:
     matrix_period_s: float = 1500.0
     white_noise: float = 0.0
 
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            require_finite(name, value)
-        for name in ("bias_period_s", "matrix_period_s"):
-            require(getattr(self, name) > 0.0, f"{name} = {getattr(self, name)!r}: must be positive")
-        require(self.white_noise >= 0.0, f"white_noise = {self.white_noise!r}: must not be negative")
-
 
 @dataclass(frozen=True)
 class InitialErrors:
@@ -96,10 +89,6 @@ class InitialErrors:
     position_m: Triple = (0.0, 0.0, 0.0)
     velocity_m_s: Triple = (0.0, 0.0, 0.0)
     attitude_rad: Triple = (0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            require_finite(name, value)
 
 
 def _triple(values: tuple[float, float, float], unit: str, dimension: str) -> Triple:

@@ -17,7 +17,7 @@ from nav_model.base.units import to_si
 from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_euler
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
-from nav_model.suborbital.checks import require, require_finite
+from nav_model.suborbital.checks import require
 
 MAX_STEPS = 100_000
 """Of a flight: ten thousand seconds at 0.1 s, and no memory beyond it."""
@@ -49,20 +49,6 @@ class FlightParameters:
     gravity: str = "spherical"
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if isinstance(value, (int, float)):
-                require_finite(name, value)
-        positive = (
-            "initial_thrust_m_s2 final_thrust_m_s2 burn_time_s coast_ramp_s yaw_period_s roll_period_s "
-            "duration_s step_s"
-        )
-        for name in positive.split():
-            value = getattr(self, name)
-            require(value > 0.0, f"{name} = {value!r}: must be positive")
-        require(
-            abs(self.latitude_rad) < np.pi / 2,
-            f"latitude_rad = {self.latitude_rad!r}: must lie between the poles, -pi/2 to pi/2",
-        )
         require(
             0.0 <= self.pitch_start_s < self.pitch_end_s <= self.burn_time_s < self.duration_s,
             f"pitch_start_s = {self.pitch_start_s!r}, pitch_end_s = "

@@ -19,7 +19,6 @@ from nav_model.base.compiled import kernel, part
 from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_vector
 from nav_model.earth.sphere import local_axes
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import ErrorSet, require_parameters
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import (
@@ -210,7 +209,7 @@ def mechanise(
     they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
     per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
     step; gravity: the model the INS believes in, of all cases or one each; every: output spacing in steps, which
-    must divide the flight. Raises ValueError for wrong shapes or names.
+    must divide the flight. Raises ValueError where it does not.
     """
     parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
     count, n = len(parameters), flight.steps
@@ -218,10 +217,6 @@ def mechanise(
     frames = (None,) * count if frames is None else frames
     require_parameters(parameters)
     flight.require_spacing(every)
-    for name, given in (("frames", frames), ("gravity", models)):
-        require(len(given) == count, f"{name} has {len(given)} entries: must be one per case, {count}")
-    if noise is not None:
-        require(noise.shape == (count, n, 6), f"noise has shape {noise.shape}: must be {(count, n, 6)}")
     j, sines = np.array([zonals(model) for model in models]).T, oscillations(flight, errors)
     starts = _initial_states(flight, parameters)
     used, attitudes, seen = _cameras(frames)

@@ -17,7 +17,6 @@ from nav_model.base.compiled import kernel, part
 from nav_model.base.constants import GRAVITATIONAL_PARAMETER
 from nav_model.earth.rotation import FloatArray, skew
 from nav_model.earth.sphere import local_axes
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import PARAMETERS, ErrorSet
 from nav_model.suborbital.flight import TrueFlight, step_nodes
 from nav_model.suborbital.layout import (
@@ -149,7 +148,6 @@ def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = 
     n = flight.steps
     flight.require_spacing(every)
     taken = np.zeros(n + 1, dtype=np.bool_) if used is None else np.ascontiguousarray(used, dtype=np.bool_)
-    require(taken.shape == (n + 1,), f"used has shape {taken.shape}: must be ({n + 1},)")
     launch = local_axes(flight.position_i[0])
     state = np.zeros((9, len(PARAMETERS)))
     state[6:, POSITION] = launch

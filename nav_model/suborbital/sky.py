@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from nav_model.earth.rotation import FloatArray
-from nav_model.suborbital.checks import require, require_finite
+from nav_model.suborbital.checks import require
 
 HIPPARCOS_EPOCH = 1991.25
 MILLIARCSEC = np.pi / 648000.0 / 1000.0
@@ -60,7 +60,6 @@ def hipparcos_sky(magnitude_limit: float = 6.5, epoch_year: float = 2025.0) -> S
     ValueError for a limit that leaves no star. The catalogue is complete to about Hp 7.3 to 9 and ends near 12 to
     14.
     """
-    require_finite("magnitude_limit", magnitude_limit)
     data = _catalogue()
     keep = data["hp"] <= magnitude_limit
     require(bool(keep.any()), f"magnitude_limit = {magnitude_limit!r}: no Hipparcos star is that bright")

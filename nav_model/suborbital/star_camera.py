@@ -14,7 +14,7 @@ from nav_model.base.constants import ARCSECOND
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import attitude_at
 from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees, solvable
-from nav_model.suborbital.checks import require, require_finite
+from nav_model.suborbital.checks import require
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
 from nav_model.suborbital.sky import Sky
@@ -40,10 +40,6 @@ class StarCamera:
     roll_limit_rad: float = 600.0 * ARCSECOND
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            require_finite(name, value)
-            require(value > 0, f"{name} = {value!r}: must be positive")
-        require(self.least_stars >= 2, f"least_stars = {self.least_stars!r}: attitude needs at least 2 stars")
         require(
             self.brightest >= self.least_stars,
             f"brightest = {self.brightest!r}: must not be below least_stars = {self.least_stars!r}",
@@ -58,10 +54,6 @@ class StarCamera:
 
 def focal_length(field_of_view_rad: float, pixels: int = 1024, pixel_pitch_m: float = 16e-6) -> float:
     """Focal length, m, that gives a field of view (full angle across the square) [B-8]."""
-    require(
-        0.0 < field_of_view_rad < np.pi,
-        f"field_of_view_rad = {field_of_view_rad!r}: must be between 0 and pi",
-    )
     return float(pixels * pixel_pitch_m / (2.0 * np.tan(0.5 * field_of_view_rad)))
 
 
@@ -179,14 +171,7 @@ class StarFrame:
 def star_frames(
     flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: FloatArray, seed: int = 1, method: str = "SVD"
 ) -> tuple[StarFrame, ...]:
-    """The star images at times (n,) of the flight, their noise from the seeds `seed`, `seed` + 1 and so on.
-
-    ValueError for a time outside the flight or an unknown method.
-    """
-    end = float(flight.time_s[-1])
-    for time in time_s[(time_s < 0.0) | (time_s > end)]:
-        require(False, f"time_s = {float(time)!r}: must be between 0 and {end:g} s")
-    require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
+    """The star images at times (n,) of the flight, their noise from the seeds `seed`, `seed` + 1 and so on."""
     attitude = attitude_at(flight, time_s)
     chosen, count = select_stars(camera, sky, attitude)
     measured = [
@@ -256,9 +241,7 @@ def track_stars(
     """Image, identify and solve every step of a flight (15000 frames on the reference flight), in chunks.
 
     progress takes the share done after each chunk. A frame refused by the gate leaves the gyro attitude in force.
-    ValueError for an unknown method.
     """
-    require(method in METHODS, f"method = {method!r}: must be one of {', '.join(METHODS)}")
     require(
         method != "N-vector" or camera.least_stars >= 3,
         f"least_stars = {camera.least_stars!r}: the N-vector method needs at least 3",

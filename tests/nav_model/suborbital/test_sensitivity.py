@@ -101,8 +101,6 @@ def test_star_noise_enters_the_spread(flight):
 def test_refusals(flight):
     with pytest.raises(ValueError, match="every"):
         sensitivity(flight, ErrorSet(), every=7)
-    with pytest.raises(ValueError, match="used"):
-        sensitivity(flight, ErrorSet(), used=np.ones(3, dtype=bool))
 
 
 def test_ensemble_with_star_noise_agrees_with_its_covariance(study, flight):

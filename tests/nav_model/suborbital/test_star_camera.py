@@ -46,8 +46,6 @@ def test_focal_length_of_the_eight_degree_camera():
     assert camera.focal_length_m == pytest.approx(117.15e-3, abs=5e-6)
     assert np.degrees(camera.field_of_view_rad) == pytest.approx(8.0)
     assert focal_length(np.radians(8.0)) == pytest.approx(camera.focal_length_m)
-    with pytest.raises(ValueError, match="field_of_view_rad"):
-        focal_length(np.pi)
 
 
 def test_average_number_of_stars_in_the_field(sky):
@@ -163,14 +161,8 @@ def test_refusals(flight, sky):
         hipparcos_sky(-5.0)
     with pytest.raises(ValueError, match="count"):
         synthetic_sky(0)
-    with pytest.raises(ValueError, match="time_s"):
-        star_frames(flight, StarCamera(), sky, np.array([1500.1]))
-    with pytest.raises(ValueError, match="method"):
-        track_stars(flight, StarCamera(), sky, method="guess")
     with pytest.raises(ValueError, match="least_stars"):
         track_stars(flight, replace(StarCamera(), least_stars=2), sky, method="N-vector")
-    with pytest.raises(ValueError, match="pixels"):
-        StarCamera(pixels=0)
     with pytest.raises(ValueError, match="brightest"):
         StarCamera(brightest=2)
     assert isinstance(sky, Sky)
