@@ -26,14 +26,6 @@ FIGURES: Final = {
     "ce90": "ce90_m",
 }
 """Image figures and their names in JSON."""
-STATES: Final = {
-    "horizontal_position": "position_horizontal_sigma_m",
-    "vertical_position": "position_vertical_sigma_m",
-    "horizontal_velocity": "velocity_horizontal_sigma_m_s",
-    "vertical_velocity": "velocity_vertical_sigma_m_s",
-    "tilt": "tilt_sigma_rad",
-}
-"""Figures of the navigation that a design may limit: the larger axis where there are two."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +47,7 @@ class Processed:
     entering: Mapping[str, tuple[Part, ...]]
 
     def figure(self, name: str) -> FloatArray:
-        """A figure by its name among `FIGURES` and `STATES`, (outputs)."""
+        """A figure by its name among `design.trajectory.LIMITED`, (outputs): of states the larger axis."""
         if name in self.image:
             return self.image[name]
         part = self.position if name.endswith("position") else self.velocity

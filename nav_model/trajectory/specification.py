@@ -5,8 +5,7 @@ Immutable and in SI, as `SimulationSpec`, which holds the instruments, the filte
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 from nav_model.base.errors import InputError
 from nav_model.budget.contributors import NONE, Parts
@@ -44,18 +43,6 @@ class Aiding:
     heading_noise: float | None = None
     barometer_noise: float | None = None
     after_loss: tuple[tuple[float, float], ...] = ()
-
-    def __post_init__(self) -> None:
-        for own in fields(self):
-            value = getattr(self, own.name)
-            numbers = [x for pair in value for x in pair] if isinstance(value, tuple) else [value]
-            if any(x is not None and not (math.isfinite(x) and x > 0.0) for x in numbers):
-                raise InputError(own.name, f"{value!r} must be positive and finite", value)
-
-
-def heading_noise(carrier_noise: float, baseline: float) -> float:
-    """Noise of a heading [rad] from two antennas: sqrt(2) times the carrier's noise over the baseline, both [m]."""
-    return math.sqrt(2.0) * carrier_noise / baseline
 
 
 @dataclass(frozen=True)
