@@ -153,7 +153,7 @@ def test_a_hidden_page_is_not_measured_and_stands_right_when_shown_again(
             page.evaluate("() => { window.measured = 0 }")
     expect(page.get_by_role("button", name="Save as new design")).to_be_visible()
     page.set_viewport_size({"width": 1100, "height": 800})  # hidden while the window becomes narrower
-    page.wait_for_timeout(300)
+    settled(page)
     assert page.evaluate("() => window.measured") == 0
     page.get_by_role("tab", name="Budget", exact=True).click()
     expect(regime).to_be_visible()
