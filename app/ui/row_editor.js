@@ -18,11 +18,16 @@ export function render({ model }) {
     box.value = row[key] ?? (choices.length ? choices[0][0] : "")
     row[key] = box.value
     box.dataset.place = `${index} ${key}`
-    box.setAttribute("aria-label", `${label}: ${row[model.columns[0].key] || `row ${index + 1}`}`)
-    box.oninput = () => { row[key] = box.value }
+    box.dataset.says = `${label}:`
+    box.oninput = () => { row[key] = box.value; nameAll() }
     box.onchange = tell
     return box
   }
+  // Every control is named after what is in the first cell of its row.
+  const nameAll = () => [...table.tBodies[0].rows].forEach((line, index) => {
+    const name = rows[index][model.columns[0].key] || `row ${index + 1}`
+    for (const each of line.querySelectorAll("[data-says]")) each.setAttribute("aria-label", `${each.dataset.says} ${name}`)
+  })
   const draw = (focus) => {
     const at = place.getRootNode().activeElement, focused = focus ?? at?.dataset?.place, from = at?.selectionStart
     table.replaceChildren()
@@ -39,10 +44,11 @@ export function render({ model }) {
       }
       if (!model.noun) return
       const remove = make("button", "Remove", { type: "button" })
-      remove.setAttribute("aria-label", `Remove ${row[model.columns[0].key] || `row ${index + 1}`}`)
+      remove.dataset.says = "Remove"
       remove.onclick = () => { rows.splice(index, 1); draw(); add.focus(); tell() }
       line.insertCell().append(remove)
     })
+    nameAll()
     table.hidden = !rows.length
     const box = [...table.querySelectorAll("input, select")].find(({ dataset }) => dataset.place === focused)
     box?.focus({ preventScroll: true })

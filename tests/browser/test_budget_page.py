@@ -252,3 +252,31 @@ def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, acce
     accessible(page, "light")
     page.get_by_role("button", name="theme").click()
     accessible(page, "dark")
+
+
+def test_contributors_are_entered_by_keyboard_and_a_refusal_loses_nothing(visit: Visit, accessible: Check) -> None:
+    page = visit("?dpe=20deg")
+    page.get_by_role("button", name="Contributors of your own, and allocation").click()
+    add = page.get_by_role("button", name="Add contributor")
+    add.press("Enter")
+    page.keyboard.type("lever arm")
+    page.keyboard.press("Tab")
+    page.keyboard.type("3 kg")
+    page.keyboard.press("Tab")  # to the figure it enters, of which a letter chooses one
+    expect(
+        page.get_by_role("alert").filter(has_text="contributors[lever arm].value: '3 kg' does not fit")
+    ).to_be_visible()
+    value = page.get_by_role("textbox", name="Value, 1σ: lever arm")
+    expect(value).to_have_value("3 kg")
+    page.keyboard.type("Detrended")
+    value.fill("3 mm")
+    value.press("Enter")
+    expect(page.get_by_role("alert").filter(has_text="does not fit")).to_have_count(0)
+    expect(page.locator("table.bars")).to_contain_text("lever arm")
+    expect(
+        page.get_by_role("row", name="lever arm").filter(has=page.get_by_label("Locked at: lever arm"))
+    ).to_be_visible()
+    accessible(page, "light")
+    page.get_by_role("button", name="Remove lever arm").press("Enter")
+    expect(page.locator("table.bars")).not_to_contain_text("lever arm")
+    expect(add).to_be_focused()
