@@ -284,7 +284,7 @@ def untold(spec: SimulationSpec) -> list[str]:
         (spec.gnss.time_offset > 0.0, "the time offset"),
         (any(m.scale_factor for m in triads), "scale factor errors"),
         (any(m.misalignment for m in triads), "misalignment"),
-        (any(m.quantisation for m in triads), "quantization"),
+        (any(m.quantization for m in triads), "quantization"),
         (tuning.process_noise_scale != 1.0 or tuning.gnss_noise_scale != 1.0, "mismatched tuning"),
     )
     return [words for holds, words in cases if holds]

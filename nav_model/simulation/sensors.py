@@ -20,7 +20,7 @@ class Triad(NamedTuple):
 
     white: sigma of one increment's noise; fixed: turn-on bias (3); markov, walk: the two moving biases (3)
     with their step constants; distortion: identity plus scale factors and misalignments (3, 3);
-    quantum: size of one output count; residual: what quantisation holds back until the next sample (3).
+    quantum: size of one output count; residual: what quantization holds back until the next sample (3).
     """
 
     white: float
@@ -57,7 +57,7 @@ def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generato
         walk_drive=model.rate_random_walk * math.sqrt(dt),
         distorted=model.scale_factor > 0.0 or model.misalignment > 0.0,
         distortion=distortion,
-        quantum=model.quantisation,
+        quantum=model.quantization,
         residual=np.zeros(3),
     )
 

@@ -78,7 +78,7 @@ class TriadModel:
     bias_instability, correlation_time: first-order Gauss-Markov bias [unit], [s].
     rate_random_walk: density of the white noise that drives a random walk of the output [unit / sqrt(s)].
     scale_factor, misalignment: drawn once per run, each axis [-], each of the six small angles [rad].
-    quantisation: size of one count of the integrated output (angle rad, velocity m/s); 0 for none.
+    quantization: size of one count of the integrated output (angle rad, velocity m/s); 0 for none.
     """
 
     random_walk: float = 0.0
@@ -88,7 +88,7 @@ class TriadModel:
     rate_random_walk: float = 0.0
     scale_factor: float = 0.0
     misalignment: float = 0.0
-    quantisation: float = 0.0
+    quantization: float = 0.0
 
     def __post_init__(self) -> None:
         others = tuple(f.name for f in fields(self) if f.name != "correlation_time")

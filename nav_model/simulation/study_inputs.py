@@ -164,8 +164,6 @@ STUDY_KEYS: Final[Mapping[str, BaseQuantity[Any]]] = {
 
 SECTIONS: Final = tuple(part.section for part in STUDY_PARTS)
 
-_RENAMED: Final[Mapping[str, str]] = {"quantization": "quantisation"}
-
 
 @dataclass(frozen=True)
 class SimulationInputs:
@@ -189,7 +187,7 @@ class SimulationInputs:
         for key, value in self.given:
             own, _, name = key.partition(".")
             if own == section:
-                yield _RENAMED.get(name, name), value
+                yield name, value
 
     def triad(self, section: str, random_walk: float, turn_on_bias: float) -> TriadModel:
         """The triad "gyro" or "accelerometer" with the design's noise and bias and what is added to them."""
@@ -248,7 +246,7 @@ def added(spec: SimulationSpec, velocity: float | None = None) -> dict[str, floa
     found: dict[str, float | None] = {}
     for section, triad in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)):
         for name in (key.partition(".")[2] for key in STUDY_KEYS if key.startswith(section + ".")):
-            found[f"{section}.{name}"] = getattr(triad, _RENAMED.get(name, name))
+            found[f"{section}.{name}"] = getattr(triad, name)
         if not triad.bias_instability:
             del found[f"{section}.correlation_time"]  # of nothing
     found["receiver.velocity_noise"] = None if spec.gnss.velocity_noise == velocity else spec.gnss.velocity_noise

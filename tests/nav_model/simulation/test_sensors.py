@@ -59,9 +59,9 @@ def test_rate_random_walk_grows_with_the_root_of_time():
     assert np.std(final) == pytest.approx(1e-5 * math.sqrt(20.0), rel=4 / math.sqrt(2 * 900))
 
 
-def test_quantisation_keeps_what_it_rounds():
+def test_quantization_keeps_what_it_rounds():
     increments = np.full((5000, 3), 0.37e-6)
-    error = errors(TriadModel(quantisation=1e-6), 5000, 1, increments)
+    error = errors(TriadModel(quantization=1e-6), 5000, 1, increments)
     reported = (error + increments) / 1e-6
     assert reported == pytest.approx(np.round(reported), abs=1e-9)
     assert np.max(np.abs(np.cumsum(error, axis=0))) <= 0.5e-6 * (1 + 1e-6)

@@ -56,7 +56,7 @@ def test_every_input_is_read_with_its_unit_and_reaches_the_flight() -> None:
     assert gyro.random_walk == pytest.approx(math.radians(0.5) / 60)
     assert gyro.turn_on_bias == DPH
     assert gyro.bias_instability == pytest.approx(25 * DPH)
-    assert gyro.quantisation == pytest.approx(math.pi / 648_000)
+    assert gyro.quantization == pytest.approx(math.pi / 648_000)
     assert (accelerometer.correlation_time, accelerometer.misalignment) == pytest.approx((14_400.0, 2e-4))
     assert spec.gnss.lever_arm == pytest.approx((-1.5, 0.5, -1.0))
     assert spec.gnss.velocity_noise == pytest.approx(0.02)
