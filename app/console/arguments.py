@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,40 +14,6 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import KEY_VALUE, MAX_BYTES, parse_design, read_bytes
 from nav_model.design.parts import all_keys
-
-
-def count(text: str) -> int:
-    """A whole number of things, of which there may be many but not any number."""
-    number = int(text)
-    if not 1 <= number <= 2000:
-        raise ValueError(text)
-    return number
-
-
-_TYPES: dict[str, Callable[[str], Any]] = {"count": count, "int": int, "float": float, "path": Path}
-
-
-def declare(commands: Any, module: str, **runs: Callable[[argparse.Namespace], int]) -> dict[str, Any]:
-    """Declare commands as the TOML file beside a module has them, each with what it runs; returns their parsers."""
-    parsers = {}
-    declared = tomllib.loads(Path(module).with_suffix(".toml").read_text("utf-8"))
-    for name, run in runs.items():
-        own = declared[name]
-        parser = parsers[name] = commands.add_parser(name, help=own["help"], description=own.get("description"))
-        parser.set_defaults(run=run, parser=parser)
-        if "designs" in own:
-            design_arguments(parser, one=own["designs"] == "one")
-        add_options(parser, own.get("options", {}))
-        for title, options in own.get("groups", {}).items():
-            add_options(parser.add_argument_group(title), options)
-    return parsers
-
-
-def add_options(parser: Any, options: Mapping[str, Mapping[str, Any]]) -> None:
-    """Options by their flags, such as "-o --output", or by the name of an argument; the rest as argparse has it."""
-    for flags, own in options.items():
-        kind = {"type": _TYPES[own["type"]]} if "type" in own else {}
-        parser.add_argument(*flags.split(), **{**own, **kind})
 
 
 def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:

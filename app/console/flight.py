@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import tomllib
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.console.arguments import add_options
 from nav_model.base.errors import InputError
 from nav_model.base.units import parse_quantity
 
@@ -22,8 +19,17 @@ _DURATION = 500.0
 
 def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:
     """Declare them; usual: the flight unless another is named."""
-    add_options(parser, tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))["options"])
-    parser.set_defaults(trajectory=usual)
+    add = parser.add_argument
+    add("--duration", type=float, metavar="S", help="length of the flight (default: 500 s, or the plan's or file's)")
+    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
+        help="start and stop of a time without fixes, in seconds; may be repeated")  # fmt: skip
+    add("--trajectory", default=usual, metavar="NAME-or-FILE",
+        help="plan (the design's), wandering, straight, turns, climb, or a file: .csv, .gpx, .kml, or .out (SBET); "
+        f"default: {usual}")  # fmt: skip
+    add("--height", metavar="H", help="height of the places of a GPX or KML file that have none, e.g. '3 km'")
+    add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
+    add("--states", type=int, choices=(9, 15, 21), default=9,
+        help="filter states (default 9): 15 estimates biases, 21 constant and varying biases separately")  # fmt: skip
 
 
 def flight_study(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import Any
 
-from app.console.arguments import declare, paths_of, read_design
+from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
 from app.document.display import display_of
 from app.document.wording import chapter_key, design_labels
@@ -18,9 +19,25 @@ from nav_model.budget import analyse
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    report = declare(commands, __file__, report=_report)["report"]
-    report.add_argument("--with", dest="studies", default="", metavar="STUDY,...",
+    report = commands.add_parser("report", help="write a design report")
+    design_arguments(report, one=False)
+    add = report.add_argument
+    add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html, FILE.pdf or FILE.xlsx")
+    add("--with", dest="studies", default="", metavar="STUDY,...",
         help=f"studies to run and add to each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
+    add("--show", default="", metavar="HOW",
+        help="figures of the budget: 1s (1σ, the default), 2s, 95 or cep; 95.si is 95 %% in SI units")  # fmt: skip
+    add("--supplier", choices=("imu", "gnss"), help="write the one-page sheet for a supplier of the unit instead")
+    add = report.add_argument_group("the studies of --with").add_argument
+    add("--runs", type=int, metavar="N", help="runs of the simulation and of SAR (default 100 and 200)")
+    add("--seed", type=int, default=1, metavar="S", help="seed of every study (default 1)")
+    add("--trajectory", default="wandering", metavar="NAME-or-FILE", help="flight to simulate, as in `simulate`")
+    add("--duration", type=float, metavar="S",
+        help="length of a run (default: 400 s with fixes, then the design's outage; or the file's)")  # fmt: skip
+    add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
+        help="outage of the simulation; may be repeated (default: the design's own, at the end)")  # fmt: skip
+    add("--workers", type=int, metavar="W", help="processes of the simulation (default: all cores but one)")
+    report.set_defaults(run=_report)
 
 
 def _report(options: argparse.Namespace) -> int:

@@ -8,7 +8,7 @@ import json
 import sys
 from typing import Any
 
-from app.console.arguments import declare, paths_of, put_json, read_design
+from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.ending import one_line, refuse
 from app.document.sicd import sicd_xml
 from app.document.verdict import SAID, check_words
@@ -27,12 +27,44 @@ from nav_model.design.own import SPLITS, dimensions_limited
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    parsers = declare(commands, __file__, evaluate=_evaluate, check=_check, allocate=_allocate, presets=_presets)
-    parsers["allocate"].add_argument(
+    evaluate = commands.add_parser("evaluate", help="print the whole budget of a design as JSON")
+    design_arguments(evaluate, one=True)
+    evaluate.add_argument(
+        "--times", metavar="S,S,...", help="times of the outage curves, in seconds since the last fix"
+    )
+    evaluate.add_argument(
+        "--sicd",
+        action="store_true",
+        help="print the image location errors as the SICD XML element ErrorStatistics instead",
+    )
+    evaluate.set_defaults(run=_evaluate)
+
+    check = commands.add_parser("check", help="check designs against their requirements")
+    design_arguments(check, one=False)
+    check.set_defaults(run=_check)
+
+    share_out = commands.add_parser("allocate", help="split a requirement's limit among sources and contributors")
+    design_arguments(share_out, one=True)
+    share_out.add_argument("--requirement", metavar="NAME", help="a requirement's name; by default the tightest")
+    share_out.add_argument(
         "--split",
         choices=SPLITS,
         help="equal values, in proportion to today's, or least change; by default the design's, or shares",
     )
+    share_out.add_argument(
+        "--reserve", metavar="RATIO", help="part of the limit to keep, such as 20%%; by default the design's, or that"
+    )
+    share_out.add_argument(
+        "--lock", action="append", metavar="SOURCE=VALUE",
+        help="a source whose value is given, with its unit, at the confidence of the limit: "
+        '"gyro noise=5 deg"; in place of those of the design',
+    )  # fmt: skip
+    share_out.set_defaults(run=_allocate)
+
+    presets = commands.add_parser("presets", help="list the catalogue, with sources")
+    presets.add_argument("kind", choices=("imu", "radar", "gnss"))
+    presets.add_argument("--json", action="store_true", help="as JSON")
+    presets.set_defaults(run=_presets)
 
 
 def _evaluate(options: argparse.Namespace) -> int:

@@ -6,16 +6,78 @@ import argparse
 import os
 from typing import Any
 
-from app.console.arguments import declare, paths_of, read_design
+from app.console.arguments import design_arguments, paths_of, read_design
 
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
+    _add_explore(commands)
+    sweep = commands.add_parser("sweep", help="evaluate a grid of designs, by formula or by simulation, into a table")
+    sweep.add_argument("file", metavar="FILE", help="sweep file (TOML): the design and what to vary")
+    sweep.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.csv or OUT.parquet")
+    cores = os.cpu_count() or 1
+    sweep.add_argument("--workers", type=count, default=cores, help="local processes (default: all cores)")
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do the work")
+    sweep.set_defaults(run=_sweep)
+
+
+def _add_explore(commands: Any) -> None:
     explore = commands.add_parser("explore", help="questions about many designs, as JSON or CSV")
     questions = explore.add_subparsers(dest="question", required=True, metavar="QUESTION")
-    declare(questions, __file__, **dict.fromkeys(("solve", "rank", "map", "search", "uncertainty"), _explore))
-    sweep = declare(commands, __file__, sweep=_sweep)["sweep"]
-    sweep.set_defaults(workers=os.cpu_count() or 1)
+    helps = {
+        "solve": "find the largest noise, interval or time that meets the requirements",
+        "rank": "list the inputs that a figure depends on, strongest first",
+        "map": "compute a result over a grid of two inputs",
+        "search": "list the IMUs and receivers of the catalogue that meet the requirements",
+        "uncertainty": "compute the probability that the design closes when inputs are ranges",
+    }
+    parsers = {name: questions.add_parser(name, help=text) for name, text in helps.items()}
+    for parser in parsers.values():
+        design_arguments(parser, one=True)
+        parser.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
+        parser.set_defaults(run=_explore)
+    parsers["rank"].add_argument(
+        "--result", metavar="FIGURE", help="figure to rank for (default: the design's first requirement)"
+    )
+    parsers["map"].add_argument(
+        "--x", default="imu.angle_random_walk", metavar="KEY", help="input on the x axis (default %(default)s)"
+    )
+    parsers["map"].add_argument(
+        "--y", default="gnss.position_noise", metavar="KEY", help="input on the y axis (default %(default)s)"
+    )
+    parsers["map"].add_argument(
+        "--result", default="all requirements", metavar="FIGURE", help="result to map (default %(default)s)"
+    )
+    parsers["map"].add_argument("--size", type=count, metavar="N", help="points along a side (default 200)")
+    add = parsers["search"].add_argument
+    add(
+        "--imus", action="append", default=[], metavar="FILE", help="catalogue file of your own IMUs; may be repeated"
+    )
+    add(
+        "--receivers",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="catalogue file of your own receivers; may be repeated",
+    )
+    add(
+        "--biases",
+        choices=("design", "zero", "in-run"),
+        default="design",
+        help="residual biases of every IMU: the design's (default), zero, or the in-run biases of its data sheet",
+    )
+    add = parsers["uncertainty"].add_argument
+    add("--vary", action="append", default=[], metavar="KEY=RANGE",
+        help='range of an input, e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h" (uniform; with log after it, '
+        'log-uniform) or "0.15 °/√h */ 1.3" (typical value and factor, log-normal); may be repeated')  # fmt: skip
+    add("--seed", type=int, default=1, metavar="S", help="seed of the samples (default 1)")
+
+
+def count(text: str) -> int:
+    number = int(text)
+    if not 1 <= number <= 2000:
+        raise ValueError(text)
+    return number
 
 
 def _explore(options: argparse.Namespace) -> int:

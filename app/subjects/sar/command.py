@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.console.arguments import declare, paths_of, put_json, read_design
+from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.files import spare
 from nav_model.base.errors import InputError
 
@@ -18,7 +19,17 @@ if TYPE_CHECKING:
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    declare(commands, __file__, sar=_sar)
+    sar = commands.add_parser("sar", help="compute image quality for every navigation strategy, as JSON")
+    design_arguments(sar, one=True)
+    add = sar.add_argument
+    add("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
+    add("--seed", type=int, default=0, help="seed of the ensemble (default 0)")
+    add("--engine", choices=("fast", "simulator"), default="fast",
+        help="per-axis error model, or full flights of the simulator with the error model beside them (default "
+             "fast)")  # fmt: skip
+    add("--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)")
+    add("-o", "--output", type=Path, metavar="FILE", help="write to this file instead of standard output")
+    sar.set_defaults(run=_sar)
 
 
 def _sar(options: argparse.Namespace) -> int:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import Any
 
-from app.console.arguments import declare, put_json, read_design
+from app.console.arguments import put_json, read_design
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity
@@ -15,7 +16,25 @@ from nav_model.design.parts import declaration_of
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    declare(commands, __file__, allan=_allan)
+    parser = commands.add_parser(
+        "allan", help="get noise parameters or a vibration factor from a log (CSV or NPZ), as JSON"
+    )
+    parser.add_argument("log", metavar="LOG", help="a CSV or NPZ file, or - for stdin")
+    parser.add_argument("--rate", type=float, metavar="HZ", help="samples per second, if not in the file")
+    parser.add_argument("--gyro-unit", metavar="UNIT", help='"deg/s", increments "rad", or per count "0.05 deg/s"')
+    parser.add_argument("--accelerometer-unit", metavar="UNIT", help='"m/s2", "g", "m/s", or "0.00333 g" per count')
+    parser.add_argument("--columns", metavar="NAME,...", help="columns of a CSV in order; use - to skip one")
+    parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="arrays of an NPZ, e.g. gyro=w,accelerometer=f")
+    parser.add_argument("--motion", action="store_true", help="log recorded in motion: effective noise, no fit")
+    parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')
+    parser.add_argument("--bench-vrw", metavar="QUANTITY", help='velocity random walk at rest, "0.03 m/s/√h"')
+    parser.add_argument(
+        "--against",
+        metavar="DESIGN",
+        help="judge a log at rest by what the design requires of its IMU; 1 if it fails",
+    )
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the JSON to this file")
+    parser.set_defaults(run=_allan, parser=parser)
 
 
 def _allan(options: argparse.Namespace) -> int:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
-from app.console.arguments import declare, paths_of, put_json, read_design
+from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.flight import flight_arguments, flight_study
 
 _DOES_NOT_CLOSE = 1
@@ -13,8 +14,19 @@ _DOES_NOT_CLOSE = 1
 
 def add_to(commands: Any) -> None:
     """Declare the command."""
-    trajectory = declare(commands, __file__, trajectory=_trajectory)["trajectory"]
+    trajectory = commands.add_parser(
+        "trajectory",
+        help="follow the covariance of a design along a flight, with the image figures of every line",
+        description="Follows the error covariance of the design along a flight, real time and post-processed, with "
+        "the share of every source: what `simulate` gives with endlessly many runs. --set also takes the inputs that "
+        "`simulate --inputs` lists. The flight is that of the design's section [trajectory]; a GPX or KML file is a "
+        "plan too, flown at the design's speed with coordinated turns.",
+    )
+    design_arguments(trajectory, one=True)
     flight_arguments(trajectory, "plan")
+    add = trajectory.add_argument
+    add("-o", "--output", type=Path, metavar="FILE", help="FILE.json (default: standard output)")
+    trajectory.set_defaults(run=_trajectory)
 
 
 def _trajectory(options: argparse.Namespace) -> int:
