@@ -52,5 +52,13 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     expect(answer).to_contain_text("of 2 lines within the limits")
     page.get_by_role("button", name="Remove row 3", exact=True).click()
     expect(answer).to_contain_text("of 1 line within the limits")
+    accessible(page)
+    pasted = "47\\t8\\t3000\\tsouth\\n47.05\\t8\\t3 km\\n47.05\\t8.1\\t3000\\teast\\n47.1\\t8.1\\t3000"
+    page.get_by_label("Latitude [°], row 1", exact=True).evaluate(
+        f"""field => {{ const clip = new DataTransfer(); clip.setData("text", "{pasted}")
+        field.dispatchEvent(new ClipboardEvent("paste", {{clipboardData: clip, cancelable: true}})) }}"""
+    )
+    expect(answer).to_contain_text("of 3 lines within the limits")
+    expect(page.get_by_label("Height [m], row 2", exact=True)).to_have_value("3000")
     assert said == []
     fits(page, 390)

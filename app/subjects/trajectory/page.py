@@ -153,15 +153,15 @@ class TrajectoryPage(View):
         lines, turns, named = (flies.in_(those) for those in ((LINES,), (LINES, WAYPOINTS), _HAVE_A_LENGTH))
         return (
             pmui.Select.from_param(choices.figure, width=160, **_LOOK),
-            pmui.Select.from_param(choices.flight, width=160, **_LOOK),
+            pmui.Select.from_param(choices.flight, width=150, **_LOOK),
             self._upload,
             box("lines", width=60, visible=lines, **_LOOK),
-            box("length", width=100, visible=lines, **_LOOK),
-            box("spacing", width=100, visible=lines, **_LOOK),
-            box("bank", width=80, visible=turns, **_LOOK),
+            box("length", width=90, visible=lines, **_LOOK),
+            box("spacing", width=95, visible=lines, **_LOOK),
+            box("bank", width=65, visible=turns, **_LOOK),
             box("duration", width=100, visible=named, **_LOOK),
-            box("outages", width=150, **_LOOK),
-            pmui.Select.from_param(choices.states, width=105, **_LOOK),
+            box("outages", width=105, **_LOOK),
+            pmui.Select.from_param(choices.states, width=100, **_LOOK),
         )
 
     def _more(self) -> pn.Column:
