@@ -100,6 +100,17 @@ def whole_percent(margin: float, ratio: float) -> str:
     return _signed(f"{100 * margin:+.0f} %") if ratio < _MANY else f"{number(ratio)} ×"
 
 
+def margin_in_short(margin: float) -> str:
+    """Whether a requirement is met, and by how much, where there is little room.
+
+    >>> margin_in_short(0.798), margin_in_short(0.0004), margin_in_short(-0.0004)
+    ('✓ +80 %', '✓ at the limit', '✗ just over the limit')
+    """
+    if abs(margin) < 0.005:
+        return "✓ at the limit" if margin >= 0 else "✗ just over the limit"
+    return f"{'✓' if margin > 0 else '✗'} {whole_percent(margin, 1 - margin)}"
+
+
 def decibels(value: float) -> str:
     """A level or a ratio."""
     return f"{hundredths(value)} dB"

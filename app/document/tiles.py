@@ -6,7 +6,7 @@ from collections.abc import Callable
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
-from app.document.numbers import whole_percent
+from app.document.numbers import margin_in_short, whole_percent
 
 
 def tiles_html(
@@ -31,8 +31,8 @@ def _tile(figure: KeyFigure, was: KeyFigure | None, said: Callable[[str], str] |
     mark = limit = tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
-        margin = "" if figure.used is None else f" {whole_percent(1 - figure.used, figure.used)}"
-        mark = f'<span class="mark" title="margin">{"✓" if figure.met else "✗"}{margin}</span>'
+        short = ("✓" if figure.met else "✗") if figure.used is None else margin_in_short(1 - figure.used)
+        mark = f'<span class="mark" title="margin">{short}</span>'
         limit = f"limit {figure.limit}"
     bar = f'<i style="width:{_share(figure.used)}%"></i>'
     if was is not None and was.met is not None:

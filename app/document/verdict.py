@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
 from app.document.display import ONE_SIGMA, SI, Display
-from app.document.numbers import percent, show_in, signed_percent, whole_percent
+from app.document.numbers import margin_in_short, percent, show_in, signed_percent
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.result import Check, Verdict
@@ -161,6 +161,6 @@ def verdicts_in_short(budget: Budget, *, both: bool = True) -> dict[str, str]:
         name, margin = mode[:1].upper() + mode[1:], margins.get(mode)
         if not both and mode != chosen:
             return f"{name} …"
-        return name if margin is None else f"{name} {'✓' if margin >= 0 else '✗'} {whole_percent(margin, 1 - margin)}"
+        return name if margin is None else f"{name} {margin_in_short(margin)}"
 
     return {said(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}

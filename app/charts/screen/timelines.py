@@ -57,8 +57,8 @@ class Timelines:
     Examples
     --------
     >>> stack = Timelines(timelines(budget))
+    >>> stack.compare(timelines(budget))  # faint beside what is fed, until compare(None)
     >>> stack.feed(timelines(other))
-    >>> stack.compare(timelines(budget))  # faint beside it, until compare(None)
     """
 
     def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None) -> None:
@@ -77,13 +77,11 @@ class Timelines:
             for chart, height in zip(charts, heights, strict=True)
         )
         self._read_out(charts)
-        self._charts = charts
         self._feed_frame(charts, heights)
         assert all(line.x is first.lines[0].x for chart in charts for line in chart.lines)
 
     def feed(self, charts: Sequence[Chart]) -> None:
         """Show other charts of the same structure."""
-        self._charts = charts
         heights = self._heights(charts)
         columns = _columns(charts, heights)
         for name, new in columns.items():
@@ -97,11 +95,13 @@ class Timelines:
         self._feed_frame(charts, heights)
 
     def compare(self, charts: Sequence[Chart] | None) -> None:
-        """Show other charts faintly for comparison, or none; the axes show them whole."""
+        """Show other charts faintly for comparison, or none; with the next feed the axes show them whole.
+
+        Two feeds in one message may tell the browser of columns whose lengths differ.
+        """
         curves = _curves(charts) if charts else {name: np.array([np.nan]) for name in self._sent["timelines"]}
         self._was.data = curves
         self._others = charts or ()
-        self.feed(self._charts)
 
     def _heights(self, charts: Sequence[Chart]) -> list[_Range]:
         """Bounds of each chart's y axis."""

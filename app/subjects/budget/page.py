@@ -141,7 +141,8 @@ class BudgetPage(View):
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        if self.session.compared is not self._compared:
+        if self.session.compared is not self._compared or self._shown != self.session.shown:
+            self._shown = self.session.shown
             self._hold()
         self._strip.show(verdict_strip(budget, self._display), _invalid(self.session.invalid))
         self._offer_modes(both=False)
@@ -150,9 +151,6 @@ class BudgetPage(View):
         with validate(False):  # computed here, so it needs no check at each step
             self._stack.feed(self._lines)
             self._response.show(budget)
-        if self._shown != self.session.shown:
-            self._shown = self.session.shown
-            self._hold()
         self._feed(budget)
         self._tell_soon()
         self._close.label = _ask(budget)
@@ -185,6 +183,7 @@ class BudgetPage(View):
         if self.session.budget is self._shown_budget and self.session.compared is not self._compared:
             with pn.io.hold():
                 self._hold()
+                self._stack.feed(self._lines)
                 self._response.show(self.session.budget)
                 self._feed(self.session.budget)
 

@@ -226,6 +226,20 @@ def test_the_page_follows_the_budget_it_is_shown(mems: Budget) -> None:
     assert [plot.x_range for plot in page._stack.plots] == [page._stack.plots[0].x_range] * 3
 
 
+def test_a_new_comparison_comes_with_one_feed_of_the_curves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With two, the browser was told of columns of different lengths."""
+    session = Session(read_design(EXAMPLES / "mems_x_band.toml"))
+    page = BudgetPage(session)
+    session.change({"imu.angle_random_walk": 1e-6})
+    page.show(session.budget)
+    fed = []
+    monkeypatch.setattr(page._stack, "feed", lambda charts: fed.append(len(charts[0].lines[0].x)))
+    session.change({"processing.mode": "post-processed"})
+    page.show(session.budget)
+    assert page._compared is session.compared is not None
+    assert fed == [len(together(session.budget)[0].lines[0].x)]
+
+
 def test_page_and_report_cite_the_steady_state_that_was_computed() -> None:
     """[T-3] and [T-4] know position fixes only."""
     for noise, cited, absent in ((None, "[T-3]", "[P-6]"), (0.03, "[P-6]", "[T-3]")):
