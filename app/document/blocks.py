@@ -206,10 +206,10 @@ class Chapter:
     kind: str
     title: str
     running: str
-    description: str
-    verdict: Answer | None
     facts: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
+    description: str = ""
+    verdict: Answer | None = None
     source: str = ""
 
 

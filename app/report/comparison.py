@@ -34,8 +34,6 @@ def comparison_chapter(
         kind="Comparison of navigation error budgets",
         title=closing_words(budgets),
         running=f"Comparison of {len(budgets)} designs",
-        description="",
-        verdict=None,
         facts=facts,
         sections=(
             Section("c-verdicts", "Verdicts", (_verdicts(budgets, labels),)),

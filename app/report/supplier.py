@@ -53,8 +53,6 @@ def supplier_report(design: Design, unit: Unit, now: datetime | None = None) -> 
         kind="Sheet for the supplier",
         title=title,
         running=f"{design.content_hash[:12]}",
-        description="",
-        verdict=None,
         facts=(
             ("Design", design.content_hash[:12]),
             ("Written", f"{now:%d %B %Y, %H:%M} UTC"),

@@ -76,7 +76,6 @@ def front_page(review: Review) -> Chapter:
         kind="Design review",
         title=review.title,
         running=f"Review: {shortened(review.title)}",
-        description="",
         verdict=outcome(review),
         facts=tuple((label, printable(text)) for label, text in facts),
         sections=(
