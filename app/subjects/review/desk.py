@@ -11,7 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held, perhaps
+from app.declared import declared, held
 from app.document.blocks import Answer, Bullets
 from app.document.pane import html_of
 from app.document.wording import shortened
@@ -47,13 +47,12 @@ class Desk(param.Parameterized):
             class_=tuple, default=(), doc=f"Revisions in the order they were picked, at most {MAX_ITEMS}."
         )
     )
-    base = perhaps(Revision, "The revision that the design in force came from, if any.")
     author = param.String(default="", doc="The name typed by whoever is at the desk.")
 
     def __init__(self, session: Session) -> None:
         user = pn.state.user
         self._known = user if user and user != "guest" else ""
-        super().__init__(session=session, base=session.lineage.base, author=self._known or recalled(_NAME_COOKIE))
+        super().__init__(session=session, author=self._known or recalled(_NAME_COOKIE))
         self.memory = Remembered(_NAME_COOKIE, "" if self._known else self.param.author)
         self.name_field = pmui.TextInput.from_param(
             self.param.author,
@@ -67,14 +66,11 @@ class Desk(param.Parameterized):
         )
         self.notice = html_pane("", margin=(2, 10))
 
-    @param.depends("session.lineage", watch=True)
-    def _follow_lineage(self) -> None:
-        """A revision is the base of its own changes only: another design in force, by undo as well, has another."""
-        self.base = self.session.lineage.base
-
-    @param.depends("base", watch=True)
-    def _keep_base(self) -> None:
-        self.session.came_from(self.base)
+    @property
+    def base(self) -> Revision | None:
+        """The revision that the design in force came from, if any; another design, by undo as well, has another."""
+        base: Revision | None = self.session.lineage.base
+        return base
 
     @property
     def who(self) -> str:

@@ -207,7 +207,7 @@ class LibraryView(View):
         if problem is not None:
             self.desk.say(f"Not opened. {problem}", wrong=True)
             return
-        self.desk.base = last
+        self.desk.session.came_from(last)
         self.desk.say(f"Revision {last.number} of {last.name} is loaded into the editor. You can undo.")
 
     async def _archive(self) -> None:
@@ -234,7 +234,7 @@ class LibraryView(View):
 
     # --- saving, in and out ----------------------------------------------------------------------------
 
-    @param.depends("desk.base", watch=True)
+    @param.depends("desk.session.lineage", watch=True)
     def _based(self) -> None:
         base = self.desk.base
         self._next.visible = base is not None
@@ -256,7 +256,7 @@ class LibraryView(View):
                 await self._catch_up(base)
             return
         self._note.value = ""
-        self.desk.base = saved
+        self.desk.session.came_from(saved)
         await self.refresh()
         self.desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
 
@@ -264,7 +264,7 @@ class LibraryView(View):
         """After somebody else's save: the next save is on top of theirs, as the button then says."""
         history = await self.desk.ask(lambda place: place.revisions(base.design))
         if history and history[0].number != base.number:
-            self.desk.base = history[0]
+            self.desk.session.came_from(history[0])
             await self.refresh()
 
     async def _zip(self) -> bytes:
