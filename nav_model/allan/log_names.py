@@ -11,9 +11,8 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from nav_model.base.dimensions import factor_of
+from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.base.errors import InputError
-from nav_model.base.toml_text import shipped
 
 
 @dataclass(frozen=True)
@@ -34,17 +33,55 @@ class Meaning:
     unit: str | None
 
 
-_TABLES: Final = shipped("nav_model.allan", "log_units")
-_SPELLINGS: Final[dict[str, str]] = _TABLES.pop("spellings")
+_G = STANDARD_GRAVITY
+
+# unit -> (factor to SI, increments per sample)
 _UNITS: Final[dict[str, dict[str, tuple[float, bool]]]] = {
-    role: {
-        unit: (float(factor_of(text)), kind == "increments")
-        for kind, units in kinds.items()
-        for unit, text in units.items()
-    }
-    for role, kinds in _TABLES.items()
+    "gyro": {
+        "rad/s": (1.0, False),
+        "mrad/s": (1e-3, False),
+        "deg/s": (DEGREE, False),
+        "mdeg/s": (DEGREE * 1e-3, False),
+        "deg/h": (DEGREE / 3600.0, False),
+        "rad": (1.0, True),
+        "mrad": (1e-3, True),
+        "urad": (1e-6, True),
+        "deg": (DEGREE, True),
+        "arcsec": (DEGREE / 3600.0, True),
+    },
+    "accelerometer": {
+        "m/s2": (1.0, False),
+        "g": (_G, False),
+        "mg": (_G * 1e-3, False),
+        "ug": (_G * 1e-6, False),
+        "m/s": (1.0, True),
+        "mm/s": (1e-3, True),
+        "g.s": (_G, True),
+        "ug.s": (_G * 1e-6, True),
+    },
+    "time": {"s": (1.0, False), "ms": (1e-3, False), "us": (1e-6, False), "ns": (1e-9, False)},
+    "temperature": {"degc": (1.0, False)},
 }
-"""Role -> unit -> its factor to SI, and whether it is of increments over a sample."""
+
+_UNIT_SPELLINGS: Final = {
+    "dps": "deg/s",
+    "mdps": "mdeg/s",
+    "dph": "deg/h",
+    "rads": "rad/s",
+    "radps": "rad/s",
+    "rps": "rad/s",
+    "mps2": "m/s2",
+    "ms2": "m/s2",
+    "mss": "m/s2",
+    "m/s/s": "m/s2",
+    "mps": "m/s",
+    "ugs": "ug.s",
+    "gs": "g.s",
+    "sec": "s",
+    "seconds": "s",
+    "c": "degc",
+    "celsius": "degc",
+}
 
 _ROLES: Final = (
     ("time", r"(imu|sensor)?(t|time|timestamp|stamp|tow|timeofweek|seconds|sec)"),
@@ -141,4 +178,4 @@ def _normal_unit(text: str) -> str:
     unit = unit.replace("^", "").replace("**", "").replace("·", ".").replace("*", ".").replace(" ", "")
     unit = unit.replace("_", "").replace("sec2", "s2").replace("degrees", "deg").replace("hr", "h")
     unit = re.sub(r"/sec$", "/s", unit)
-    return _SPELLINGS.get(unit, unit)
+    return _UNIT_SPELLINGS.get(unit, unit)

@@ -60,10 +60,10 @@ class Dimension:
         return next(iter(self.units))
 
 
-def factor_of(text: str) -> Fraction:
+def _factor(text: str) -> Fraction:
     """The factor that a product over other factors says, such as "deg/3600/60".
 
-    >>> factor_of("2*3/4")
+    >>> _factor("2*3/4")
     Fraction(3, 2)
     """
     above, *below = ([_NAMED.get(each) or Fraction(each) for each in part.split("*")] for part in text.split("/"))
@@ -73,7 +73,7 @@ def factor_of(text: str) -> Fraction:
 DIMENSIONS: dict[str, Dimension] = {
     name: Dimension(
         name,
-        {unit: factor_of(text) for unit, text in row["units"].items()},
+        {unit: _factor(text) for unit, text in row["units"].items()},
         tuple(row["examples"]),
         row.get("decibels", 0),
     )
