@@ -257,7 +257,7 @@ def read_ratio(where: str, text: str) -> float:
         If it is none; `where` names what is wrong.
     """
     try:
-        return parse_quantity(text, "ratio").value
+        return parse_quantity(str(text), "ratio").value
     except QuantityError as error:
         raise InputError(where, f'{shown(text)} is not a ratio. Write for example "20 %".', text) from error
 
@@ -277,7 +277,7 @@ def read_size(
     allowed = dimensions or dimensions_of(figure)
     for dimension in allowed:
         with suppress(QuantityError):
-            return *parse_quantity(text, dimension), dimension
+            return *parse_quantity(str(text), dimension), dimension
     raise InputError(where, _misfit(shown(text), figure, allowed), text)
 
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from nav_model.base.errors import InputError, not_a_choice, shown
-from nav_model.base.units import QuantityError, format_quantity, parse_quantity
+from nav_model.base.errors import InputError, not_a_choice
+from nav_model.base.units import format_quantity
 from nav_model.design.contributors import (
     COASTING,
     ENTERED,
@@ -30,8 +30,8 @@ OWN_KEYS = ("contributors", "limits", "allocation")
 """Their tables in a design file."""
 
 SPLITS = ("equal", "shares", "cheapest")
-_LONGEST_OUTAGE = float(Coast.param["duration"].bounds[1])  # s
-_LEAST_SIGMAS, _MOST_SIGMAS = map(float, Requirements.param["confidence"].bounds)
+_LIKE = {"confidence": Requirements.param["confidence"], "at": Coast.param["duration"]}
+"""Keys of a limit -> the input whose bounds they have."""
 
 
 @dataclass(frozen=True)
@@ -71,26 +71,11 @@ class Limit(Sized):
         if self.name in ENTERED or self.name in ("requirements", "all requirements"):
             raise InputError(self.where, "is the name of a requirement already. Choose another name.", self.name)
         if not 0 < self.value < math.inf:
-            raise InputError(
-                f"{self.where}.limit", f"{self.value:g} is not allowed. Give more than zero.", self.value
-            )
-        if self.at is not None:
-            if self.on not in (*COASTING, *IN_OUTAGE):
-                raise InputError(
-                    f"{self.where}.at", f"{self.on} is no value of the outage, so it has no time.", self.at
-                )
-            if not 0 <= self.at <= _LONGEST_OUTAGE:
-                raise InputError(
-                    f"{self.where}.at", f"{self.at:g} s is not from 0 to {_LONGEST_OUTAGE:g} s.", self.at
-                )
-        if self.confidence is not None:
-            if self.on in UNSCALED:
-                raise InputError(f"{self.where}.confidence", f"does not multiply {self.on}. Leave it out.")
-            if not _LEAST_SIGMAS <= self.confidence <= _MOST_SIGMAS:
-                raise InputError(
-                    f"{self.where}.confidence",
-                    f"{self.confidence:g} is not from {_LEAST_SIGMAS:g} to {_MOST_SIGMAS:g} sigmas.", self.confidence,
-                )  # fmt: skip
+            raise InputError(f"{self.where}.limit", "must be more than zero.", self.value)
+        if self.at is not None and self.on not in (*COASTING, *IN_OUTAGE):
+            raise InputError(f"{self.where}.at", f"{self.on} is no value of the outage, so it has no time.", self.at)
+        if self.confidence is not None and self.on in UNSCALED:
+            raise InputError(f"{self.where}.confidence", f"does not multiply {self.on}. Leave it out.")
 
     def record(self) -> dict[str, str]:
         """The limit as a design file has it."""
@@ -123,10 +108,8 @@ class Allotment:
         if self.split not in SPLITS:
             raise InputError("allocation.split", not_a_choice(self.split, SPLITS), self.split)
         if not 0 <= self.reserve < 1:
-            raise InputError(
-                "allocation.reserve", f"{self.reserve:g} is not allowed. Give 0 % or more and less than 100 %.",
-                self.reserve,
-            )  # fmt: skip
+            said = f"{self.reserve:g} is not allowed. Give 0 % or more and less than 100 %."
+            raise InputError("allocation.reserve", said, self.reserve)
 
     def record(self) -> dict[str, Any]:
         """The table ``[allocation]`` of a design file."""
@@ -148,12 +131,10 @@ class Own:
     def __post_init__(self) -> None:
         checked(self.contributors)
         checked(self.limits)
-        names = {one.name for one in self.contributors}
         for limit in self.limits:
-            if limit.on not in ENTERED and limit.on not in names:
-                raise InputError(f"{limit.where}.on", not_a_choice(limit.on, (*ENTERED, *names)), limit.on)
+            _allowed(f"{limit.where}.on", limit.on, {one.name: (one.dimension,) for one in self.contributors})
         for lock in self.allocation.locks if self.allocation else ():
-            dimensions_limited(lock.requirement, self.limits)
+            lock_dimensions(lock.requirement, self.limits)
 
     def tables(self) -> dict[str, Any]:
         """What a design file has of it; `read_own` takes it back."""
@@ -180,22 +161,23 @@ class Own:
         return lines
 
 
-def dimensions_limited(requirement: str, limits: tuple[Limit, ...]) -> tuple[str, ...]:
-    """Dimensions of a size in a requirement.
+def lock_dimensions(requirement: str, limits: tuple[Limit, ...]) -> tuple[str, ...]:
+    """Dimensions that a lock in a requirement may have.
 
     Raises
     ------
     InputError
         If there is no such requirement.
     """
-    for limit in limits:
-        if limit.name == requirement:
-            return dimensions_of(limit.on) if limit.on in ENTERED else (limit.dimension,)
-    if requirement not in ENTERED:
-        raise InputError(
-            "allocation.locks", not_a_choice(requirement, (*ENTERED, *(each.name for each in limits))), requirement
-        )
-    return dimensions_of(requirement)
+    own = {each.name: dimensions_of(each.on) if each.on in ENTERED else (each.dimension,) for each in limits}
+    return _allowed("allocation.locks", requirement, own)
+
+
+def _allowed(where: str, name: str, own: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """Dimensions of a figure, or of one of the user's `own` names."""
+    if name not in (*ENTERED, *own):
+        raise InputError(where, not_a_choice(name, (*ENTERED, *own)), name)
+    return dimensions_of(name) if name in ENTERED else own[name]
 
 
 def read_own(tables: Mapping[str, Any]) -> Own:
@@ -220,23 +202,26 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
     InputError
         As `read_own`.
     """
-    own, found = {one.name: one.dimension for one in contributors}, []
+    own, found = {one.name: (one.dimension,) for one in contributors}, []
     for where, texts in given_tables("limits", tables, ("name", "on", "limit", "at", "confidence"), ("on", "limit")):
-        on, at, sigmas = texts["on"], texts.get("at"), texts.get("confidence")
-        if on not in ENTERED and on not in own:
-            raise InputError(f"{where}.on", not_a_choice(on, (*ENTERED, *own)), on)
-        dimensions = (ENTERED.get(on) or own[on],)
+        on = texts["on"]
+        dimensions = _allowed(f"{where}.on", on, own)[:1]  # of a phase the angle
         value, unit, dimension = read_size(f"{where}.limit", texts["limit"], on, dimensions)
-        try:
-            time = None if at is None else parse_quantity(at, "time").value
-        except QuantityError as error:
-            raise InputError(f"{where}.at", f'{shown(at)} is not a time. Write for example "30 s".', at) from error
-        try:
-            confidence = None if sigmas is None else float(sigmas)
-        except ValueError as error:
-            raise InputError(f"{where}.confidence", f"{shown(sigmas)} is not a number of sigmas.", sigmas) from error
-        found.append(Limit(texts["name"], on, value, dimension, confidence, time, unit))
+        numbers: dict[str, Any] = {
+            key: _read_like(f"{where}.{key}", declaration, texts[key])
+            for key, declaration in _LIKE.items()
+            if key in texts
+        }
+        found.append(Limit(texts["name"], on, value, dimension, unit=unit, **numbers))
     return checked(found)
+
+
+def _read_like(where: str, declaration: Any, text: str) -> float:
+    """A number with the bounds of an input."""
+    try:
+        return float(declaration.read(text).value)
+    except InputError as error:
+        raise error.under(where) from error
 
 
 def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
@@ -252,22 +237,16 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
     for key in table:
         if key not in ("split", "reserve", "locks"):
             raise InputError(f"allocation.{key}", "unknown key; [allocation] has split, reserve, locks", table[key])
-    texts = {key: table[key] for key in ("split", "reserve") if key in table}
-    for key, text in texts.items():
-        if not isinstance(text, str):
-            raise InputError(f"allocation.{key}", f"{shown(text)} is not text in quotes", text)
     locks, given = [], table.get("locks", {})
     for requirement, entries in given.items() if isinstance(given, dict) else [("", given)]:
         where = f"allocation.locks.{requirement}"
         if not isinstance(entries, dict):
             raise InputError("allocation.locks", "must be sections, [allocation.locks.REQUIREMENT]", entries)
-        dimensions = dimensions_limited(requirement, limits)
+        dimensions = lock_dimensions(requirement, limits)
         for source, text in entries.items():
-            if not isinstance(text, str):
-                raise InputError(f"{where}.{source}", f"{shown(text)} is not text in quotes", text)
             value, unit, dimension = read_size(f"{where}.{source}", text, requirement, dimensions)
             if not 0 < value < math.inf:
                 raise InputError(f"{where}.{source}", "must be locked at more than zero.", text)
             locks.append(Lock(requirement, source, value, dimension, unit))
-    reserve = read_ratio("allocation.reserve", texts.get("reserve", "20 %"))
-    return Allotment(texts.get("split", "shares"), reserve, tuple(locks))
+    reserve = read_ratio("allocation.reserve", table.get("reserve", "20 %"))
+    return Allotment(table.get("split", "shares"), reserve, tuple(locks))

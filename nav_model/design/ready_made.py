@@ -38,17 +38,20 @@ class ReadyMade(NamedTuple):
     of: Callable[[float, float, Design], float]
 
 
-def _across(design: Design) -> float:
-    """Slant range times the cosine of the grazing angle, m."""
-    return design.radar.slant_range * math.cos(design.radar.grazing_angle)
-
-
 def _product(a: float, b: float, _: Design) -> float:
     return a * b
 
 
 def _root(a: float, b: float, _: Design) -> float:
     return math.hypot(a, b)
+
+
+def _slant(a: float, b: float, _: Design) -> float:
+    return a / math.sin(b) if math.sin(b) > 0 else math.inf
+
+
+def _turned(a: float, b: float, design: Design) -> float:
+    return a * b / (design.radar.slant_range * math.cos(design.radar.grazing_angle))
 
 
 _MOTION = Box("Attitude motion over the aperture, rms", "angle", "0.1°")
@@ -81,12 +84,12 @@ READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
     "atmospheric path": ReadyMade(
         (Box("Vertical path error", "length", "5 mm"), Box("Grazing angle", "angle", "35°")),
         "vertical error / sin(grazing angle)", "length", "mm", "range_shift", SYSTEMATIC,
-        lambda a, b, _: a / math.sin(b) if math.sin(b) > 0 else math.inf,
+        _slant,
     ),
     "scene height": ReadyMade(
         (Box("Height error", "length", "10 m"), Box("Deviation across the track, rms", "length", "0.5 m")),
         "height error × deviation / (slant range × cos(grazing angle))", "length", "mm", "detrended_phase", RANDOM,
-        lambda a, b, design: a * b / _across(design),
+        _turned,
     ),
 })  # fmt: skip
 """Name -> formula."""

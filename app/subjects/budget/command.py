@@ -22,7 +22,7 @@ from nav_model.budget.result import Check
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
 from nav_model.design.contributors import read_ratio, read_size
-from nav_model.design.own import SPLITS, dimensions_limited
+from nav_model.design.own import SPLITS, lock_dimensions
 
 
 def add_to(commands: Any) -> None:
@@ -152,7 +152,7 @@ def _allocate(options: argparse.Namespace) -> int:
 def _locks(texts: list[str], budget: Budget, check: Check) -> dict[str, float]:
     """Sources and their values in SI; a length along the line of sight is a phase where the figure is one."""
     locks: dict[str, float] = {}
-    allowed = dimensions_limited(check.name, budget.design.limits)
+    allowed = lock_dimensions(check.name, budget.design.limits)
     for text in texts:
         source, equals, value = text.rpartition("=")
         if not equals:
