@@ -1,15 +1,20 @@
-"""Fixtures shared by the reports of several subjects."""
+"""Budgets of the examples, and what the reports of several subjects share."""
 
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app.charts.print.svg import to_svg
 from app.document import pdf
+from nav_model.budget import Budget, analyse
+from nav_model.design.file import read_design
+
+_EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -18,6 +23,22 @@ def _data_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
         yield
+
+
+@pytest.fixture(scope="session")
+def budget_of() -> Callable[[str], Budget]:
+    """The budget of the example of this name."""
+    return lambda name: analyse(read_design(_EXAMPLES / f"{name}.toml"))
+
+
+@pytest.fixture(scope="session")
+def mems(budget_of: Callable[[str], Budget]) -> Budget:
+    return budget_of("mems_x_band")
+
+
+@pytest.fixture(scope="session")
+def tactical(budget_of: Callable[[str], Budget]) -> Budget:
+    return budget_of("tactical_x_band")
 
 
 @pytest.fixture(scope="session")

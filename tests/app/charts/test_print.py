@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -29,18 +28,10 @@ from app.charts.print.look import plain_number, power_of_ten
 from app.charts.print.svg import FONT, WIDTH, to_svg
 from app.charts.styles import STYLES
 from app.subjects.budget.charts import BUDGET_CHARTS
-from nav_model.budget import Budget, analyse
-from nav_model.design.file import read_design
 
 pytestmark = pytest.mark.long
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-@pytest.fixture(scope="module")
-def budget() -> Budget:
-    return analyse(read_design(EXAMPLES / "mems_x_band.toml"))
 
 
 def texts(svg: str) -> list[str]:
@@ -83,9 +74,9 @@ def pictures(count: int = 4) -> PictureChart:
 
 
 @pytest.mark.parametrize("chart", [*BUDGET_CHARTS, dots, winners, pictures], ids=lambda chart: chart.__name__)
-def test_every_kind_prints_the_same_twice_in_the_report_face(chart, budget):
+def test_every_kind_prints_the_same_twice_in_the_report_face(chart, mems):
     def described():
-        return chart(budget) if chart in BUDGET_CHARTS else chart()
+        return chart(mems) if chart in BUDGET_CHARTS else chart()
 
     svg = to_svg(described())
     assert svg == to_svg(described())
@@ -96,8 +87,8 @@ def test_every_kind_prints_the_same_twice_in_the_report_face(chart, budget):
 
 
 @pytest.mark.parametrize("chart", BUDGET_CHARTS, ids=lambda chart: chart.__name__)
-def test_every_series_is_named_in_live_text(chart, budget):
-    described = chart(budget)
+def test_every_series_is_named_in_live_text(chart, mems):
+    described = chart(mems)
     words = texts(to_svg(described))
     if isinstance(described, BarChart):
         expected = {described.first_label, described.second_label}

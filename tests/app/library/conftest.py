@@ -14,8 +14,7 @@ from pathlib import Path
 import pytest
 
 from app.library.store import Library
-from nav_model.budget import Budget, analyse
-from nav_model.design.file import parse_design, read_design
+from nav_model.design.file import parse_design
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "examples"
@@ -37,16 +36,6 @@ def library(tmp_path: Path) -> Iterator[Library]:
     opened = Library(tmp_path / "library.db")
     yield opened
     opened.close()
-
-
-@pytest.fixture(scope="session")
-def mems() -> Budget:
-    return analyse(read_design(EXAMPLES / "mems_x_band.toml"))
-
-
-@pytest.fixture(scope="session")
-def tactical() -> Budget:
-    return analyse(read_design(EXAMPLES / "tactical_x_band.toml"))
 
 
 @pytest.fixture(scope="session")

@@ -18,12 +18,6 @@ _EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 @pytest.fixture(scope="session")
-def budget_of() -> Callable[[str], Budget]:
-    """The budget of the example of this name."""
-    return lambda name: analyse(read_design(_EXAMPLES / f"{name}.toml"))
-
-
-@pytest.fixture(scope="session")
 def changed() -> Callable[..., Budget]:
     """The MEMS example with other values; ``imu__rate`` is imu.rate."""
 
@@ -32,11 +26,6 @@ def changed() -> Callable[..., Budget]:
         return analyse(design.replace({key.replace("__", "."): value for key, value in changes.items()}))
 
     return made
-
-
-@pytest.fixture(scope="module")
-def mems(budget_of) -> Budget:
-    return budget_of("mems_x_band")
 
 
 @pytest.fixture(scope="module")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
-from soak import STAGES, counted_server, lose, visit
+from soak import STAGES, USED, counted_server, lose, visit
 
 pytestmark = pytest.mark.long
 
@@ -28,9 +28,14 @@ def test_closed_pages_are_gone(server: Any) -> None:
     assert left().frames == 0
 
 
-def test_pages_that_lose_their_connection_are_gone(server: Any) -> None:
+@pytest.mark.parametrize(
+    "stages",
+    [(*range(1, 9), *range(USED, STAGES + 1)), pytest.param(range(9, USED), marks=pytest.mark.slow)],
+    ids=["but those below", "while each tab is made"],
+)
+def test_pages_that_lose_their_connection_are_gone(server: Any, stages: Sequence[int]) -> None:
     async def at_every_stage() -> None:
-        for stage in range(1, STAGES + 1):
+        for stage in stages:
             await lose(address, stage)
 
     address, left = server

@@ -40,11 +40,6 @@ def si(text: str) -> float:
     return float(number.replace("−", "-")) * _FACTOR[unit]
 
 
-@pytest.fixture(scope="module")
-def mems() -> Budget:
-    return analyse(read_design(EXAMPLES / "mems_x_band.toml"))
-
-
 def changed(**changes: object) -> Budget:
     design = read_design(EXAMPLES / "mems_x_band.toml")
     return analyse(design.replace({key.replace("__", "."): value for key, value in changes.items()}))
