@@ -19,23 +19,22 @@ from nav_model.simulation.specification import FilterModel, GnssModel, InitialEr
 _TRIAD, _GNSS, _FILTER, _INITIAL = TriadModel(), GnssModel(), FilterModel(), InitialErrors()
 
 
+def _input(
+    default: float | None, dimension: str, unit: str, bounds: tuple[float, float], label: str, doc: str
+) -> Any:
+    """An input of a study; a default of None: may be left out."""
+    kind: Any = OptionalQuantity if default is None else Quantity
+    return kind(default=default, dimension=dimension, unit=unit, short="", bounds=bounds, label=label, doc=doc)
+
+
 def _nothing(dimension: str, unit: str, highest: float, label: str, doc: str) -> Any:
     """An input that is zero unless given."""
-    return Quantity(
-        default=0.0, dimension=dimension, unit=unit, short="", bounds=(0.0, highest), label=label, doc=doc
-    )
+    return _input(0.0, dimension, unit, (0.0, highest), label, doc)
 
 
 def _correlation_time() -> Any:
-    return Quantity(
-        default=_TRIAD.correlation_time,
-        dimension="time",
-        unit="s",
-        short="",
-        bounds=(1e-3, 1e9),
-        label="Correlation time",
-        doc="Time constant of the bias instability, a first-order Gauss-Markov process.",
-    )
+    doc = "Time constant of the bias instability, a first-order Gauss-Markov process."
+    return _input(_TRIAD.correlation_time, "time", "s", (1e-3, 1e9), "Correlation time", doc)
 
 
 class Gyro(Part):
@@ -88,15 +87,8 @@ class Accelerometer(Part):
 
 
 def _arm(label: str) -> Any:
-    return Quantity(
-        default=0.0,
-        dimension="length",
-        unit="m",
-        short="",
-        bounds=(-200.0, 200.0),
-        label=f"Antenna {label}",
-        doc="Antenna position relative to the IMU, body axes; known to the filter.",
-    )
+    doc = "Antenna position relative to the IMU, body axes; known to the filter."
+    return _input(0.0, "length", "m", (-200.0, 200.0), f"Antenna {label}", doc)
 
 
 class Receiver(Part):
@@ -105,14 +97,8 @@ class Receiver(Part):
     section = "receiver"
     title = "Receiver"
 
-    velocity_noise = OptionalQuantity(
-        default=None,
-        dimension="speed",
-        unit="cm/s",
-        short="",
-        bounds=(1e-5, 1e3),
-        label="Velocity noise",
-        doc="1σ per axis and fix. Leave empty to use position only.",
+    velocity_noise = _input(
+        None, "speed", "cm/s", (1e-5, 1e3), "Velocity noise", "1σ per axis and fix. Leave empty to use position only."
     )
     lever_forward = _arm("forward")
     lever_right = _arm("to the right")
@@ -120,7 +106,7 @@ class Receiver(Part):
 
 
 def _scale(label: str, doc: str) -> Any:
-    return Quantity(default=1.0, dimension="", unit="", short="", bounds=(1e-3, 1e3), label=label, doc=doc)
+    return _input(1.0, "", "", (1e-3, 1e3), label, doc)
 
 
 class Filter(Part):
@@ -133,24 +119,14 @@ class Filter(Part):
         "Process noise factor", "Factor on the process noise that the filter assumes; 0.71 halves the variance."
     )
     gnss_noise_scale = _scale("Fix noise factor", "Factor on the fix noise that the filter assumes.")
-    propagation_rate = Quantity(
-        default=_FILTER.propagation_rate,
-        dimension="frequency",
-        unit="Hz",
-        short="",
-        bounds=(0.5, 1e4),
-        label="Propagation rate",
-        doc="Covariance steps per second, between fixes.",
-    )
-    initial_yaw = Quantity(
-        default=_INITIAL.yaw,
-        dimension="angle",
-        unit="°",
-        short="",
-        bounds=(1e-6 * DEGREE, 20 * DEGREE),
-        label="Initial yaw error",
-        doc="1σ at the start; drawn for each run and used as the initial covariance of the filter.",
-    )
+    propagation_rate = _input(
+        _FILTER.propagation_rate, "frequency", "Hz", (0.5, 1e4), "Propagation rate",
+        "Covariance steps per second, between fixes.",
+    )  # fmt: skip
+    initial_yaw = _input(
+        _INITIAL.yaw, "angle", "°", (1e-6 * DEGREE, 20 * DEGREE), "Initial yaw error",
+        "1σ at the start; drawn for each run and used as the initial covariance of the filter.",
+    )  # fmt: skip
 
 
 STUDY_PARTS: Final[tuple[type[Part], ...]] = (Gyro, Accelerometer, Receiver, Filter)
