@@ -18,9 +18,9 @@ LIMITED = (
     "horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt",
 )  # fmt: skip
 """Requirements on figures that are known along a flight."""
-AIDING = ("heading_noise", "barometer_noise", "after_loss")
+AIDING = ("heading_noise", "barometer_noise")
 """Inputs of aiding that the simulator does not have."""
-FLOWN = ("bank_limit", "lever_arm_error", "time_offset")
+FLOWN = ("bank_limit", "after_loss", "lever_arm_error", "time_offset")
 """Inputs of aiding that the simulator has too."""
 
 

@@ -60,10 +60,10 @@ def specification(
     The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases as
     turn-on biases: constant through a run, drawn anew for each. GNSS takes the fix noise, horizontal and
     vertical, the interval, the velocity noise, and the slow error where it is switched on; a velocity noise in `more`
-    holds for all axes. Lever arm error, time offset and the bank that loses fixes are those of the design's
-    section [trajectory]. The flight starts at the design's latitude, altitude, speed and heading. Errors start at the
-    closed form's horizontal steady-state sigmas [T-3] on all axes, so that little time is spent settling; yaw starts
-    at 0.1°.
+    holds for all axes. Lever arm error, time offset, the bank that loses fixes and what follows a loss are those of
+    the design's section [trajectory]. The flight starts at the design's latitude, altitude, speed and heading. Errors
+    start at the closed form's horizontal steady-state sigmas [T-3] on all axes, so that little time is spent
+    settling; yaw starts at 0.1°.
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as `read_trajectory` gives.
     duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
@@ -97,6 +97,7 @@ def specification(
             lever_arm_error=design.trajectory.lever_arm_error,
             time_offset=design.trajectory.time_offset,
             bank_limit=design.trajectory.bank_limit,
+            after_loss=design.trajectory.after_loss,
         ),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states),

@@ -39,7 +39,7 @@ class Truth(NamedTuple):
 
 
 class Receiver(NamedTuple):
-    """The receiver's noise: white sigmas (3), Gauss-Markov sigmas (3) and time, velocity sigmas (3, or none),
+    """The receiver's noise: white sigmas (fixes, 3), Gauss-Markov sigmas (3) and time, velocity sigmas (3, or none),
     lever arm."""
 
     white: FloatArray
@@ -53,7 +53,7 @@ class Tuning(NamedTuple):
     """What the filter assumes.
 
     White densities; variance of one sample's rate [rad^2/s^2], which acts on the lever arm; bias decay [1/s]
-    and drive (12); sigmas of a fix: position (3), velocity (3, or none).
+    and drive (12); sigmas of a fix: position (fixes, 3), velocity (3, or none).
     """
 
     accelerometer_density: float
@@ -108,10 +108,10 @@ def take_fix(
         for j in range(3):
             true_lever += truth.matrix[fix, i, j] * arm[j]
         _observe(row, n, POSITION + i, i, lever)
-        noise = receiver.white[i] * generator.standard_normal() + markov[i]
+        noise = receiver.white[fix, i] * generator.standard_normal() + markov[i]
         error[i] = noise
         residual += lever[i] - true_lever
-        nis += update(covariance, row, residual - noise, tuning.position_sigma[i] ** 2, estimate, work)
+        nis += update(covariance, row, residual - noise, tuning.position_sigma[fix, i] ** 2, estimate, work)
     if len(receiver.velocity) > 0:
         for i in range(3):
             # The rate against the Earth, body axes, turned by the arm.

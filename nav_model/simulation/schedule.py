@@ -24,8 +24,8 @@ OUTPUT: Final = 4
 class Schedule:
     """Events per IMU sample (`steps` + 1, bit flags), perfect increments, and truth at fixes and outputs.
 
-    fix_acceleration: (fixes, 3), NED [m/s^2]. error_map: (outputs, 3, 3), filter's attitude error to roll, pitch and
-    yaw error.
+    fix_noise: of the position, (fixes, 3) [m]. fix_acceleration: (fixes, 3), NED [m/s^2]. error_map: (outputs, 3, 3),
+    filter's attitude error to roll, pitch and yaw error.
     coast_s: time since the start of the outage an output falls in, 0 outside outages.
     """
 
@@ -33,6 +33,7 @@ class Schedule:
     increments: FloatArray
     fixes: TruthStates
     outputs: TruthStates
+    fix_noise: FloatArray
     fix_acceleration: FloatArray
     error_map: FloatArray
     coast_s: FloatArray
@@ -72,6 +73,18 @@ def without_fix(spec: SimulationSpec, truth: TruthStates) -> NDArray[np.bool_]:
     return lost
 
 
+def position_noise(spec: SimulationSpec, time_s: FloatArray, lost: NDArray[np.bool_]) -> FloatArray:
+    """Noise of a position fix at each time that has one, lost or not, (n, 3) [m], with the solutions after a loss."""
+    since = time_s - np.maximum.accumulate(np.where(lost, time_s, -np.inf))
+    found = np.broadcast_to(np.array(spec.gnss.axis_noise), (len(lost), 3)).copy()
+    until = 0.0
+    for duration, sigma in spec.gnss.after_loss:
+        degraded = (since > until) & (since <= until + duration)
+        found[degraded] = np.maximum(found[degraded], sigma)
+        until += duration
+    return found
+
+
 def acceleration(trajectory: Trajectory, time_s: FloatArray) -> FloatArray:
     """Change of the velocity over a tenth of a second around each time, NED [m/s^2], (n, 3)."""
     change: FloatArray = trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)
@@ -86,7 +99,9 @@ def _plan(spec: SimulationSpec) -> Schedule:
     stride = max(1, round(rate / spec.filter.propagation_rate))
     events[stride::stride] |= PROPAGATE
     fixes = samples_at_multiples(spec.gnss.interval, spec)
-    fixes = fixes[~without_fix(spec, true_states(trajectory, fixes / rate))]
+    lost = without_fix(spec, true_states(trajectory, fixes / rate))
+    noise = position_noise(spec, fixes / rate, lost)[~lost]
+    fixes = fixes[~lost]
     events[fixes] |= FIX
     outputs = output_samples(spec)
     events[outputs] |= OUTPUT
@@ -96,6 +111,7 @@ def _plan(spec: SimulationSpec) -> Schedule:
         increments=perfect_increments(spec.trajectory, spec.duration, rate),
         fixes=true_states(trajectory, fixes / rate),
         outputs=truth,
+        fix_noise=noise,
         fix_acceleration=acceleration(trajectory, fixes / rate),
         error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
         coast_s=in_outage(spec, outputs / rate)[1],

@@ -244,6 +244,7 @@ def _fly(
 
 
 def tuning_of(spec: SimulationSpec) -> Tuning:
+    """What the filter of a study assumes; of a fix before any loss."""
     scale = spec.filter.process_noise_scale
     decay, drive = np.zeros(12), np.zeros(12)
     for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
@@ -267,7 +268,7 @@ def tuning_of(spec: SimulationSpec) -> Tuning:
         rate_variance=gyro_density**2 * spec.imu.rate,
         decay_rate=decay,
         bias_drive=drive,
-        position_sigma=np.array(spec.gnss.axis_noise) * spec.filter.gnss_noise_scale,
+        position_sigma=np.array([spec.gnss.axis_noise]) * spec.filter.gnss_noise_scale,
         velocity_sigma=np.array(spec.gnss.axis_velocity_noise) * spec.filter.gnss_noise_scale,
     )
 
@@ -298,11 +299,11 @@ def _least_biases(states: int) -> FloatArray:
     return np.resize([1e-9, 1e-9, 1e-9, 1e-13, 1e-13, 1e-13], states - 9)
 
 
-def _receiver(model: GnssModel, noisy: bool) -> Receiver:
+def _receiver(model: GnssModel, noise: FloatArray, noisy: bool) -> Receiver:
     on = 1.0 if noisy else 0.0
     vertical = model.vertical_markov_noise
     return Receiver(
-        white=on * np.array(model.axis_noise),
+        white=on * noise,
         markov=on * np.array([model.markov_noise, model.markov_noise, vertical]),
         markov_time=model.markov_time,
         velocity=np.array(model.axis_velocity_noise),
@@ -345,9 +346,9 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         gyro,
         accelerometer,
         imu_noise,
-        _receiver(spec.gnss, noisy),
+        _receiver(spec.gnss, schedule.fix_noise, noisy),
         gnss_noise,
-        tuning_of(spec),
+        tuning_of(spec)._replace(position_sigma=schedule.fix_noise * spec.filter.gnss_noise_scale),
         _kernel_truth(_displaced(schedule, spec.gnss, start_noise) if noisy else schedule.fixes),
         _kernel_truth(truth),
         schedule.error_map,

@@ -118,7 +118,9 @@ class GnssModel:
     velocity_noise: sigma per axis [m/s]; None for a receiver that gives position only. Each vertical noise is that
     of the other axes where it is not given.
     lever_arm_error: of the lever arm per axis [m]; time_offset: of the fixes against the IMU [s]; 1 sigma, constant
-    through a run, not known to the filter. bank_limit: fixes are lost beyond this bank angle [rad].
+    through a run, not known to the filter. bank_limit: fixes are lost beyond this bank angle [rad]. after_loss:
+    (duration [s], position noise [m]) of the solutions that follow each loss in turn, as code, then float, before the
+    receiver is fixed again; the filter knows which it has.
     Fixes come at the IMU sample nearest to each multiple of `interval`.
     """
 
@@ -134,6 +136,7 @@ class GnssModel:
     lever_arm_error: float = 0.0
     time_offset: float = 0.0
     bank_limit: float | None = None
+    after_loss: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         names = ("vertical_position_noise", "velocity_noise", "vertical_velocity_noise", "bank_limit")
@@ -145,6 +148,8 @@ class GnssModel:
         )
         if len(self.lever_arm) != 3 or not all(math.isfinite(x) for x in self.lever_arm):
             raise _refuse("GnssModel.lever_arm", self.lever_arm, "three finite numbers")
+        if not all(math.isfinite(x) and x > 0.0 for solution in self.after_loss for x in solution):
+            raise _refuse("GnssModel.after_loss", self.after_loss, "positive and finite")
 
     @property
     def axis_noise(self) -> tuple[float, float, float]:

@@ -20,7 +20,13 @@ from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCI
 from nav_model.earth.rotation import euler_error_map
 from nav_model.simulation.kalman import error_dynamics
 from nav_model.simulation.layout import ATTITUDE, BIASES, GYRO, HEIGHT, LATITUDE, STATE_LENGTH, TRIADS, VELOCITY
-from nav_model.simulation.schedule import acceleration, output_samples, samples_at_multiples, without_fix
+from nav_model.simulation.schedule import (
+    acceleration,
+    output_samples,
+    position_noise,
+    samples_at_multiples,
+    without_fix,
+)
 from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
@@ -327,7 +333,7 @@ def _measurements(
     n, m, gnss, k = layout.size, study.filter.states, spec.study.gnss, len(time_s)
     at = np.zeros(k, dtype=np.bool_)
     at[np.searchsorted(time_s, scheduled - 1e-9)] = True
-    lost = without_fix(study, truth)
+    lost, fixes = without_fix(study, truth), np.flatnonzero(at)
     fix, speed = at & ~lost, np.array(gnss.axis_velocity_noise)
     rows = np.zeros((k, 8, n))
     arm = np.array(gnss.lever_arm)
@@ -352,7 +358,8 @@ def _measurements(
     rows[:, 6, ATTITUDE : ATTITUDE + 3] = euler_error_map(truth.euler[:, 1], truth.euler[:, 2])[:, 2]
     rows[:, 7, 2] = 1.0
     noise, extra = np.zeros((k, len(sources), 8)), np.zeros((k, 8))
-    position = _position_noise(spec, time_s, lost)
+    position = np.broadcast_to(np.array(gnss.axis_noise), (k, 3)).copy()
+    position[fixes] = position_noise(study, time_s[fixes], lost[fixes])
     of_rate = np.einsum("kij,kij->ki", rates, rates) * study.imu.rate
     if GYRO_NOISE in sources:
         density = study.imu.gyro.random_walk * study.imu.vibration_factor
@@ -381,18 +388,6 @@ def _measurements(
         "noise": noise[:, :, used],
         "is_fix": there.any(axis=1),
     }
-
-
-def _position_noise(spec: CovarianceSpec, time_s: FloatArray, lost: NDArray[np.bool_]) -> FloatArray:
-    """Noise of a position fix at each node (k, 3), with the solutions that follow a loss."""
-    since = time_s - np.maximum.accumulate(np.where(lost, time_s, -np.inf))
-    found = np.broadcast_to(np.array(spec.study.gnss.axis_noise), (len(lost), 3)).copy()
-    until = 0.0
-    for duration, sigma in spec.aiding.after_loss:
-        degraded = (since > until) & (since <= until + duration)
-        found[degraded] = np.maximum(found[degraded], sigma)
-        until += duration
-    return found
 
 
 def _cross(vector: FloatArray) -> FloatArray:

@@ -32,17 +32,14 @@ class Aperture:
 
 @dataclass(frozen=True)
 class Aiding:
-    """What aids the INS beyond GNSS, and the solutions of a receiver that has lost its fixes.
+    """What aids the INS beyond GNSS.
 
     heading_noise: of one heading by two antennas, 1 sigma [rad]; barometer_noise: of one height [m]. Both come with
     the fixes; None where there is no such sensor. The heading is lost with the fixes, the height is not.
-    after_loss: (duration [s], position noise [m]) of the solutions that follow each loss in turn, as code, then
-    float, before the receiver is fixed again.
     """
 
     heading_noise: float | None = None
     barometer_noise: float | None = None
-    after_loss: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,6 @@ from nav_model.trajectory.covariance import _filtered, covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.errors import error_model
 from nav_model.trajectory.result import Processed, TrajectoryResult
-from nav_model.trajectory.specification import Aiding
 
 MEMS = read_design("examples/mems_x_band.toml")
 TACTICAL = read_design("examples/tactical_x_band.toml")
@@ -47,10 +45,9 @@ RICH = read_study_inputs(
 )
 
 
-def along(design: Design, aiding: Aiding | None = None, **options: Any) -> TrajectoryResult:
+def along(design: Design, **options: Any) -> TrajectoryResult:
     study = specification(design, **{"trajectory": "straight", "duration": 300.0, **options})
-    spec = covariance_specification(design, study)
-    return covariance(replace(spec, aiding=aiding or Aiding()))
+    return covariance(covariance_specification(design, study))
 
 
 def states(part: Processed) -> np.ndarray:
@@ -182,14 +179,18 @@ def test_beyond_the_bank_limit_no_fix_is_used() -> None:
 
 def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
     """For as long as one solution lasts, the flight is that of a receiver with its noise; then it recovers."""
+
+    def lossy(*solutions: tuple[float, float]) -> Design:
+        return MEMS.replace({"trajectory.after_loss": solutions})
+
     code, floating = 8.0, 3.0
-    found = along(MEMS, Aiding(after_loss=((1000.0, code),)), duration=1500.0, outages=[(2.0, 4.0)])
+    found = along(lossy((1000.0, code)), duration=1500.0, outages=[(2.0, 4.0)])
     other = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=[f"gnss.position_noise={code} m"])
     coarse = along(other, duration=1500.0).real_time.position
     np.testing.assert_allclose(found.real_time.position[900], coarse[900], rtol=1e-3)
     fine = along(MEMS, duration=1500.0).real_time.position
     np.testing.assert_allclose(found.real_time.position[1490], fine[1490], rtol=1e-3)
-    both = along(MEMS, Aiding(after_loss=((20.0, code), (20.0, floating))), outages=[(100.0, 110.0)])
+    both = along(lossy((20.0, code), (20.0, floating)), outages=[(100.0, 110.0)])
     noise = error_model(both.spec)
     fix = noise.noise[:, noise.sources.index("GNSS noise"), 0]
     at = np.searchsorted(noise.time_s, [99.0, 112.0, 129.0, 131.0, 149.0, 151.0])
@@ -207,8 +208,12 @@ def runs_of(spec: SimulationSpec, count: int) -> np.ndarray:
 @pytest.mark.parametrize("runs", [60, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "receiver",
-    [{}, {"trajectory.lever_arm_error": 2.0, "trajectory.time_offset": 0.02, "trajectory.bank_limit": 0.3}],
-    ids=["", "receiver"],
+    [
+        {},
+        {"trajectory.lever_arm_error": 2.0, "trajectory.time_offset": 0.02, "trajectory.bank_limit": 0.3},
+        {"trajectory.after_loss": ((4.0, 9.0), (10.0, 3.0)), "trajectory.bank_limit": 0.3},
+    ],
+    ids=["", "receiver", "code and float"],
 )
 def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_confidence(
     runs: int, receiver: dict[str, float]
