@@ -36,7 +36,7 @@ from app.subjects.sar.run import SarResult, run_strategies, scene_of
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, described, head_html, takes
+from app.ui.chart_pane import described, head_html, takes
 from app.ui.downloads import download
 from app.ui.fields import whole_number
 from app.ui.first_screen import first_screen
@@ -83,7 +83,6 @@ class SarPage(View):
         self._asked = False  # whether a person has started a run; the page starts the first by itself
         self._of_design = Follower(lambda: session.budget)
         self._of_runs = Follower(lambda: self._result, _COMING)
-        self._map = ChartPane(gnss_winner_chart, lambda: session.budget)
         self._settings = StudySettings(session, "sar", self, ("engine", "runs", "seed"), self._recall)
         self._strip = AnswerStrip(answer(session.budget, self._closed, None)[0])
         self._bar = RunBar(
@@ -123,7 +122,7 @@ class SarPage(View):
                 self._strip,
                 self._bar,
                 left=[pn.Column(self._rank_head, self._ranks, sizing_mode="stretch_both")],
-                right=[self._map.view],
+                right=[self._of_design.chart(gnss_winner_chart)],
                 bottom=pn.Column(self._image_head, self._images),
             ),
             self._details,
@@ -137,7 +136,6 @@ class SarPage(View):
         """Follow the current budget."""
         self._closed = closed_forms(budget)
         self._write()
-        self._map.show(budget)
         if self._stale:
             self._recall()
         if self.run.running and not self._asked:  # the first run, of a design that is no longer there
@@ -179,16 +177,10 @@ class SarPage(View):
         chart = residual_chart(budget, self._closed, self._study)
         best = NAMES[self._closed.advice.strategy] if study is None else study.best().name
         coming = "The images appear after the runs: one point target, all images on one scale."
-        head = head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark)
-        for pane, text in (
-            (
-                self._rank_head,
-                head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart)),
-            ),
-            (self._ranks, ranks_html(chart, best)),
-            (self._image_head, head),
-        ):
-            pane.say(text)
+        told = head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart))
+        self._rank_head.say(told)
+        self._ranks.say(ranks_html(chart, best))
+        self._image_head.say(head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark))
         self._of_design.follow()
         self._of_runs.follow()
 
