@@ -105,7 +105,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(
     waiting.value.save_as(tmp_path / "point.npz")
     with np.load(tmp_path / "point.npz") as packed:
         assert packed["power_db"].shape == (10, 61, 121)
-    region = page.get_by_role("region", name="Line-of-sight error by strategy")
+    region = page.get_by_role("region", name="Detrended phase by strategy")
     region.focus()
     region.press("ArrowRight")
     page.wait_for_function("e => e.scrollLeft > 0", arg=region.element_handle())
