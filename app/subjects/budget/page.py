@@ -165,7 +165,7 @@ class BudgetPage(View):
 
     def _choose_biases(self, event: Any) -> None:
         choices, written = bias_choices(self.session.design)
-        if event.new in choices:
+        if event.new in choices and event.new != bias_in_force(self.session.design):
             self.session.change(choices[event.new], written)
 
     def _offer_biases(self) -> None:
