@@ -57,7 +57,7 @@ _LONG = {
                    "-o", "{folder}/out.pdf"]),
 }  # fmt: skip
 """What is run -> how many workers it has, and the command."""
-_QUICK = {("sweep, two workers", signal.SIGINT), ("simulate, two workers", signal.SIGTERM), ("report", signal.SIGINT)}
+_QUICK = {("simulate, two workers", signal.SIGINT), ("sar", signal.SIGTERM), ("report", signal.SIGINT)}
 
 
 @pytest.mark.parametrize(
