@@ -12,6 +12,19 @@ export function render({ model }) {
     said.textContent = missing ? `Each row needs ${needed.join(" and ")}.` : model.refused
     if (!missing) model.send_msg({ rows: rows.filter(whole) })
   }
+  // Rows copied from a spreadsheet, into a table whose rows have an order and only boxes.
+  const paste = (event, row, key) => {
+    const text = (event.clipboardData?.getData("text") ?? "").trim()
+    if (!model.ordered || !/[\t\n]/.test(text)) return
+    event.preventDefault()
+    const keys = model.columns.map((column) => column.key), from = keys.indexOf(key), first = rows.indexOf(row)
+    text.split(/\r?\n/).forEach((line, down) => {
+      const into = (rows[first + down] ??= {})
+      line.split("\t").slice(0, keys.length - from).forEach((cell, right) => { into[keys[from + right]] = cell.trim() })
+    })
+    draw()
+    tell()
+  }
   const boxOf = (row, { key, label, example, choices }, index) => {
     const box = choices.length ? make("select") : make("input", "", { type: "text", maxLength: 300, placeholder: example })
     if (choices.length) box.append(...choices.map(([value, text]) => new Option(text, value)))
@@ -21,11 +34,12 @@ export function render({ model }) {
     box.dataset.says = `${label}:`
     box.oninput = () => { row[key] = box.value; nameAll() }
     box.onchange = tell
+    box.onpaste = (event) => paste(event, row, key)
     return box
   }
-  // Every control is named after what is in the first cell of its row.
+  // Every control is named after its row: by the number where rows have an order, or by what is in its first cell.
   const nameAll = () => [...table.tBodies[0].rows].forEach((line, index) => {
-    const name = rows[index][model.columns[0].key] || `row ${index + 1}`
+    const name = !model.ordered && rows[index][model.columns[0].key] || `row ${index + 1}`
     for (const each of line.querySelectorAll("[data-says]")) each.setAttribute("aria-label", `${each.dataset.says} ${name}`)
   })
   const draw = (focus) => {
@@ -43,10 +57,13 @@ export function render({ model }) {
         else line.insertCell().append(boxOf(row, column, index))
       }
       if (!model.noun) return
-      const remove = make("button", "Remove", { type: "button" })
-      remove.dataset.says = "Remove"
-      remove.onclick = () => { rows.splice(index, 1); draw(); add.focus(); tell() }
-      line.insertCell().append(remove)
+      const tools = line.insertCell(), tool = (text, says, onclick) => {
+        const made = make("button", text, { type: "button", onclick })
+        made.dataset.says = says
+        tools.append(made)
+      }
+      if (model.ordered) tool("Insert", "Insert above", () => begin(index))
+      tool("Remove", "Remove", () => { rows.splice(index, 1); draw(); add.focus(); tell() })
     })
     nameAll()
     table.hidden = !rows.length
@@ -55,14 +72,15 @@ export function render({ model }) {
     if (box && from != null) box.setSelectionRange?.(from, from)
   }
   const add = make("button", `Add ${model.noun}`, { type: "button", hidden: !model.noun })
-  add.onclick = () => {
-    rows.push({ begun: true })
-    draw(`${rows.length - 1} ${model.columns.find(({ read }) => !read).key}`)
+  const begin = (index) => {
+    rows.splice(index, 0, { begun: true })
+    draw(`${index} ${model.columns.find(({ read }) => !read).key}`)
   }
+  add.onclick = () => begin(rows.length)
   const take = () => {
     const typed = place.getRootNode().activeElement?.dataset?.place?.split(" "), row = typed && rows[typed[0]]
-    const begun = rows.filter((each) => each.begun && !whole(each))
-    const next = [...model.rows.map((each) => ({ ...each })), ...begun]
+    const next = model.rows.map((each) => ({ ...each }))
+    rows.forEach((each, index) => { if (each.begun && !whole(each)) next.splice(index, 0, each) })
     if (typed && row && !row.begun && next[typed[0]]) next[typed[0]][typed[1]] = row[typed[1]]
     rows = next
     draw()
@@ -71,7 +89,7 @@ export function render({ model }) {
   said.className = "refused"
   said.setAttribute("role", "alert")
   table.className = "checks"
-  const scroll = make("div", "", { className: "scroll", tabIndex: 0 })
+  const scroll = make("div", "", { className: model.ordered ? "scroll tall" : "scroll", tabIndex: 0 })
   scroll.setAttribute("role", "region")
   scroll.setAttribute("aria-label", model.caption)
   scroll.append(table)

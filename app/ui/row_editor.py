@@ -35,6 +35,7 @@ class RowEditor(PlainScript):
     columns = param.List(default=[], doc="Of `Field`, as dicts.")
     rows = param.List(default=[], doc="Dicts of key to text.")
     noun = param.String(doc="What the button adds; empty: rows are neither added nor removed.")
+    ordered = param.Boolean(doc="Whether rows follow each other: inserted between others, pasted from a spreadsheet.")
     refused = param.String()
 
     _stylesheets: ClassVar[list[str]] = [SHEET, Path(__file__).with_suffix(".css").read_text("utf-8")]

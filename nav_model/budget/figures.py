@@ -110,7 +110,7 @@ def free_growth(x: Inputs, closed: Sawtooth, time: Array) -> dict[str, Array]:
 
 
 def in_outage(limit: Limit) -> bool:
-    """Whether a limit is on a value that has a time of its own in the outage."""
+    """Whether a limit is on a value at a time in the outage."""
     return limit.on in IN_OUTAGE or limit.at is not None
 
 

@@ -87,7 +87,7 @@ READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
         _slant,
     ),
     "scene height": ReadyMade(
-        (Box("Height error", "length", "10 m"), Box("Deviation across the track, rms", "length", "0.5 m")),
+        (Box("Height error", "length", "10 m"), Box("Deviation across the line of sight, rms", "length", "0.5 m")),
         "height error × deviation / (slant range × cos(grazing angle))", "length", "mm", "detrended_phase", RANDOM,
         _turned,
     ),

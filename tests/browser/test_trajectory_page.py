@@ -41,24 +41,24 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     page.get_by_role("menuitem", name="From a file").click()
     page.locator('input[type="file"][accept*=".gpx"]').set_input_files(plan)
     expect(answer).to_contain_text("of 1 line within the limits")
-    turn = page.get_by_label("Latitude [°], row 2", exact=True)
+    turn = page.get_by_label("Latitude [°]: row 2", exact=True)
     expect(turn).to_have_value("47.08")
     turn.fill("97")
     turn.press("Enter")
     expect(page.get_by_role("alert").first).to_contain_text("Waypoints, row 2, latitude: '97 °' is not allowed")
     turn.fill("47.07")
-    page.get_by_label("Line, row 2", exact=True).fill("<b>across</b>")
-    page.get_by_label("Line, row 2", exact=True).press("Enter")
+    page.get_by_label("Line: row 2", exact=True).fill("<b>across</b>")
+    page.get_by_label("Line: row 2", exact=True).press("Enter")
     expect(answer).to_contain_text("of 2 lines within the limits")
     page.get_by_role("button", name="Remove row 3", exact=True).click()
     expect(answer).to_contain_text("of 1 line within the limits")
     accessible(page)
     pasted = "47\\t8\\t3000\\tsouth\\n47.05\\t8\\t3 km\\n47.05\\t8.1\\t3000\\teast\\n47.1\\t8.1\\t3000"
-    page.get_by_label("Latitude [°], row 1", exact=True).evaluate(
+    page.get_by_label("Latitude [°]: row 1", exact=True).evaluate(
         f"""field => {{ const clip = new DataTransfer(); clip.setData("text", "{pasted}")
         field.dispatchEvent(new ClipboardEvent("paste", {{clipboardData: clip, cancelable: true}})) }}"""
     )
     expect(answer).to_contain_text("of 3 lines within the limits")
-    expect(page.get_by_label("Height [m], row 2", exact=True)).to_have_value("3000")
+    expect(page.get_by_label("Height [m]: row 2", exact=True)).to_have_value("3000")
     assert said == []
     fits(page, 390)

@@ -9,7 +9,7 @@ from typing import Any
 import panel_material_ui as pmui
 
 from app.session import Session
-from app.ui.edit_table import EditTable
+from app.ui.row_editor import Field, RowEditor, Rows
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity
 from nav_model.design.declaration import BaseQuantity
@@ -33,7 +33,7 @@ class PlanFields:
     def __init__(self, session: Session, changed: Callable[[], object]) -> None:
         self._session, self._changed = session, changed
         self._boxes: dict[str, pmui.TextInput] = {}
-        self._tables: dict[str, EditTable] = {}
+        self._tables: dict[str, RowEditor] = {}
         self._told: dict[str, str] = {}
         self._refused: dict[str, InputError] = {}
 
@@ -52,16 +52,21 @@ class PlanFields:
         box.param.watch(typed, "value")
         return box
 
-    def table(self, name: str) -> EditTable:
-        """The table of an input that is one."""
+    def table(self, name: str, noun: str) -> RowEditor:
+        """The table of an input that is one; a row of it is a `noun`."""
         declared = declaration_of(f"trajectory.{name}")
         assert isinstance(declared, Table)
-        columns = [f"{column.label} [{column.unit}]" if column else key for key, column in declared.columns.items()]
-        made = EditTable(
-            lambda rows: self._take(name, rows),
-            caption=str(declared.doc),
-            columns=[f"{column[:1].upper()}{column[1:]}" for column in columns],
-        )
+        columns = []
+        for place, (key, column) in enumerate(declared.columns.items()):
+            label = f"{column.label} [{column.unit}]" if column else key
+            needed = not column.allow_None if column else not place
+            columns.append(Field(key, f"{label[:1].upper()}{label[1:]}", needed=needed))
+
+        def told(rows: Rows) -> InputError | None:
+            self._take(name, [[row.get(key, "") for key in declared.columns] for row in rows])
+            return self._refused.get(name)
+
+        made = RowEditor(tuple(columns), told, caption=str(declared.doc), noun=noun, ordered=True)
         self._tables[name] = made
         self._show(name)
         return made
@@ -82,7 +87,8 @@ class PlanFields:
         if isinstance(declared, Table):
             text = declared.show(value)
             if name in self._tables:
-                self._tables[name].param.update(rows=declared.cells(value), error=self._error(name))
+                rows = [dict(zip(declared.columns, row, strict=True)) for row in declared.cells(value)]
+                self._tables[name].param.update(rows=rows, refused=str(self._refused.get(name, "")))
         else:
             assert isinstance(declared, BaseQuantity)
             text = ""
@@ -93,13 +99,9 @@ class PlanFields:
             self._told[name] = text
             self._refused.pop(name, None)
             if name in self._tables:
-                self._tables[name].error = ""
+                self._tables[name].refused = ""
             if name in self._boxes:
                 self._boxes[name].value = text
-
-    def _error(self, name: str) -> str:
-        error = self._refused.get(name)
-        return f"{error.key}: {error.reason}" if error else ""
 
     def _take(self, name: str, given: Any) -> None:
         key = f"trajectory.{name}"
@@ -120,7 +122,5 @@ class PlanFields:
             row = re.search(r"\[(\d+)\](?:\.(\w+))?$", problem.key)
             where = f", row {row[1]}" + (f", {row[2]}" if row[2] else "") if row else ""
             self._refused[name] = problem.under(f"{declared.label}{where}")
-        if name in self._tables:
-            self._tables[name].error = self._error(name)
         self._show(name)
         self._changed()

@@ -86,7 +86,7 @@ class TrajectoryPage(View):
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
         self._shares = pn.Column(html_pane(_COMING), **whole)
         above = details.later(self._map, **whole)
-        self._places = pn.Column(self._plan.table("waypoints"), visible=False, margin=(0, 10))
+        self._places = pn.Column(self._plan.table("waypoints", "waypoint"), visible=False, margin=(0, 10))
         self._view = pn.Column(
             self._places,
             first_screen(self._strip, self._bar, left=[curves], right=[above, self._shares]),
@@ -166,7 +166,7 @@ class TrajectoryPage(View):
 
     def _more(self) -> pn.Column:
         numbers = [self._plan.box(name, width=200, **_LOOK) for name in ("climb_rate", "ground", *FLOWN, *AIDING)]
-        return pn.Column(pn.FlexBox(*numbers), self._plan.table("limits"), margin=(4, 10))
+        return pn.Column(pn.FlexBox(*numbers), self._plan.table("limits", "limit"), margin=(4, 10))
 
     def _map(self) -> pn.Column:
         """The map; a double click on it adds a waypoint."""

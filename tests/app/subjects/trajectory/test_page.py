@@ -180,18 +180,19 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     assert "of 4 lines" in after(page, lambda: setattr(page, "flight", "waypoints"))
     after(page, lambda: page.show(session.budget))
     rows, before = tables["waypoints"].rows, session.design
-    assert [row[3] for row in rows if row[3]] == [f"line {n}" for n in range(1, 5)]
-    assert rows[0] == ["48", "0", "3000", "line 1"]
-    assert max(len(cell) for row in rows for cell in row) <= len("-0.05159620")
-    north = math.radians(float(rows[1][0]) - float(rows[0][0])) * 6.37e6
+    assert [row["line"] for row in rows if row["line"]] == [f"line {n}" for n in range(1, 5)]
+    assert list(rows[0].values()) == ["48", "0", "3000", "line 1"]
+    assert max(len(cell) for row in rows for cell in row.values()) <= len("-0.05159620")
+    north = math.radians(float(rows[1]["latitude"]) - float(rows[0]["latitude"])) * 6.37e6
     assert north * math.cos(0) == pytest.approx(3000.0, rel=0.01)
-    wrong = [["48", "0", "3000", "a"], ["98", "0", "3000", ""]]
+    wrong = [dict(zip(rows[0], row, strict=True)) for row in (("48", "0", "3000", "a"), ("98", "0", "3000", ""))]
     assert "Waypoints, row 2, latitude: " in after(page, lambda: tables["waypoints"]._handle_msg({"rows": wrong}))
-    assert "at most 85°" in tables["waypoints"].error
+    assert "at most 85°" in tables["waypoints"].refused
     assert session.design == before
-    wrong[1][0] = "48.3°"
+    wrong[1]["latitude"] = "48.3°"
     assert "of 1 line" in after(page, lambda: tables["waypoints"]._handle_msg({"rows": wrong}))
-    assert (tables["waypoints"].error, tables["waypoints"].rows[1]) == ("", ["48.3", "0", "3000", ""])
+    assert tables["waypoints"].refused == ""
+    assert list(tables["waypoints"].rows[1].values()) == ["48.3", "0", "3000", ""]
     session.undo()
     after(page, lambda: page.show(session.budget))
     assert tables["waypoints"].rows == rows
