@@ -8,8 +8,6 @@ that as NumPy is loaded. The product solves many small systems, where waking a s
 work: a map over the aperture takes 1.5 s so, and 5 to 27 s with two threads.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

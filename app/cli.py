@@ -5,8 +5,6 @@ system, 4 a fault in NavBudget, 130 and 143 stopped (`app.console.ending`). Heav
 commands that need them.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import sys

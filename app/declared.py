@@ -1,7 +1,5 @@
 """Typed parameters for views: Param's own types do not always state what a parameter holds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar, cast
 

@@ -4,8 +4,6 @@ No widget lives here. Controls call `change`; pages watch `budget`. A refused ch
 returns the message to show.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 python benchmarks/bare_page.py      # prints its address and serves until it is stopped
 """
 
-from __future__ import annotations
-
 import signal
 import socket
 import sys

@@ -11,8 +11,6 @@ growth over the rest.
 Exit status: 0 if the goal holds, 1 if it is missed.
 """
 
-from __future__ import annotations
-
 import argparse
 import asyncio
 import json

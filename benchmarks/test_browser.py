@@ -4,8 +4,6 @@ No test fails on a clock; the figures are printed with the benchmark. The wait b
 finish before the next.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

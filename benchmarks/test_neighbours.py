@@ -3,8 +3,6 @@
 No test fails on a clock; run it on a quiet machine: `make bench`, or this file with pytest and `-s`.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The simulator's speed: seconds per simulated hour at 100 Hz with 1 Hz fixes, on one core."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The covariance along a flight: processor seconds on one core after compilation, and memory; no limit fails."""
 
-from __future__ import annotations
-
 import time
 import tracemalloc
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A software bill of materials from a lock file, as CycloneDX 1.5 JSON: every package with version and digests."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

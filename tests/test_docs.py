@@ -1,7 +1,5 @@
 """What the documents name exists, what the code cites is in them, and what they print is what the command prints."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import shlex

@@ -1,7 +1,5 @@
 """The exercise of CONTRIBUTING.md, step by step on a copy of the tree: what it prints is what happens."""
 
-from __future__ import annotations
-
 import ast
 import os
 import re

@@ -1,7 +1,5 @@
 """What `make run`, `make test` and the container install is what pyproject.toml asks for."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables as CSV text that a spreadsheet shows as it is."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Iterable

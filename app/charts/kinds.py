@@ -5,8 +5,6 @@ made once and updated. A series without values is NaN. Lines that share one `x` 
 together.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A chart's legend as HTML under the figure, which wraps on a phone and is read by screen readers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from html import escape

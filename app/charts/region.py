@@ -1,7 +1,5 @@
 """Places on a map, the same on screen and on paper: the contour of a level, and the names of regions."""
 
-from __future__ import annotations
-
 import numpy as np
 from contourpy import contour_generator
 

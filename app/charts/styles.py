@@ -1,7 +1,5 @@
 """Colour, dash and width of each quantity by its key, in every chart on screen and in print."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import dataclass
 from functools import cache

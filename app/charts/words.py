@@ -1,7 +1,5 @@
 """A chart in a few sentences, for screen readers: its axes and main values."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """Shared parts of the commands: designs named on the command line, JSON output, errors in one line."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

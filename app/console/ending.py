@@ -1,7 +1,5 @@
 """How a command ends early: by a signal, or by a fault of the system."""
 
-from __future__ import annotations
-
 import errno
 import io
 import os

@@ -1,7 +1,5 @@
 """Atomic writing of files: a reader sees the old file or the new one, never half of it."""
 
-from __future__ import annotations
-
 import os
 import secrets
 from collections.abc import Iterator

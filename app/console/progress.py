@@ -1,7 +1,5 @@
 """Progress on standard error: one line rewritten on a terminal, a line now and then elsewhere."""
 
-from __future__ import annotations
-
 import math
 import sys
 import time

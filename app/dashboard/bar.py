@@ -4,8 +4,6 @@ buttons.
 It is one custom component: with widgets of the component library it took a third of the time to the first view.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar

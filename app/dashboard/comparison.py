@@ -1,7 +1,5 @@
 """The choice of comparison: the value before the last change, a saved design, a file, or nothing."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 from typing import Any, ClassVar

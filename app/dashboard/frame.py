@@ -1,7 +1,5 @@
 """The frame of every page: a bar on top with tabs and tools, the design on the left."""
 
-from __future__ import annotations
-
 import asyncio
 import functools
 import html

@@ -1,7 +1,5 @@
 """The example designs: description, verdict, and a button to open each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from html import escape
 

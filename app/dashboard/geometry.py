@@ -1,7 +1,5 @@
 """A small picture of the radar's geometry, with the values in force: aperture, line of sight, slant range, angle."""
 
-from __future__ import annotations
-
 import math
 from html import escape
 

@@ -1,8 +1,6 @@
 """When the page loses its server or is reloaded: results are marked as not current, the design is restored, and dark
 mode is kept."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar

@@ -4,8 +4,6 @@ A browser tells the server nothing of these, so a script in the page puts them i
 Without cookies the page starts with the first tab, light and wide.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The choice of finished studies for the report, and a note on missing ones."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from app.report.studies import belonging

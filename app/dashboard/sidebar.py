@@ -1,7 +1,5 @@
 """The design on the left: the comparison, and its inputs by section."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

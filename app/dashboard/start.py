@@ -1,7 +1,5 @@
 """The first question of an empty start: the user's task, its inputs, and the page that answers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 

@@ -1,7 +1,5 @@
 """The actions of the bar's buttons: undo, files, link, reports, examples."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 from functools import partial

@@ -1,7 +1,5 @@
 """What each source may take of a limit, as blocks for page and report."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from contextlib import suppress

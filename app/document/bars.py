@@ -1,7 +1,5 @@
 """Bars as HTML: tables that screen readers can read, without a canvas."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from html import escape

@@ -4,8 +4,6 @@ Every text is literal: renderers escape it. A mark such as ``[T-9]`` in a text i
 that mark. A `Cell`'s mark is a word set off from its text; it is always printed, so nothing hangs on colour.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Charts as blocks of a report, each with a description in words."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Which equations a part of a report cites."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass

@@ -1,7 +1,5 @@
 """What would close a design, one change at a time: a table with a button in each row."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ A figure is a standard deviation of one axis. A horizontal position has two equa
 by the Rayleigh distribution, and CEP is the radius that holds half. Other figures have no CEP: they stay at 1σ.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -3,8 +3,6 @@
 Jinja escapes every text; equations become MathML through Typst, so that they are written once for both faces.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable

@@ -4,8 +4,6 @@ A computed figure shows all its digits, zeros too: 0.150 says more than 0.15. Wh
 an outage, is shown as it was given: a limit of 2 m is not one of 2.00 m.
 """
 
-from __future__ import annotations
-
 import math
 
 from nav_model.aperture.geometry import phase_to_metres

@@ -1,7 +1,5 @@
 """Blocks of a document as HTML: on a page in the product's own sheet, and in an HTML report."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from html import escape
 from itertools import groupby

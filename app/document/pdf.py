@@ -4,8 +4,6 @@ Everything a person wrote travels as JSON and is set as text, never read as mark
 inside the Typst wheel are used, so pages are the same on every machine. The file is tagged (PDF/UA-1).
 """
 
-from __future__ import annotations
-
 import json
 import tempfile
 from dataclasses import asdict

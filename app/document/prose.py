@@ -1,7 +1,5 @@
 """Text for our own HTML."""
 
-from __future__ import annotations
-
 import re
 from html import escape
 

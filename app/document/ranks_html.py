@@ -1,7 +1,5 @@
 """Rows of dots and bands as HTML: a ranking that screen readers can read, without a canvas."""
 
-from __future__ import annotations
-
 import math
 from html import escape
 

@@ -1,7 +1,5 @@
 """The error statistics of an image as the element of that name in SICD's XML, version 1.4.0."""
 
-from __future__ import annotations
-
 import math
 from xml.etree import ElementTree
 

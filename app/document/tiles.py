@@ -1,7 +1,5 @@
 """Key figures as tiles, each with its limit, its margin as a bar and in words: on a page and in an HTML report."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from html import escape
 

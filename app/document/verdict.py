@@ -1,7 +1,5 @@
 """Verdicts and their checks in words, for pages, reports, the command and the library."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Names of designs, chapters and shares."""
 
-from __future__ import annotations
-
 import unicodedata
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """The designs to start from."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib.resources import files
 

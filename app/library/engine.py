@@ -1,7 +1,5 @@
 """The database of a library: SQLite in a file, or PostgreSQL; and messages for its faults."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 Archives are never unpacked to the disk, and the sizes they state are not trusted.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import re

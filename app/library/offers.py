@@ -1,7 +1,5 @@
 """Files of offers in the library: catalogue files of units with price, mass and power, by name."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from sqlalchemy import text

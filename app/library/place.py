@@ -1,7 +1,5 @@
 """The library of this process. It is opened at the first use, as a visitor who only looks at a budget needs none."""
 
-from __future__ import annotations
-
 import threading
 from pathlib import Path
 

@@ -6,8 +6,6 @@ counts. Signing seals the whole content with a SHA-256 and signs that (`app.libr
 changed, and a change made directly in the database is found when the review is read.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections import defaultdict

@@ -6,8 +6,6 @@ command), and a step once released is never edited. A dependency with its own co
 environment script would be larger than what it manages.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

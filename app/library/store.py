@@ -5,8 +5,6 @@ FULL). If two people save the same design, the second, whose base is no longer t
 and loses nothing.
 """
 
-from __future__ import annotations
-
 import functools
 import secrets
 from collections.abc import Iterable, Iterator, Sequence

@@ -3,8 +3,6 @@
 Markup is kept as it is and escaped where a text is shown.
 """
 
-from __future__ import annotations
-
 import unicodedata
 
 from nav_model.base.errors import InputError

@@ -1,7 +1,5 @@
 """Design reports: their content (`content`, `inputs`, `comparison`, `studies`), drawn by `app.document`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path

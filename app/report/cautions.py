@@ -1,7 +1,5 @@
 """Cautions and assumptions of a budget, for its page and its report."""
 
-from __future__ import annotations
-
 from app.document.blocks import Bullets
 from app.document.numbers import number
 from app.report.inputs import doubtful_inputs

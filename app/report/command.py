@@ -1,7 +1,5 @@
 """The command `report`: a report on designs and their studies."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

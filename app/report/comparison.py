@@ -1,7 +1,5 @@
 """The chapter that sets several designs side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 from app.charts.words import in_words

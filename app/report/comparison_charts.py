@@ -1,7 +1,5 @@
 """Charts of several budgets side by side, as plain data. Designs go by short labels: names may be long."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

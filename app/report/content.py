@@ -1,7 +1,5 @@
 """The content of a report, the same for HTML and PDF. Each subject supplies its sections (`app.subjects`)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """The table of inputs: every value with its origin, and a mark on what is not confirmed or was changed."""
 
-from __future__ import annotations
-
 from app.document.blocks import Cell, Row, Table, table
 from app.document.numbers import number
 from app.document.wording import preset_name, printable

@@ -5,8 +5,6 @@ not recalculate shows the right numbers. What has no formula is a value that say
 inputs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import version

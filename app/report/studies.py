@@ -5,8 +5,6 @@ A finding is the result of a finished study, from a page or a command. The repor
 to a worker.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

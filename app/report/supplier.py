@@ -1,7 +1,5 @@
 """The sheet for a supplier: required values, how each is verified, and a log's outcome line by line."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version

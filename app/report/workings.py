@@ -5,8 +5,6 @@ Where there is none, the budget's value is taken: the sampled filter with veloci
 vibration, unsensed motion and oscillator do over the aperture, and levels in decibels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Access control: our own login page, without external resources, in front of Panel's checks."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """The server's address: listening, sharing the socket between processes, and host names."""
 
-from __future__ import annotations
-
 import errno
 import ipaddress
 import logging

@@ -3,8 +3,6 @@
 Bokeh bounds a frame. A message may have any number of them, and a document keeps whatever a browser adds to it.
 """
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

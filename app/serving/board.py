@@ -1,7 +1,5 @@
 """Shared counters of the processes of one server: a row of numbers each, which only it writes and all read."""
 
-from __future__ import annotations
-
 import multiprocessing
 from dataclasses import dataclass
 

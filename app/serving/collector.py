@@ -6,8 +6,6 @@ generations are collected as usual, and a full collection runs only when nobody 
 garbage to wait for that.
 """
 
-from __future__ import annotations
-
 import asyncio
 import ctypes
 import gc

@@ -4,8 +4,6 @@ A browser takes whatever address a name server gives: a foreign site's name that
 make this server's pages that site's own. So the host name of a request is checked before anything else.
 """
 
-from __future__ import annotations
-
 import ipaddress
 import re
 import urllib.parse

@@ -5,8 +5,6 @@ it, and it ends when the password changes. Tries are counted for the address the
 are for, over all processes.
 """
 
-from __future__ import annotations
-
 import hashlib
 import secrets
 import time

@@ -1,7 +1,5 @@
 """Metrics of the server in Prometheus' format."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any

@@ -3,8 +3,6 @@
 Each hash states its cost and salt, so the cost can be raised later without new passwords.
 """
 
-from __future__ import annotations
-
 import base64
 import binascii
 import hashlib

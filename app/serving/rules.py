@@ -1,7 +1,5 @@
 """The server's settings, checked before anything listens."""
 
-from __future__ import annotations
-
 import ipaddress
 import os
 import secrets

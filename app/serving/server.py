@@ -1,7 +1,5 @@
 """The served app: one page a session, built from the link it was opened with."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import secrets

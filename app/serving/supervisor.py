@@ -5,8 +5,6 @@ only starts them, restarts those that end unexpectedly, and passes on the signal
 dashboard.
 """
 
-from __future__ import annotations
-
 import logging
 import multiprocessing
 import os

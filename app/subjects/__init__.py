@@ -4,8 +4,6 @@ The registry is data: it names parts, which are loaded when needed. So reading i
 report use it without importing a subject. No subject imports another.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any

@@ -1,7 +1,5 @@
 """Long text with anchors: the page's address cannot reach into a component."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import ClassVar
 

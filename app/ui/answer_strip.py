@@ -1,7 +1,5 @@
 """The strip above a page: the answer, its reasons, and controls."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

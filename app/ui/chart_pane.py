@@ -1,7 +1,5 @@
 """A chart on a page: title, figure, source and method, and downloads of its data."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from html import escape
 from typing import Generic, TypeVar

@@ -1,7 +1,5 @@
 """A table with a decision in each row: accept or reject, with a reason where one is needed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Default styles of all widgets and layouts."""
 
-from __future__ import annotations
-
 import inspect
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Downloads: small ones under a chart or a table, and files that take a while to make."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Awaitable, Callable
 from typing import Any

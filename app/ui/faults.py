@@ -1,8 +1,6 @@
 """Unexpected exceptions: the log gets the trace, the user a sentence with a number to find it there. Nothing of the
 fault's text is shown or logged as JSON, for it may quote a design."""
 
-from __future__ import annotations
-
 import logging
 import secrets
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Numbers typed into a plain field: the number widgets of the component library have buttons without names."""
 
-from __future__ import annotations
-
 import math
 
 from nav_model.base.errors import InputError

@@ -1,7 +1,5 @@
 """A page's first screen: it fills the window with the answer and its main figures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Details under a page's first screen: folded, and made when they are first opened."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

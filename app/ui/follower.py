@@ -1,7 +1,5 @@
 """Parts of a page that follow its result: made when they are first looked at, then shown every new one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 

@@ -4,8 +4,6 @@ A CSS grid: each cell of the component library's grid is a component, and pages 
 to load.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Our own HTML on a page, in the product's sheet."""
 
-from __future__ import annotations
-
 from html import escape
 
 from app.ui.theme import SHEET

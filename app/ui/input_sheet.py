@@ -4,8 +4,6 @@ Inputs that are widgets, three each, are a thousand models of a page. Here an in
 brings back what a person typed, chose or slid. An error is shown at its row, and the last valid value is kept.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """The scale of a slider: places are decades of the value, and the far left may be zero."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from fractions import Fraction

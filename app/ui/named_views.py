@@ -1,7 +1,5 @@
 """Several views in one place, with a switch that shows one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ A figure is drawn for the screen and keeps its width when the sheet is narrower,
 just before printing. The rest is style: each part's own sheet says what it does on paper (`app.ui.theme`).
 """
 
-from __future__ import annotations
-
 from importlib.metadata import version
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Values that the browser keeps between visits, in a cookie: a name, a preference."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote

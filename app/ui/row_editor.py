@@ -1,7 +1,5 @@
 """A table that a person fills in: a row a thing, each cell a box, a choice or a text to read."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple

@@ -1,7 +1,5 @@
 """The bar of a run: start, cancel, progress, and why it ended without a result."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from html import escape
 from typing import Any

@@ -3,8 +3,6 @@
 A row is chosen by its radio button, or by a button in it, where the table has any.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path

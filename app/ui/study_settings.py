@@ -1,7 +1,5 @@
 """The settings of a study's page, as a part of the link, so that they survive a reload."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 from urllib.parse import parse_qsl, urlencode

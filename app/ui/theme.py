@@ -1,7 +1,5 @@
 """The theme of the product: one accent colour, quiet surfaces, light and dark."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 It runs in the browser and is offered once: not again in a browser where it was taken or declined.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, ClassVar

@@ -1,8 +1,6 @@
 """Deferred work of a page: large parts built piece by piece, so that others' sliders keep moving, parts below the
 first screen, and parts that need not follow every slider step."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections import deque

@@ -1,7 +1,5 @@
 """Uploads: a button that takes a file from the user's machine."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

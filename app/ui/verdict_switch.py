@@ -1,7 +1,5 @@
 """A switch whose words change with every step of a slider, in the frame in which the text beside it does."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import ClassVar
 

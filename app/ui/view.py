@@ -1,7 +1,5 @@
 """The base class of pages and of their parts."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import panel as pn

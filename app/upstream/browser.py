@@ -1,7 +1,5 @@
 """What is overridden in the browser: the scripts of this folder, by an invisible part of the page or in its head."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from app.upstream.plain_script import PlainScript

@@ -5,8 +5,6 @@ panel-material-ui binds it to one flag of the whole server: every event of every
 Reports to send upstream, versions and ends: docs/upstream/busy_line.md
 """
 
-from __future__ import annotations
-
 import panel_material_ui as pmui
 import param
 from panel.util import edit_readonly

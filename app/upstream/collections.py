@@ -5,8 +5,6 @@
 Reports to send upstream, versions and ends: docs/upstream/collections.md
 """
 
-from __future__ import annotations
-
 import panel as pn
 import panel.io.document
 

@@ -6,8 +6,6 @@ which would reveal paths and versions.
 Reports to send upstream, versions and ends: docs/upstream/connection.md
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from panel.io.server import WSHandler

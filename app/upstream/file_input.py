@@ -3,8 +3,6 @@
 Reports to send upstream, versions and ends: docs/upstream/file_input.md
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 from weakref import WeakKeyDictionary, ref

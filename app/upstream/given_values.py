@@ -7,8 +7,6 @@ sent.
 Reports to send upstream, versions and ends: docs/upstream/given_values.md
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from typing import Any

@@ -12,8 +12,6 @@ this stays.
 Reports to send upstream, versions and ends: docs/upstream/late_session.md
 """
 
-from __future__ import annotations
-
 import secrets
 from collections.abc import Callable
 from types import SimpleNamespace

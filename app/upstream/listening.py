@@ -3,8 +3,6 @@
 Reports to send upstream, versions and ends: docs/upstream/listening.md
 """
 
-from __future__ import annotations
-
 import socket
 
 import bokeh.server.server

@@ -3,8 +3,6 @@
 Reports to send upstream, versions and ends: docs/upstream/login.md
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from panel.config import config

@@ -5,8 +5,6 @@ What Panel takes for a bundle it does not compile in the browser.
 Reports to send upstream, versions and ends: docs/upstream/plain_script.md
 """
 
-from __future__ import annotations
-
 import hashlib
 from typing import Any
 

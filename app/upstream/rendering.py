@@ -5,8 +5,6 @@ Copies of parameters that are there, as where one component has bounds of its ow
 Reports to send upstream, versions and ends: docs/upstream/rendering.md
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

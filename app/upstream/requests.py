@@ -7,8 +7,6 @@ and only the page and its connection are served.
 Reports to send upstream, versions and ends: docs/upstream/requests.md
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from urllib.parse import urlsplit
 

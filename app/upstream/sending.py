@@ -8,8 +8,6 @@ after the page was sent are kept, a message is one write, and a page that is clo
 Reports to send upstream, versions and ends: docs/upstream/sending.md
 """
 
-from __future__ import annotations
-
 import asyncio
 import functools
 import json

@@ -3,8 +3,6 @@
 Reports to send upstream, versions and ends: docs/upstream/text_pane.md
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import panel as pn

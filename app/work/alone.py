@@ -4,8 +4,6 @@ The pool of `app.work.pool` serves short work; its processes cannot be stopped w
 its run and stayed small waits for the next, with all that it has loaded; there is one such at most.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import multiprocessing

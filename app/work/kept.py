@@ -1,7 +1,5 @@
 """A cache of results by design and settings, for a reloaded page and for others with the same question."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One pool of worker processes per server, so that heavy work never holds up another person's sliders."""
 
-from __future__ import annotations
-
 import asyncio
 import functools
 import math

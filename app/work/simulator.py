@@ -1,7 +1,5 @@
 """Compiles the simulator once per server, in the background, before the first run needs it."""
 
-from __future__ import annotations
-
 import asyncio
 import contextvars
 import logging

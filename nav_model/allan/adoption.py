@@ -1,7 +1,5 @@
 """Puts the results of a log into a design, with their origin: method and log file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

@@ -6,8 +6,6 @@ enters every interval as a relative model error. A log that departs by more than
 coefficient at all.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

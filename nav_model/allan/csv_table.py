@@ -1,7 +1,5 @@
 """Column names and a table of floats from delimited text; errors name the line."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

@@ -5,8 +5,6 @@ pairs, the equivalent degrees of freedom, which depend on the slope of the noise
 those of that paper ("Uncertainty of stability variances based on finite differences").
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

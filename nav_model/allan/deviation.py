@@ -4,8 +4,6 @@ Thirty lines of NumPy, tested against Stable32, the NBS14 set and allantools. Th
 installs packages for tests and documentation.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

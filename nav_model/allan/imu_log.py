@@ -1,7 +1,5 @@
 """An inertial log in memory: rates in SI, whatever the file's format."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from nav_model.allan.noise_terms import FloatArray

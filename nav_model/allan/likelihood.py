@@ -7,8 +7,6 @@ never arises. Literature: P. Whittle 1953; J. Nikolic et al., IEEE Sensors J. 16
 for inertial sensors); W. Venzon and S. Moolgavkar 1988 (profile-likelihood intervals).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

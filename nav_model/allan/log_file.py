@@ -1,8 +1,6 @@
 """Reads an inertial log (CSV or NPZ) into SI rates. Nothing in the file is executed; every error says what and
 where."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 from collections.abc import Mapping, Sequence

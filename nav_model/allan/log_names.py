@@ -4,8 +4,6 @@ Understood: `gyro_x [deg/s]`, `gx_dps`, `wx(rad/s)`, `acc_x_g`, `az`, EuRoC's `w
 `angular_velocity.x` (SI by REP 103), increments `dtheta_x`, `dvel_z`, counts with `gyro_dps_per_count`.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

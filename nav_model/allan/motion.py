@@ -7,8 +7,6 @@ and its mean density is the effective random walk squared. The design's `vibrati
 bench value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Final

@@ -14,8 +14,6 @@ Coefficients are those of the standard, in SI for a rate signal y (angular rate 
 Source: IEEE Std 952-1997 annex C; IEEE Std 1293 for accelerometers.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

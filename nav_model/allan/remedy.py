@@ -8,8 +8,6 @@ where the same count gives a bound that falls as the interval to the power 3/4: 
 it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from typing import Final, Literal
 

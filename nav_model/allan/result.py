@@ -1,7 +1,5 @@
 """Results of a log analysis: frozen, SI, with provenance; and their JSON (contract.md, `allan`)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Final

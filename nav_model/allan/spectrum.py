@@ -1,7 +1,5 @@
 """Cosine spectrum of one axis, single coefficients at low frequency and logarithmic bins above."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Noise parameters of every axis of a static log."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

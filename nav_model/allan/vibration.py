@@ -1,7 +1,5 @@
 """Vibration spectrum of a log in motion, in third octaves, as an input of a design."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Warnings about a static log: movement, temperature, coarse counts, wrong units."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from nav_model.allan.imu_log import ImuLog

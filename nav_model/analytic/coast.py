@@ -4,8 +4,6 @@
 Source: Makarem and Cheraghi Mahmudabadi 2019, equations 21 to 27.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike

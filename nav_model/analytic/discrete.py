@@ -7,8 +7,6 @@ in closed form (`nav_model.analytic.sampled_filter`) for white position fixes, b
 state that the filter estimates.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike

@@ -16,8 +16,6 @@ Source: the doubling algorithm, Anderson and Moore, *Optimal Filtering*, 1979, s
 Int. J. Control 77(8), 2004.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Generic, NamedTuple, TypeVar
 

@@ -11,8 +11,6 @@ are smooth and positive and are integrated by Gauss and Legendre's rule to round
 same function draws a curve and fills a map.
 """
 
-from __future__ import annotations
-
 from functools import cache, lru_cache
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Which sensor limits the horizontal channel: gyro dominance of designs and of the catalogue. [T-6], [T-7]"""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

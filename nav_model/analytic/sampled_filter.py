@@ -17,8 +17,6 @@ Source: spectral factorisation, Anderson and Moore, *Optimal Filtering*, 1979, s
 are those of the Euler-Frobenius polynomials.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

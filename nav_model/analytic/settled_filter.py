@@ -4,8 +4,6 @@ With white position fixes alone there is a closed form, `nav_model.analytic.samp
 takes complex steps.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

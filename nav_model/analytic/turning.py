@@ -10,8 +10,6 @@ A free INS's are Gaussian with the covariance written here: from the state it st
 symbolically). Higher orders of the turn are omitted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

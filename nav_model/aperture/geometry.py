@@ -1,7 +1,5 @@
 """Aperture and line of sight of a broadside synthetic-aperture radar. Everything broadcasts over arrays."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -17,8 +17,6 @@ trapezoidal sums up to the interpolated minima; a sum that counts both end sampl
 hundredths of a decibel when the minima are filled (0.04 dB at a QPE of pi/2, sixty-four samples to a cell).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache
 

@@ -3,8 +3,6 @@
 A response is sampled `padding` times to a cell; places are fractional indices, energies are in cells.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

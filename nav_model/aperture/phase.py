@@ -9,8 +9,6 @@ Sources: theory.md section 4, sar.md [S-5], [S-6]; derived with shifted Legendre
 residual after removing a least-squares polynomial is the sum of the higher coefficients.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import reduce
 from operator import add

@@ -1,7 +1,5 @@
 """Weightings of the aperture: uniform, Hamming and Taylor, and the first null of each."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Literal
 

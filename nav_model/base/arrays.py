@@ -1,7 +1,5 @@
 """Arrays of numbers, as every closed form takes and gives them."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -12,8 +12,6 @@ Upstream: numba/numba#8396 (open), numba/numba#1833
 Needless when: tests/nav_model/base/test_compiled.py::test_as_shipped_a_changed_callee_goes_unnoticed fails
 """
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 from collections.abc import Callable

@@ -4,8 +4,6 @@ Everything that needs one takes it from here; the compiled kernels are compiled 
 (`nav_model.base.compiled`).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

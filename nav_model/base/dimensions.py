@@ -1,7 +1,5 @@
 """The kinds of quantity, and the units of each with their exact factors to SI, read from `dimensions.toml`."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from decimal import Context, Decimal

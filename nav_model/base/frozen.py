@@ -1,7 +1,5 @@
 """Mappings that cannot be changed and that pickle."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import TypeVar
 

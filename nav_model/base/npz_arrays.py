@@ -1,7 +1,5 @@
 """Numeric arrays of an NPZ archive, without pickles; every declared size is checked before anything is unpacked."""
 
-from __future__ import annotations
-
 import io
 import lzma
 import math

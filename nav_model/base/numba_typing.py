@@ -9,8 +9,6 @@ Upstream: none found, searched 2026-11-22
 Needless when: tests/nav_model/base/test_numba_typing.py::test_as_shipped_every_use_is_looked_up_again fails
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from numba.core.targetconfig import ConfigStack

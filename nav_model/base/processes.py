@@ -1,7 +1,5 @@
 """Worker processes that end when the process that started them ends, even if it is killed."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

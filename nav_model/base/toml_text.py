@@ -7,8 +7,6 @@ Memory is at most 50 times the text's, time a second a megabyte; tests/nav_model
 texts to both.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from importlib.resources import files

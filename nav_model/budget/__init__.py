@@ -4,8 +4,6 @@
 which pages, reports and JSON read. A figure here is a standard deviation that a requirement limits.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 from numpy.typing import ArrayLike

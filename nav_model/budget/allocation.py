@@ -4,8 +4,6 @@ Allocated entries combine as the figure does: the root of the sum of squares of 
 systematic is the limit times (1 - reserve). Source: ECSS-E-ST-60-10C, apportionment of an error budget.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ systematic. A length along the line of sight enters a phase by 4π/λ. Source: J
 ECSS-E-ST-60-10C, for adding the systematic one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

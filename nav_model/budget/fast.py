@@ -1,7 +1,5 @@
 """Vibration, unsensed motion and oscillator of a design, as lines and spectra seen through its aperture."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache

@@ -5,8 +5,6 @@ sweeps) compose the closed forms here and nowhere else. Any input may be an arra
 complex numbers pass through, so that a complex step differentiates every figure exactly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """What navigation errors and vibration do to the image: phase, side lobes, and where the image lies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from functools import partial

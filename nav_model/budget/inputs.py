@@ -1,7 +1,5 @@
 """The inputs of the closed forms of a budget: SI numbers, or arrays that broadcast together."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A budget as plain JSON-ready data, with the names of the contract. SI throughout."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, fields
 from typing import Any

@@ -1,7 +1,5 @@
 """Navigation errors of a budget: while fixes come in, and in the outage after them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import lru_cache

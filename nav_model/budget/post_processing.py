@@ -1,7 +1,5 @@
 """The figures of a design after the flight, when a smoother has the whole leg."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

@@ -3,8 +3,6 @@
 Pages, reports and JSON share this table.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Designs that cannot be analysed, refused with the input to change."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager

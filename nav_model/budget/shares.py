@@ -1,7 +1,5 @@
 """Shares of each source in a variance, by complex steps through the closed forms and the smoother. [T-18], [P-4]"""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Image location errors as the error statistics of SICD (NGA.STND.0024, volumes 1 and 3). [P-7]"""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

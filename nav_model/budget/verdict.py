@@ -1,7 +1,5 @@
 """The verdict: each requirement against its figure, with margin and dominant source."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

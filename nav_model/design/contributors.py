@@ -3,8 +3,6 @@
 A design has any number up to `MOST`; `nav_model.budget.contributors` adds them to the figures they enter.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 One declaration serves the file reader, the link, the command line and the widgets. Values are SI.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ The format is fixed by the contract: sections of quantity strings. Reading names
 writing states every value in the unit it was read in, with the fewest digits that give the same float back.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable, Mapping

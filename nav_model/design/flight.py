@@ -1,7 +1,5 @@
 """Inputs of the flight and of the time without fixes."""
 
-from __future__ import annotations
-
 from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.design.declaration import Quantity
 from nav_model.design.part import Part

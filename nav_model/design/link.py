@@ -6,8 +6,6 @@ units: ``imu=LN-200&gn=3cm&f=1.3GHz``. Where a value came from follows under ``o
 equal design with the same origins.
 """
 
-from __future__ import annotations
-
 import json
 from functools import lru_cache
 from typing import Any

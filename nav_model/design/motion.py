@@ -1,7 +1,5 @@
 """Inputs of fast motion: vibration, motion that the IMU does not sense, and the radar's oscillator."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from nav_model.base.constants import STANDARD_GRAVITY

@@ -3,8 +3,6 @@
 Files written today have them in ``[origins]``; only files and links without one are read for such lines.
 """
 
-from __future__ import annotations
-
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity

@@ -1,7 +1,5 @@
 """What a user adds to a design beside its inputs: contributors, limits on any value, and how limits are allocated."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

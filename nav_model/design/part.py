@@ -1,7 +1,5 @@
 """Base class of the sections of a design."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import param

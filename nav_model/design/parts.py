@@ -4,8 +4,6 @@ Inputs that must be positive have a lower bound far below any hardware, so that 
 floats.
 """
 
-from __future__ import annotations
-
 from nav_model.design.flight import Coast, Flight
 from nav_model.design.motion import Motion, Oscillator
 from nav_model.design.part import Input, Part

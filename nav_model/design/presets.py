@@ -1,7 +1,5 @@
 """Presets: the inputs that a catalogue entry fills in a design, and where a design differs from its entry."""
 
-from __future__ import annotations
-
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, Kind, find
 from nav_model.design.parts import PRESET_KEYS

@@ -1,7 +1,5 @@
 """Inputs of the processing: in real time or after the flight, and how much of the flight is used."""
 
-from __future__ import annotations
-
 from nav_model.design.declaration import Choice, Quantity
 from nav_model.design.part import Part
 

@@ -1,7 +1,5 @@
 """Inputs of the radar."""
 
-from __future__ import annotations
-
 from nav_model.base.constants import DEGREE, SPEED_OF_LIGHT
 from nav_model.design.declaration import Alternative, Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part, preset

@@ -5,8 +5,6 @@ What is made is a contributor like any other: its `source` says the formula and 
 Sensing Letters 2(2), 2005, for motion compensation to a wrong height.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """The requirements of a design: limits on its figures."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A table as one input: rows of a frequency and an amount, such as "20 Hz 0.1 g; 80 Hz 0.02 g"."""
 
-from __future__ import annotations
-
 import math
 import re
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Inputs of the inertial unit and of the receiver."""
 
-from __future__ import annotations
-
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.design.declaration import SWITCH, Alternative, Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part, preset

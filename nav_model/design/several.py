@@ -1,7 +1,5 @@
 """Further kinds of inputs: whole numbers, one number per axis, intervals of time."""
 
-from __future__ import annotations
-
 import math
 import re
 from decimal import Decimal

@@ -1,7 +1,5 @@
 """A table as one input: rows of the same columns, such as the waypoints of a plan."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any

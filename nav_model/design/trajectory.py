@@ -1,7 +1,5 @@
 """Inputs of the flight plan: the flight, its lines with limits of their own, and aiding beyond the fixes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from nav_model.base.constants import DEGREE

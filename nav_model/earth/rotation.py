@@ -8,8 +8,6 @@ at the end work in place, inside the simulator's loops.
 Source: Shuster, A survey of attitude representations, Journal of the Astronautical Sciences 41, 1993.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

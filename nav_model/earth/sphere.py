@@ -5,8 +5,6 @@ north, east, down on the sphere of radius `nav_model.base.constants.SPHERE_RADIU
 star_tracker.md's own choice (X) for its reconstruction.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -4,8 +4,6 @@ The first line names the columns, in any order and case, after a # or not; other
 start with # are passed over. Time may start anywhere and need not be evenly spaced.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Mapping

@@ -6,8 +6,6 @@ for use inside the simulator's loops. Angles in rad, lengths in m, accelerations
 Source: NIMA TR8350.2, *Department of Defense World Geodetic System 1984*, 3rd edition, chapters 3 and 4.
 """
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import numpy as np

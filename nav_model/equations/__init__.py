@@ -3,8 +3,6 @@
 Each equation is written once, in Typst's math notation; the PDF sets it and the HTML carries it as MathML.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection
 

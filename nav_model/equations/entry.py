@@ -1,7 +1,5 @@
 """What a row of the tables of equations and symbols holds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

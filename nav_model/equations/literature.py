@@ -1,7 +1,5 @@
 """The literature: works, which equation comes from which, and which work describes a method (`literature.toml`)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 

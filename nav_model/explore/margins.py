@@ -1,7 +1,5 @@
 """Value over limit of each requirement, for arrays of designs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import cast
 

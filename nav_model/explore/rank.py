@@ -8,8 +8,6 @@ Source: Squire and Trapp, *Using complex variables to estimate derivatives of re
 40(1), 1998. For noises it must agree with [T-18].
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Which sensors meet the requirements: every inertial unit with every receiver class."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ closed forms, and each is taken on the side that meets the limit: some figures s
 enters the leg, an echo where its line leaves the main lobe. Each answer is then put back through `analyse`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Context, Decimal

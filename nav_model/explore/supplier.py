@@ -9,8 +9,6 @@ Sources: IEEE Std 952-1997, annex C (Allan variance of inertial sensors); NIST S
 (confidence from chi-square); C. Greenhall and W. Riley, PTTI 2003 (equivalent degrees of freedom).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ starting again computes what is missing or was changed. Parts depend on nothing 
 processes and a Dask cluster write the same file.
 """
 
-from __future__ import annotations
-
 import csv
 import functools
 import hashlib

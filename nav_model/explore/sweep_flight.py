@@ -12,8 +12,6 @@
 A row holds the figures at the end of the flight: end it where they matter, such as with an outage.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace

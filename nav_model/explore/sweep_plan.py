@@ -15,8 +15,6 @@ Presets come first: an input varied by itself overrides what a preset fills. Wit
 (`nav_model.explore.sweep_flight`) every design is also flown.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -1,7 +1,5 @@
 """A map of any figure over any two inputs: thousands of designs in one evaluation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,8 +7,6 @@ scramblings, each an unbiased estimate.
 Source: Owen, *Randomly permuted (t,m,s)-nets and (t,s)-sequences*, 1995; L'Ecuyer and Lemieux, 2002.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

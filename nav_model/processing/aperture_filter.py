@@ -5,8 +5,6 @@ x = w T/2 and j_m the spherical Bessel function. Quadratic and cubic phase, the 
 are therefore integrals of the spectrum times functions of x alone.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import cache

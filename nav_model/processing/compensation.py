@@ -1,8 +1,6 @@
 """What remains of sensed motion after IMU compensation, and of oscillator noise after the echo delay. [P-8],
 [P-10]"""
 
-from __future__ import annotations
-
 import numpy as np
 
 from nav_model.base.arrays import Array, as_numbers

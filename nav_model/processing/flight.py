@@ -4,8 +4,6 @@ Fixes come at whole steps from a fix of both kinds at time 0. Time is counted in
 position fix. Every design is a row. [T-8], [P-3]
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -5,8 +5,6 @@ azimuth, and so does R/V times the slope of the line-of-sight error over the ape
 Doppler shift. Everything broadcasts over arrays and takes complex steps.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import NamedTuple

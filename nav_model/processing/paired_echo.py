@@ -4,8 +4,6 @@ A line of p radians leaves J0(p) of a target's amplitude at its place and puts J
 of variance s² leaves exp(-s²/2) and spreads the rest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

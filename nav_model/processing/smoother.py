@@ -9,8 +9,6 @@ A flight's filter has run since take-off, and its smoother has every fix of the 
 Everything broadcasts and takes complex steps, and every design is solved by this one method.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 

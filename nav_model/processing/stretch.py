@@ -15,8 +15,6 @@ Two stretches in a row are one, so an aperture of n fixes takes as many steps as
 that of `nav_model.analytic.doubling`; the coefficients along the way are our own addition.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Advice for one design: which strategy to use, why, and what would change the answer."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Agreement of the two engines: full flights of the simulator and the per-axis error model."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ after the aperture one by one: they give information about the state at the next
 covariance (`nav_model.sar.axis_model.information_after`). This is exact.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from typing import NamedTuple

@@ -10,8 +10,6 @@ With a slow GNSS error the filter has a fourth state, first-order Gauss-Markov [
 name give matrices of three rows without it and four with it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

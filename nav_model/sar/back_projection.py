@@ -1,7 +1,5 @@
 """The compiled loop of back-projection; imported only when needed, because it imports Numba."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray

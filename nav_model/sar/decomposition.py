@@ -5,8 +5,6 @@ QPE, order 3 the CPE; orders 4 to 8 are the higher smooth part, and what no such
 frequency: ripple, the saw of the fix rate. An autofocus "to order n" takes orders 0..n away.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A design as input of the strategies: for the ensemble of runs and for the closed forms."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

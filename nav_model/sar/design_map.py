@@ -1,7 +1,5 @@
 """The maps of winners about a design: aperture time against fix noise, and against angle random walk."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

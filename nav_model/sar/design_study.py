@@ -5,8 +5,6 @@
 own seeds, so the result does not depend on where or in which order they run; they exchange plain data.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace

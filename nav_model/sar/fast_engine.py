@@ -1,7 +1,5 @@
 """The fast engine: hundreds of runs of the per-axis error model, as input of the strategies."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,8 +5,6 @@ autocorrelation of the orthogonal polynomial over the fixes (a polynomial in k i
 of a first-order Gauss-Markov error k fixes apart. Autocorrelations in closed form, found symbolically.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ of the public AFRL collections. Back-projection is exact in geometry and takes a
 small on purpose. The packaged alternatives need a C++ compiler or a GPU on the user's machine.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Axes as everywhere: x along track, y toward the scene, z down, origin at the pla
 squint 0 (broadside) the target is abeam in mid-aperture; a positive squint looks forward.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures with the navigation errors of a study: a point, a few targets, a real phase history."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

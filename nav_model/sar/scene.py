@@ -1,7 +1,5 @@
 """Images of a small scene of point targets by the design's radar, for each navigation error."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

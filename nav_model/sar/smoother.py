@@ -1,7 +1,5 @@
 """Rauch-Tung-Striebel fixed-interval smoother (1965), for estimates or for errors."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -8,8 +8,6 @@ Only the last, the whole-leg smoother, uses fixes from after the aperture: it is
 (`nav_model.processing`). The RTS smoother stops at the aperture's end and bounds causal and in-aperture methods only.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ times the root. A vertical axis has no tilt and no gyro: pass zeros. The inertia
 seen along the axis; `winners` puts the axes together.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,7 +1,5 @@
 """Runs of one aperture: three axes, exact line of sight, every strategy, and the measures of each run."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

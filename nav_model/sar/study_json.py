@@ -1,7 +1,5 @@
 """A study of the strategies as plain JSON-ready data, SI throughout; missing values are null."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict
 from typing import Any

@@ -1,7 +1,5 @@
 """The same chunks on a Dask distributed cluster (the `cluster` extra)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager

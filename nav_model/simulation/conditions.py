@@ -1,7 +1,5 @@
 """How the simulated world of a study differs from that of the closed forms."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -6,8 +6,6 @@ flight, its filter and instruments, its errors. A departure is the product of th
 share, and without the cause its step is 1.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache

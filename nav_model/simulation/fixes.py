@@ -1,7 +1,5 @@
 """A GNSS fix: what the receiver reports, the filter's update with it, and the correction of the INS."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

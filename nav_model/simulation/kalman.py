@@ -10,8 +10,6 @@ Sources: Titterton and Weston, 2nd ed., ch. 12; Groves, *Principles of GNSS, Ine
 Integrated Navigation Systems*, 2nd ed., ch. 14; Bucy and Joseph 1968 for the update.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

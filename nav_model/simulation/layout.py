@@ -3,8 +3,6 @@
 Global integers are constants in compiled code, so names cost nothing.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 # A navigation state (15), see `strapdown`.

@@ -6,8 +6,6 @@ interpreter lock), or a Dask cluster's (`cluster.cluster_pool`). Where the chunk
 alone and they are merged in order, so the result is the same to the last bit wherever they ran.
 """
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The result of a study: error statistics against the filter's covariance and the closed form, and the verdict."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable

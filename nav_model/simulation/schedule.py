@@ -1,7 +1,5 @@
 """The schedule of a run: events by IMU sample, the same for every run of a study, and the truth at them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final

@@ -1,7 +1,5 @@
 """Instrument outputs from perfect increments, and the random errors of a run."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

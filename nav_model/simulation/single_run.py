@@ -1,7 +1,5 @@
 """One flight: sensors, strapdown INS, GNSS fixes and the closed-loop filter, from (spec, seed, run) alone."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple

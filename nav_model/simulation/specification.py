@@ -4,8 +4,6 @@ Sigmas are 1 sigma. A triple of the IMU is the same for its three axes; horizont
 instrument's are. Nothing here is compiled or slow to import.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, fields
 from itertools import pairwise

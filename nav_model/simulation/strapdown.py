@@ -12,8 +12,6 @@ Sources: Savage, "Strapdown inertial navigation integration algorithm design", J
 Dynamics 21(1-2), 1998; Titterton and Weston, *Strapdown Inertial Navigation Technology*, 2nd ed., ch. 11.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

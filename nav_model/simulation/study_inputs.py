@@ -4,8 +4,6 @@ A design holds what the closed forms take. The simulator flies more; each such i
 with unit, bounds and help, and the command line and the page are derived from it. All default to nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final

@@ -5,8 +5,6 @@ Every flight ends up as one quintic spline of latitude, longitude, height, roll,
 rate computed from it are consistent with the position to rounding.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Specific force and angular rate follow from the spline's derivatives and the Ear
 integrals over each IMU sample use two Gauss-Legendre points (fourth order, error about 1e-12 per sample).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

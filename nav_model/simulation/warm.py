@@ -3,8 +3,6 @@
 Light to import, so that a server can hand `warm_up` to a worker without loading the compiler itself.
 """
 
-from __future__ import annotations
-
 import time
 
 

@@ -4,8 +4,6 @@ Attitude covariances [B-9] go with the square of the centroid noise, so the star
 larger noise also loses frames: those whose roll about the boresight is known worse than the camera's gate allows.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A suborbital flight from a trajectory file."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS

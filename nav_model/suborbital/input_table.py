@@ -4,8 +4,6 @@ Each is declared as an input of a design is; the command line, the page, the stu
 from the table. Values are SI.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@
 it cannot follow (flight, gravity, camera) are told by `needs_run`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 

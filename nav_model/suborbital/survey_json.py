@@ -1,7 +1,5 @@
 """A survey as JSON: the contract's keys, every input with its origin, and all further results."""
 
-from __future__ import annotations
-
 import math
 import shlex
 from typing import Any

@@ -4,8 +4,6 @@ Between two nodes the position error is the cubic that has both positions and ve
 step is left out, 0.4 % of a detrended phase with six nodes in the aperture and far less with more.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -11,8 +11,6 @@ start, the noises within, and n at its end: three parts, independent of each oth
 the start on. Sources: Bryson and Ho, *Applied Optimal Control*, ch. 13; Gelb, *Applied Optimal Estimation*, ch. 7.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 

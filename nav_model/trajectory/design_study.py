@@ -1,7 +1,5 @@
 """The covariance along a flight of a design: its plan, its aperture, its limits."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

@@ -6,8 +6,6 @@ gains act on the first part; the second is considered. Between two nodes of the 
 simulator's `error_dynamics`. A source that is zero has no state and no noise.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Heading along a flight: when it becomes observable, by what, and which manoeuvre would help, in words."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The lines of a flight against the limits on their image figures."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@ The flight passes each waypoint on the inside: it begins to turn before it, so t
 up as samples of a `TrajectorySpec`, which the simulator and the covariance fly alike.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a covariance along a flight gives: figures over time, real time and post-processed, and shares by source."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

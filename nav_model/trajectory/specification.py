@@ -3,8 +3,6 @@
 Immutable and in SI, as `SimulationSpec`, which holds the instruments, the filter, the flight and its outages.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from nav_model.base.errors import InputError

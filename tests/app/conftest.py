@@ -1,7 +1,5 @@
 """Budgets of the examples, and what the reports of several subjects share."""
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Uploaded files are read, or refused, within the memory limit of their kind."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """One quantity has one name in every text that a user reads."""
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

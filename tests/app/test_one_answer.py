@@ -1,7 +1,5 @@
 """One requirement, one answer: value, limit, margin and verdict are the same wherever they are told."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Any

@@ -1,7 +1,5 @@
 """The session: what a change does, what a refusal leaves alone, and the way back."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -1,7 +1,5 @@
 """A page of the shipped libraries, with nothing of this product on it: a program of its own, which tells its port."""
 
-from __future__ import annotations
-
 import panel as pn
 import panel_material_ui as pmui
 from bokeh.plotting import figure

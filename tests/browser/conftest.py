@@ -1,7 +1,5 @@
 """The real product in a real browser: `navbudget serve` as a process, Debian's chromium in front of it."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Every page for everybody: axe in light and dark, twice the zoom, keyboard alone, and on paper."""
 
-from __future__ import annotations
-
 import io
 import itertools
 from collections.abc import Callable

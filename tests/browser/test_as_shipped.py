@@ -3,8 +3,6 @@
 That the product does otherwise is shown by test_layout, test_accessibility, test_first_minutes and their neighbours.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator

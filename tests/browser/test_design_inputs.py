@@ -1,7 +1,5 @@
 """The design on the left as a person uses it: typed values, catalogue, undo, links, files."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

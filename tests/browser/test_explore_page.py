@@ -1,7 +1,5 @@
 """The Explore page as a person uses it."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The first five minutes: the tour, the examples, the explanations, and the main job by keyboard alone."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 

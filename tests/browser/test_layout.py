@@ -1,7 +1,5 @@
 """Nothing is drawn over anything else; layout runs once a frame, and no paint does more than it needs to."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """The ticks of a logarithmic axis, run where they run: in the browser."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

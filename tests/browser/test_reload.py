@@ -1,7 +1,5 @@
 """A page loaded again: the design, the study and the revision they came from are still there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """The Review page as a team uses it."""
 
-from __future__ import annotations
-
 import io
 import re
 import zipfile

@@ -1,7 +1,5 @@
 """The SAR page as a person uses it: one screen, the first run, a slider that makes it stale, an upload."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The Sensors page as a person uses it: a log in, its noise on a chart and in a table, then in the design."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

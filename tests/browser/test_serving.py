@@ -1,7 +1,5 @@
 """A team's server in the real browser: the way in and out, who is written under what, strangers, and the end."""
 
-from __future__ import annotations
-
 import http.server
 import json
 import math

@@ -1,7 +1,5 @@
 """The Simulate page: flights from a file, results to take away, and nobody left flying."""
 
-from __future__ import annotations
-
 import math
 import re
 import urllib.request

@@ -1,7 +1,5 @@
 """The Theory page in the browser: every equation is there, marks lead to it, and nothing is fetched for it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

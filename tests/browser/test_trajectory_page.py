@@ -1,7 +1,5 @@
 """The Trajectory page as a person uses it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

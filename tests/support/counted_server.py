@@ -4,8 +4,6 @@ On SIGUSR1 it writes to the file that the last argument names: pages alive, and 
 to collect garbage and to give back what is free is the server's own work.
 """
 
-from __future__ import annotations
-
 import gc
 import json
 import os

@@ -1,7 +1,5 @@
 """A page that for a while hears nothing of its server."""
 
-from __future__ import annotations
-
 import functools
 import re
 

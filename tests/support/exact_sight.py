@@ -1,7 +1,5 @@
 """Lines of sight over an aperture from exact ranges, for tests of what takes them in series."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

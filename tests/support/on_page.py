@@ -1,7 +1,5 @@
 """What a person finds and does on the dashboard, for tests in the browser."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """`navbudget serve` as a process."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Waiting for an event instead of for a time: a busy machine is slow, not wrong."""
 
-from __future__ import annotations
-
 import asyncio
 import socket
 import time

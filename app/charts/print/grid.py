@@ -1,7 +1,5 @@
 """Charts on paper that are not curves: dots in rows, maps of the best strategy, pictures in decibels."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

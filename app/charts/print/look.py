@@ -1,7 +1,5 @@
 """The look of all charts on paper: dashes, markers, axes, names beside points."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

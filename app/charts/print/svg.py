@@ -3,8 +3,6 @@
 Drawn at the size it is printed, so a point of text is a point on paper. The same chart gives the same bytes.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import textwrap

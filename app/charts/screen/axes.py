@@ -3,8 +3,6 @@
 Logarithmic axes are ticked at powers of ten as 10ⁿ, and at 2 and 5 between them where there is room.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

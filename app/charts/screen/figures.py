@@ -4,8 +4,6 @@ A `Figure` keeps the sources of one figure. `feed` sends only what changed, so a
 the changed arrays.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Maps of regions as Bokeh figures; `figures` feeds them, `legend` explains them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from html import escape
 from typing import Any

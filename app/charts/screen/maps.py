@@ -1,7 +1,5 @@
 """Maps of two inputs as Bokeh figures: made once, then updated."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Pictures in decibels as plain HTML, on a page and in a report: all at one scale, each with its words."""
 
-from __future__ import annotations
-
 import base64
 import io
 from html import escape

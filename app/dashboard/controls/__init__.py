@@ -1,7 +1,5 @@
 """The inputs on the left: a row of the sheet per declaration of a design, derived from it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

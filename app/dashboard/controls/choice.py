@@ -1,7 +1,5 @@
 """One choice of a design: a select, or a switch."""
 
-from __future__ import annotations
-
 from app.dashboard.controls.design_input import DesignInput
 from app.ui.input_sheet import Row, choice_row
 from nav_model.base.errors import InputError

@@ -1,7 +1,5 @@
 """What every input of the design has in common: it follows the session's design, and puts changes into it."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import Generic, TypeVar
 

@@ -1,7 +1,5 @@
 """A catalogue unit or radar as the source of a section's values."""
 
-from __future__ import annotations
-
 from app.dashboard.controls.design_input import DesignInput
 from app.document.wording import preset_name
 from app.ui.input_sheet import Row, choice_row

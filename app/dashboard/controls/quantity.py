@@ -1,7 +1,5 @@
 """One number of a design: a data-sheet string, the same in other units, and for some a slider."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from app.dashboard.controls.design_input import DesignInput

@@ -1,7 +1,5 @@
 """One table of a design: a box with its rows, such as "20 Hz 0.1 g; 80 Hz 0.02 g"."""
 
-from __future__ import annotations
-
 from app.dashboard.controls.design_input import DesignInput
 from app.ui.input_sheet import Row, text_row
 from nav_model.base.errors import InputError

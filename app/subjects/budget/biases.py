@@ -1,7 +1,5 @@
 """Residual biases of the design, for the strip: zero, in-run of the data sheet, or what was entered."""
 
-from __future__ import annotations
-
 from app.document.wording import input_in_words
 from nav_model.design import Design, Value
 from nav_model.design.presets import entry_of

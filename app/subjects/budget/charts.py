@@ -1,7 +1,5 @@
 """The charts of a budget, as plain data: phase by source, point target, regime; `BUDGET_CHARTS` has all of them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache

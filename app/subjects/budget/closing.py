@@ -1,7 +1,5 @@
 """Ways to close a design: values of one input, and units of the catalogue."""
 
-from __future__ import annotations
-
 from app.document.blocks import Block, Text
 from app.document.closing import Way, value_ways, ways_table
 from app.document.numbers import signed_percent

@@ -1,8 +1,6 @@
 """The commands `evaluate`, `check`, `allocate` and `presets`: a design's budget, its verdict, what each source may
 take, the catalogue."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -1,7 +1,5 @@
 """Contributors and requirements of the user's own on the Budget page, and what each source may take of a limit."""
 
-from __future__ import annotations
-
 from html import escape
 
 import panel as pn

@@ -1,7 +1,5 @@
 """The key figures of a budget, each with its limit, for page, report and command alike."""
 
-from __future__ import annotations
-
 from app.document.blocks import KeyFigure, KeyFigures
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import show

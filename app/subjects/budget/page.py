@@ -1,7 +1,5 @@
 """The Budget page: answer, key figures and the charts that explain them on one screen; details folded below."""
 
-from __future__ import annotations
-
 from html import escape
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A budget as sections of a design's report: the requirements first, then what explains them."""
 
-from __future__ import annotations
-
 from app.document.allocation import allocation_table
 from app.document.blocks import Section
 from app.document.chart_block import chart_block

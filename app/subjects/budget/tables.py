@@ -1,7 +1,5 @@
 """The tables of a budget, for page, report and command alike."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

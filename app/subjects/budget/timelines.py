@@ -1,7 +1,5 @@
 """Sigmas over the time since the last fix, as plain data: three charts, each alone and together on one axis."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

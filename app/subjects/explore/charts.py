@@ -1,7 +1,5 @@
 """The charts of the Explore page: ranking of inputs, and a map of two inputs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

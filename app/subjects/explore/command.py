@@ -1,7 +1,5 @@
 """The commands `explore` and `sweep`: questions about many designs."""
 
-from __future__ import annotations
-
 import argparse
 import os
 from typing import Any

@@ -1,7 +1,5 @@
 """`navbudget explore` and `navbudget sweep`: inverse questions, answered as JSON or CSV. SI throughout."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable, Iterable, Mapping

@@ -1,7 +1,5 @@
 """The map of the Explore page: a result over two inputs; a click applies the place to the design."""
 
-from __future__ import annotations
-
 from html import escape
 from typing import Any
 

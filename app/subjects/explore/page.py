@@ -1,7 +1,5 @@
 """The Explore page: its questions one at a time, each with its answer above it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Base class of the questions of the Explore page: a view, and an answer for the strip above it."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import ClassVar
 

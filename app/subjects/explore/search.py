@@ -1,7 +1,5 @@
 """Which sensors meet the requirements: IMUs that pass with the design's receiver, or pairs of IMU and receiver."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Mapping
 from html import escape

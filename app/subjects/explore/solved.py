@@ -1,7 +1,5 @@
 """What would close the design: the largest value of each input, with a button, and what to improve first."""
 
-from __future__ import annotations
-
 import panel as pn
 import panel_material_ui as pmui
 import param

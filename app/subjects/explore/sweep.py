@@ -1,7 +1,5 @@
 """Sweeps on the Explore page: grids of designs, run in a separate process, as a table, a map and files."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

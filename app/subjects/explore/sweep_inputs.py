@@ -1,7 +1,5 @@
 """Inputs of a sweep: a row for each, and the equivalent sweep file."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Sequence
 from typing import Any

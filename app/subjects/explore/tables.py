@@ -1,7 +1,5 @@
 """Results of the questions of the Explore page, as blocks: the answer first, then the table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 

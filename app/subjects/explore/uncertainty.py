@@ -1,7 +1,5 @@
 """Uncertainty of the verdict: inputs as ranges, the verdict as a probability."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from urllib.parse import parse_qsl, urlencode

@@ -1,7 +1,5 @@
 """The comparison's part of the Review page: up to six revisions side by side."""
 
-from __future__ import annotations
-
 import panel as pn
 import panel_material_ui as pmui
 import param

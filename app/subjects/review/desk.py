@@ -1,7 +1,5 @@
 """Shared state of the three parts of the Review page: library, user, and picked revisions."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """The library's part of the Review page: save, find, pick, archive, export and import."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Status of reviews: a table of all, and one in a line."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from app.document.blocks import Answer, Cell, Column, Row, Table, table

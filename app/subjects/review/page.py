@@ -1,7 +1,5 @@
 """The Review page: the library, comparisons, and reviews, which share what was picked."""
 
-from __future__ import annotations
-
 import re
 from functools import partial
 from urllib.parse import parse_qs

@@ -1,7 +1,5 @@
 """The record of a review, as sections of a report: frozen designs, comments, decisions, signature."""
 
-from __future__ import annotations
-
 from importlib.metadata import version
 
 from app.document.allocation import owners_table

@@ -1,7 +1,5 @@
 """The reviews' part of the Review page: open, decide in the table, comment, sign, present, report."""
 
-from __future__ import annotations
-
 import asyncio
 import functools
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """One decision as a slide for presenting: requirement, value against limit, decision."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from html import escape
 from typing import Any

@@ -1,7 +1,5 @@
 """The charts of the SAR page, as plain data, from a study of the strategies or a map."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from functools import partial

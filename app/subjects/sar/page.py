@@ -1,7 +1,5 @@
 """The SAR page: the best navigation strategy, its image quality, and the pictures."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import Callable

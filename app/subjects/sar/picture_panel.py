@@ -1,7 +1,5 @@
 """Pictures on the page: all at one scale, and to take away as numbers (NPZ, CSV) or as they print (SVG)."""
 
-from __future__ import annotations
-
 import io
 from html import escape
 

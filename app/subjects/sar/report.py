@@ -1,7 +1,5 @@
 """The strategies as sections of a report: which to use and why, and the image quality of each."""
 
-from __future__ import annotations
-
 import argparse
 
 from app.charts.kinds import Drawing

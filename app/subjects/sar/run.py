@@ -1,7 +1,5 @@
 """Runs the strategies of a design in worker processes, for a `Run`."""
 
-from __future__ import annotations
-
 import asyncio
 from dataclasses import dataclass
 

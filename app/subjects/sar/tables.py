@@ -4,8 +4,6 @@ Closed forms follow the current budget; results of runs use the wavelength of th
 runs yet, their cells say so.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from types import EllipsisType

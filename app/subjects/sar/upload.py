@@ -1,7 +1,5 @@
 """Images of the user's phase history, with and without the design's navigation error."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

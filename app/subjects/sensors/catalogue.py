@@ -1,7 +1,5 @@
 """The catalogue as tables: every value in one unit per column, as printed where that differs, with its source."""
 
-from __future__ import annotations
-
 import re
 
 from app.document.blocks import Cell, Column, Row, Table, numbers, table

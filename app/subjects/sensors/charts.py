@@ -1,7 +1,5 @@
 """The charts of a static log, as plain data: Allan deviations with their confidence and the fitted noise terms."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line

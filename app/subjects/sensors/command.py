@@ -1,7 +1,5 @@
 """The command `allan`: noise parameters from a log."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

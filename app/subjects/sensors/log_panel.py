@@ -1,7 +1,5 @@
 """A log on the Sensors page: uploaded, analysed in a worker, shown, and offered to the design."""
 
-from __future__ import annotations
-
 import asyncio
 import html
 import tempfile

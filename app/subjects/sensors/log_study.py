@@ -3,8 +3,6 @@
 Everything here pickles, so that the page can run it in a separate process (`app.work.alone`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The Sensors page: origins of the design's noise values, log analysis, and the catalogue, one view at a time."""
 
-from __future__ import annotations
-
 from functools import partial
 from html import escape
 from typing import Any

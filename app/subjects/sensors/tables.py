@@ -1,7 +1,5 @@
 """Results of a log as blocks: coefficients with intervals or the reason why not, warnings, provenance."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from app.document.blocks import Answer, Bullets, Cell, Column, Row, Table, Text, Told, numbers, table

@@ -1,7 +1,5 @@
 """The charts of a Monte Carlo study, as plain data. Each takes a `SimulationStudy` and draws what is in it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The command `simulate`: Monte Carlo of a design against the closed forms."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

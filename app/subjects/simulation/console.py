@@ -1,7 +1,5 @@
 """`navbudget simulate`: runs, progress on standard error, result in the requested file."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

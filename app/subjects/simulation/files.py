@@ -1,7 +1,5 @@
 """A study as a file, for the page and the command."""
 
-from __future__ import annotations
-
 import io
 import json
 from typing import Any

@@ -1,7 +1,5 @@
 """The Simulate page: Monte Carlo of the design, and whether the formulas hold."""
 
-from __future__ import annotations
-
 import asyncio
 import importlib
 import math

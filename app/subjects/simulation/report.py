@@ -1,7 +1,5 @@
 """A Monte Carlo study as sections of a report."""
 
-from __future__ import annotations
-
 import argparse
 
 from app.document.blocks import Section

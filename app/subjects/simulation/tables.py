@@ -1,7 +1,5 @@
 """A Monte Carlo study as blocks: filter consistency, and where and why the formulas differ."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

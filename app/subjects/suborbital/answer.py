@@ -1,7 +1,5 @@
 """The answer of the suborbital study, for page and report: the plain sentence, how exact it is, the key figures."""
 
-from __future__ import annotations
-
 from app.charts.kinds import Array
 from app.document.blocks import Answer, KeyFigure, KeyFigures, Text
 from app.document.numbers import percent, show

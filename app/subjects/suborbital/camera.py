@@ -1,7 +1,5 @@
 """The sweep of star-camera noise: computed in a worker while its view is open."""
 
-from __future__ import annotations
-
 from html import escape
 
 import panel as pn

@@ -1,7 +1,5 @@
 """The command `suborbital`: the star-tracker study."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

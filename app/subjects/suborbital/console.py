@@ -1,8 +1,6 @@
 """`navbudget suborbital`: the study from a design or a study file and options, JSON out, progress on standard
 error."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

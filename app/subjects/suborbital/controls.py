@@ -4,8 +4,6 @@ A box takes text with units (three axes separated by commas); where a range is e
 scale moves the size, keeping the ratio of the axes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

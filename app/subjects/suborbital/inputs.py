@@ -1,7 +1,5 @@
 """The inputs of the study on its page: controls by group, and where a study comes from and goes to."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from html import escape
 from typing import Any

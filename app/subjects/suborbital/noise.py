@@ -1,7 +1,5 @@
 """White noise as an ensemble, flown on demand in a separate process."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import panel_material_ui as pmui

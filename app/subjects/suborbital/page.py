@@ -3,8 +3,6 @@
 The inertial unit is the design's; the page adds flight, tracker, camera and initial errors.
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 

@@ -1,7 +1,5 @@
 """The suborbital study as sections of a report: what a star tracker repairs of an INS, and what it does not."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Studies for the page: flown in a process and kept for whoever asks the same; the usual one before anybody asks."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from contextlib import suppress

@@ -1,8 +1,6 @@
 """The tables of the suborbital study, told once for page, report and CSV: the paper's four for these sensors, every
 source, methods, gravity."""
 
-from __future__ import annotations
-
 import csv
 import io
 from dataclasses import dataclass

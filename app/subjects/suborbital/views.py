@@ -1,7 +1,5 @@
 """The views of the Suborbital page: the charts and tables of each, and what a person chooses there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """The Theory page: every equation, what each result was compared with, and where others state another figure."""
 
-from __future__ import annotations
-
 from collections import Counter
 from functools import cache
 from html import escape

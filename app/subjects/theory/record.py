@@ -1,7 +1,5 @@
 """The record of what results were compared with: `make validation` writes it, the Theory page shows it."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from functools import cache

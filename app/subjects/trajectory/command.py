@@ -1,7 +1,5 @@
 """The command `trajectory`: the covariance along a flight, real time and post-processed, by source."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The design's flight plan on the page: boxes and tables that follow it and change it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

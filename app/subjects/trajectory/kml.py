@@ -1,7 +1,5 @@
 """A flight as KML: its path, and each line in the colour of its verdict."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree
 
 import numpy as np

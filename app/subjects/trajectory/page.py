@@ -1,7 +1,5 @@
 """The Trajectory page: the covariance along the flight that is planned, and the figures of its lines."""
 
-from __future__ import annotations
-
 import asyncio
 import importlib
 import json

@@ -1,7 +1,5 @@
 """The covariance along a flight as sections of a report."""
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 

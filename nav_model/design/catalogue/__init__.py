@@ -1,7 +1,5 @@
 """The catalogue of inertial units, radars and receiver classes: values, sources and reliability."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Charts on paper: all is named in live text and told apart in grey, and the same bytes come out twice."""
 
-from __future__ import annotations
-
 import math
 import re
 import xml.etree.ElementTree as ET

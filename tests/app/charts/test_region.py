@@ -1,7 +1,5 @@
 """Names on maps: apart from one another and within the map, as small as on a phone."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from math import log
 

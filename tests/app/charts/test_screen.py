@@ -1,7 +1,5 @@
 """What feeding a figure sends to the browser, and that every line stays on its column."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

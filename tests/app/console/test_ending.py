@@ -1,7 +1,5 @@
 """Commands as processes: stopped by a signal, on a full disk, into a closed pipe."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

@@ -1,7 +1,5 @@
 """Commands that read and write pipes, devices and links instead of ordinary files."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

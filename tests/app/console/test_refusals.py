@@ -1,7 +1,5 @@
 """What each command is given wrong is refused with exit 2 and one line that says what."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 

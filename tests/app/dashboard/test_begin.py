@@ -1,7 +1,5 @@
 """A worker begins while the page that will ask for its result is made."""
 
-from __future__ import annotations
-
 import asyncio
 from types import SimpleNamespace
 from typing import Any

@@ -1,8 +1,6 @@
 """The design's inputs without a browser: what is typed, slid and chosen reaches the design; what is refused does
 not."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.dashboard.controls import design_groups, input_of

@@ -1,7 +1,5 @@
 """The frame of every page: its parts, and the cost of its busy line for other users."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The sketch of the radar's geometry follows the values."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """Pairs of bars as HTML."""
 
-from __future__ import annotations
-
 import re
 from math import nan
 

@@ -1,7 +1,5 @@
 """Display choices: what a percentage of a figure means, and that no verdict follows them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import stats

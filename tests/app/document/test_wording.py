@@ -1,7 +1,5 @@
 """Names of edited presets."""
 
-from __future__ import annotations
-
 from app.document.wording import preset_name
 from app.report.inputs import input_table
 from app.serving.server import first_design

@@ -1,7 +1,5 @@
 """A library in a temporary folder, designs to put into it, and a process that saves until it is killed."""
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys

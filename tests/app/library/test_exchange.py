@@ -1,7 +1,5 @@
 """Export and import of a library; malicious archives."""
 
-from __future__ import annotations
-
 import io
 import json
 import zipfile

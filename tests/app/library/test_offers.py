@@ -1,7 +1,5 @@
 """Offers that the library keeps."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.library.offers import keep_offers, kept_offers

@@ -1,7 +1,5 @@
 """Libraries on read-only media, locked, owned by others, or under impossible names."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 from collections.abc import Iterator

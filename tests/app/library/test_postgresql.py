@@ -1,7 +1,5 @@
 """The library on a real PostgreSQL, started here from Debian's package."""
 
-from __future__ import annotations
-
 import os
 import pwd
 import random

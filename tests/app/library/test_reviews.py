@@ -1,7 +1,5 @@
 """Reviews: frozen revisions, comments, decisions, and a valid signature."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Callable
 from pathlib import Path

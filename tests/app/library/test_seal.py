@@ -1,7 +1,5 @@
 """The signature of a review, against an attacker who can write the database but does not have the key."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Callable, Iterator
 from pathlib import Path

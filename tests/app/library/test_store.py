@@ -1,7 +1,5 @@
 """Saving designs: nothing lost, nothing half written, nothing that a hostile text can do."""
 
-from __future__ import annotations
-
 import multiprocessing
 import sqlite3
 from collections.abc import Callable

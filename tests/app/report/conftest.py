@@ -1,7 +1,5 @@
 """Designs to report on, and what a report's tables hold."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The design report: what it says."""
 
-from __future__ import annotations
-
 import math
 import re
 from datetime import UTC, datetime

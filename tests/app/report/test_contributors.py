@@ -1,7 +1,5 @@
 """Contributors of the user's own in the report and on the command line."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

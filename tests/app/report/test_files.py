@@ -1,7 +1,5 @@
 """The report as PDF and as HTML: complete, inert, and readable whatever stands in it."""
 
-from __future__ import annotations
-
 import io
 import os
 import re

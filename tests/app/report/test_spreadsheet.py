@@ -1,7 +1,5 @@
 """The spreadsheet, recalculated by two programs written by others, against the budget of the same inputs."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

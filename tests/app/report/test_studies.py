@@ -1,7 +1,5 @@
 """Studies in the report: its numbers are those of the study's JSON, and studies of other designs are omitted."""
 
-from __future__ import annotations
-
 import math
 import pickle
 import re

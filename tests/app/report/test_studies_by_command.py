@@ -1,7 +1,5 @@
 """Studies run by the command `report`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

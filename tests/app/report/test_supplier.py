@@ -1,7 +1,5 @@
 """The supplier's sheet as a file, and a log judged by it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

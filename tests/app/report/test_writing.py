@@ -1,7 +1,5 @@
 """A report is written whole or not at all, under a name that says its kind."""
 
-from __future__ import annotations
-
 import re
 from datetime import datetime, timedelta, timezone
 from pathlib import Path

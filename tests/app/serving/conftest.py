@@ -1,7 +1,5 @@
 """`navbudget serve` as a process, and a visitor that speaks to it over raw sockets."""
 
-from __future__ import annotations
-
 import asyncio
 import http.client
 import re

@@ -1,7 +1,5 @@
 """What a server does before anybody asks for it."""
 
-from __future__ import annotations
-
 import asyncio
 import sys
 from types import ModuleType

@@ -1,7 +1,5 @@
 """What a page may send: by message, and by session for what stays."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import json

@@ -1,7 +1,5 @@
 """Every custom component is loaded before the first page, so that open pages know all of them."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """Connections that ask for nothing, by the hundred: pages and new visitors are served all the same."""
 
-from __future__ import annotations
-
 import asyncio
 import signal
 import socket

@@ -1,7 +1,5 @@
 """What deploy/ and the Dockerfile say is what the program takes; nginx's file is what nginx takes."""
 
-from __future__ import annotations
-
 import asyncio
 import http.client
 import json

@@ -1,7 +1,5 @@
 """Access: nothing without login, no forged login, and no redirect to other hosts."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import urllib.parse

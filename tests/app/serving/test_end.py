@@ -1,7 +1,5 @@
 """How a server stops: work in progress is finished, no new session starts, no process remains."""
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import http.client

@@ -1,7 +1,5 @@
 """Limits on sessions and message sizes, and their metrics."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import socket

@@ -1,7 +1,5 @@
 """Malicious or hasty messages over the sockets of pages; all tests share one server."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Sign-in through an OAuth provider: a small one on loopback carries the whole way, as Panel's generic one goes."""
 
-from __future__ import annotations
-
 import asyncio
 import http.client
 import json

@@ -1,7 +1,5 @@
 """A page is freed however it ends, checked in the memory of a real server, which is only looked at."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """What the operator asks for: options, the password file, who may enter."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

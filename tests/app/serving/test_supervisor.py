@@ -1,7 +1,5 @@
 """Pages served from several processes: one server to whoever visits or stops it."""
 
-from __future__ import annotations
-
 import asyncio
 import multiprocessing
 import os

@@ -1,7 +1,5 @@
 """The one registry of subjects: what it names is there, and reading it costs nothing."""
 
-from __future__ import annotations
-
 import argparse
 import asyncio
 import subprocess

@@ -1,7 +1,5 @@
 """Parts of a page that follow its result."""
 
-from __future__ import annotations
-
 import numpy as np
 import panel as pn
 from bokeh.models import ColumnDataSource

@@ -1,7 +1,5 @@
 """Large parts of a page are made in turns: in order, with room for others in between, and not for a closed page."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """The line of a page follows its own session's work."""
 
-from __future__ import annotations
-
 import panel as pn
 import panel_material_ui as pmui
 import param

@@ -1,7 +1,5 @@
 """Closing a page does not start a full garbage collection."""
 
-from __future__ import annotations
-
 import gc
 
 import panel.io.document

@@ -1,7 +1,5 @@
 """A page's connection: frames leave at once, a lost one closes in silence, a fault is told without its traceback."""
 
-from __future__ import annotations
-
 import asyncio
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """Every override says what it must, fits what is installed, and has its reports upstream ready to be sent."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

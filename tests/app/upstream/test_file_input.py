@@ -1,7 +1,5 @@
 """The size of an upload is limited on the server."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a model was given is all that its page and its neighbours need to know of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

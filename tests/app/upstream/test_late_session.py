@@ -1,7 +1,5 @@
 """A session sees the cookies of its connection; tests/app/serving shows that who only looks makes none."""
 
-from __future__ import annotations
-
 from http.cookies import SimpleCookie
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """The server listens on the socket it is given, and when it stops listening it finishes what is in progress."""
 
-from __future__ import annotations
-
 import asyncio
 import socket
 from types import SimpleNamespace

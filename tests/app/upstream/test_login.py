@@ -1,7 +1,5 @@
 """The cookie of a login is for this site, over TLS only where the page came that way; a key encrypts its tokens."""
 
-from __future__ import annotations
-
 import pytest
 from cryptography.fernet import Fernet
 from panel.config import config

@@ -1,7 +1,5 @@
 """Scripts of ours go to the browser as they are, and their messages do not make the whole server busy."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import panel as pn

@@ -1,7 +1,5 @@
 """A component looks the same and holds fewer copies."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -3,8 +3,6 @@
 That foreign hosts and paths that are not offered get nothing is shown in tests/app/serving.
 """
 
-from __future__ import annotations
-
 import socket
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """Changes reach the browser whole and in the order they are made: none stays behind, none waits for a clock."""
 
-from __future__ import annotations
-
 import asyncio
 import weakref
 from collections.abc import Awaitable, Callable

@@ -1,7 +1,5 @@
 """A new text is all that changes."""
 
-from __future__ import annotations
-
 import panel as pn
 from bokeh.document import Document
 

@@ -1,7 +1,5 @@
 """Runs in processes of their own."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import multiprocessing

@@ -1,7 +1,5 @@
 """Results that a server still has."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 
 import pytest

@@ -1,7 +1,5 @@
 """Runs: how far they are, how they end, and that the newest wins."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A sensor at the end of its range: told by its axis, and never of a log that is only coarse."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Compiled kernels: fast to start, and never older than the source they came from."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

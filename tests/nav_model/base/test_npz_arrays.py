@@ -1,7 +1,5 @@
 """A damaged or hostile NPZ is refused under the name of its file, whatever its readers raise."""
 
-from __future__ import annotations
-
 import io
 import struct
 import zipfile

@@ -1,7 +1,5 @@
 """Numba finds out the types of an operation once; as shipped it looks them up again at each use."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numba import errors, njit

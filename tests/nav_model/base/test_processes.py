@@ -1,7 +1,5 @@
 """Worker processes end with their parent."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

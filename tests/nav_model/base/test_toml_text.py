@@ -1,7 +1,5 @@
 """Hostile texts are refused, or read, within the memory and the processor time that are stated."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tomllib

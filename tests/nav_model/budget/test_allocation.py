@@ -1,7 +1,5 @@
 """Allocation against the sum written out here and against a numerical optimiser."""
 
-from __future__ import annotations
-
 import math
 import random
 from functools import cache

@@ -1,7 +1,5 @@
 """Contributors of the user's own, against sums written out here."""
 
-from __future__ import annotations
-
 import json
 import math
 import pickle

@@ -1,7 +1,5 @@
 """Requirements of the user's own, against values written out here, and their allocation in the design."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Links: a design survives the address bar, and a forged address is refused by name."""
 
-from __future__ import annotations
-
 import string
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Ready-made contributors, against their formulas written out."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """WGS 84 and the gravity models against published numbers and the closed form of the normal field."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

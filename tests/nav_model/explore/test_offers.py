@@ -1,7 +1,5 @@
 """Offers: what a catalogue file may say of price, mass and power, and the order that comes of it."""
 
-from __future__ import annotations
-
 import pytest
 
 from nav_model import read_design

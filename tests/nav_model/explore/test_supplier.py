@@ -1,7 +1,5 @@
 """Required values of a supplier's sheet, and the risk that its acceptance leaves to both sides."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.stats import chi2

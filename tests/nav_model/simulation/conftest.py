@@ -1,7 +1,5 @@
 """Instruments the tests share, in the units of their data sheets."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

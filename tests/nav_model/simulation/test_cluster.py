@@ -1,7 +1,5 @@
 """The same study on a Dask cluster over real sockets, one worker process killed midway."""
 
-from __future__ import annotations
-
 import os
 import signal
 

@@ -1,7 +1,5 @@
 """Where closed form and simulation differ: each cause alone must be found, named and measured."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from itertools import pairwise

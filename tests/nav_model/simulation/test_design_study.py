@@ -1,7 +1,5 @@
 """Design -> SimulationSpec, and a study beside the closed forms of its design."""
 
-from __future__ import annotations
-
 import json
 import math
 import pickle

@@ -1,7 +1,5 @@
 """The filter's algebra against matrix exponentials, Riccati solutions and the textbook update."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Many runs: reproducible, right against closed forms, and with a correct consistency verdict."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor

@@ -4,8 +4,6 @@ pyins has another error model (Scherzinger and Reid's, where a velocity error is
 in), its own Earth, its own fixes and its own filter. Both programs get the same flight, noise, fixes and start.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

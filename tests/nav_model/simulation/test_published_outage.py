@@ -5,8 +5,6 @@ arrays show about 2 m at 30 s where noise alone says 0.3 m. The independent figu
 on a flat Earth.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

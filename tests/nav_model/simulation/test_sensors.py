@@ -1,7 +1,5 @@
 """The instruments' errors have the statistics of their data sheet."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One flight: the paper's case by covariance, fixes of every kind, and what makes a run reproducible."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

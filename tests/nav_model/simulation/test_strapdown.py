@@ -1,7 +1,5 @@
 """The mechanisation against the trajectory it must reproduce, and against Newton in Earth-centred axes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a study adds to a design: read with units, refused by name, flown as it was given, said in words."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Flights are what they say they are, and files that cannot be flown are refused by name and line."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

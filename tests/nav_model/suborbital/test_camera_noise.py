@@ -1,7 +1,5 @@
 """The sweep of star-camera noise against studies that image the stars at each noise."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The covariance along a flight against another program, and its smoother against the textbook's."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

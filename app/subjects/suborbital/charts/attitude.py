@@ -1,7 +1,5 @@
 """Attitude errors in both frames, and the star camera's images."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

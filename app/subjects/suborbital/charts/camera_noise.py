@@ -1,7 +1,5 @@
 """Position error from the star camera's noise, over a range of it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from app.charts.kinds import Array, Chart, Line, Points

@@ -1,7 +1,5 @@
 """Position errors: by source, INS against aided, and the unstable height."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line

@@ -1,7 +1,5 @@
 """The flight: map, height, what a perfect unit measures; and the gravity models compared."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

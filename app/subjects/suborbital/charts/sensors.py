@@ -1,7 +1,5 @@
 """Sensor errors along the flight, and the white-noise ensemble."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The input of the charts and tables of the suborbital study: the run, the current curves, and the chosen view."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

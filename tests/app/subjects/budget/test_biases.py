@@ -1,7 +1,5 @@
 """Residual biases that the strip of the Budget page names, and one press to change them."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Contributors on the Budget page: the tables that are filled in, the report, and the comparison of designs."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Any

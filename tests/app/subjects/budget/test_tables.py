@@ -1,7 +1,5 @@
 """Page, report and command show the same figures, those of the budget."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The Explore page without a browser: applying results, the user's sensors, refused input."""
 
-from __future__ import annotations
-
 import asyncio
 import csv
 import io

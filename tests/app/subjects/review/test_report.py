@@ -1,7 +1,5 @@
 """The record of a review in the report, and a first page that needs no library."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The library of the Review page: designs ticked are picked."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The SAR page and the command without a browser: what follows the sliders, what goes stale, what is refused."""
 
-from __future__ import annotations
-
 import asyncio
 import io
 import json

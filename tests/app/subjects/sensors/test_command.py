@@ -1,7 +1,5 @@
 """`navbudget allan`: JSON of the contract on standard output, progress on standard error, refusals in one line."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The Sensors page without a browser: logs in, results and offers out, nothing lost on the way."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 import re

@@ -1,7 +1,5 @@
 """`navbudget simulate`: what it writes, where, and what it refuses."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """The run behind the Simulate page, and the page's own logic, without a browser."""
 
-from __future__ import annotations
-
 import asyncio
 import multiprocessing
 import re

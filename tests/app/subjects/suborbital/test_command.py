@@ -1,7 +1,5 @@
 """`navbudget suborbital` in-process."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """The Suborbital page without a browser: what is put in force, what is shown, what is taken away."""
 
-from __future__ import annotations
-
 import asyncio
 import csv
 import io

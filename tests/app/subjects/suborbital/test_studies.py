@@ -1,7 +1,5 @@
 """Studies that are kept, shared and flown ahead."""
 
-from __future__ import annotations
-
 import asyncio
 from collections import OrderedDict
 from typing import Any

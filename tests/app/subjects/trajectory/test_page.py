@@ -1,7 +1,5 @@
 """The Trajectory page without a browser: what it follows, what it says, what it refuses."""
 
-from __future__ import annotations
-
 import asyncio
 import csv
 import io
