@@ -54,12 +54,10 @@ def drift(
     slow : pair of array_like, optional
         Variance of the slow error [m²], its correlation time [s].
     """
-    step, accelerometer, gyro, *more = np.broadcast_arrays(
-        *map(as_numbers, (step, accelerometer, gyro, *(slow or ())))
-    )
-    size = 3 if slow is None else 4
-    kind = np.result_type(step, accelerometer, gyro, *more)
-    phi, noise = np.zeros((2, *step.shape, size, size), kind)
+    step, accelerometer, gyro, *more = map(as_numbers, (step, accelerometer, gyro, *(slow or ())))
+    size, every = 3 if slow is None else 4, (step, accelerometer, gyro, *more)
+    shape = np.broadcast_shapes(*(value.shape for value in every))
+    phi, noise = np.zeros((2, *shape, size, size), np.result_type(*every))
     phi[..., range(size), range(size)] = 1
     phi[..., 0, 1] = phi[..., 1, 2] = step
     phi[..., 0, 2] = step * step / 2
@@ -153,6 +151,8 @@ def carried(covariance: Array, one: Segment) -> Array:
 
 def take(rows: Rows, which: Counts) -> Rows:
     """Some of the designs, which come first in every array."""
+    if len(which) == len(rows[0]):
+        return rows
     return type(rows)(*(part[which] for part in rows))
 
 
