@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.blocks import Table
 from app.document.verdict import check_words, verdict_strip, verdicts_in_short
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
@@ -74,7 +73,6 @@ def test_pages_report_and_command_give_one_verdict() -> None:
         verdict, lines = budget.verdict, check_lines("d", budget)
         document = to_json(budget)["verdict"]
         table = requirement_table(budget)
-        assert isinstance(table, Table)
         assert document["closes"] is verdict.closes is all(check.met for check in verdict.checks)
         assert f"d: {'closes' if verdict.closes else 'DOES NOT CLOSE'} at" in lines[-1]
         assert verdict_strip(budget).word == ("✓ Closes" if verdict.closes else "✗ Does not close")
@@ -103,12 +101,10 @@ def test_pages_report_and_command_give_one_verdict() -> None:
         assert f"{words.value}, limit {words.limit}, margin {words.margin}." in said.sentences[0]
         phase = 4 * math.pi / budget.sar.wavelength * design.requirements.confidence
         own = closed.detrended[judged(design)]
-        assert own is not None
         assert phase * own == pytest.approx(check.value, rel=1e-9)
         drawn = map_of_winners(conditions(budget))
         assert phase * drawn.sigma[drawn.strategies.index(judged(design))] == pytest.approx(check.value, rel=1e-9)
         if judged(design) == closed.advice.strategy:
             meets = re.search(r"(meets|misses) the limit", closed.advice.would_change)
-            assert meets is not None
             assert (meets[1] == "meets") is check.met
     assert min(seen.values()) > COUNT

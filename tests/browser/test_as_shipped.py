@@ -78,7 +78,6 @@ def shipped(browser: Browser) -> Iterator[Page]:
     """The page of `as_shipped_page`, opened."""
     program = Path(__file__).with_name("as_shipped_page.py")
     with subprocess.Popen([sys.executable, str(program)], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         page = browser.new_page()
         page.set_default_timeout(1e3 * PATIENCE)
         page.add_init_script(_CONNECTIONS)

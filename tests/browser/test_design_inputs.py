@@ -86,7 +86,6 @@ def test_the_sliders_that_are_tried_together_are_in_view_together(plain: Page, w
     plain.locator(".sidebar").evaluate("e => e.scrollTo(0, 0)")
     for name in ("Velocity random walk", "Angle random walk", "Position noise", "Fix interval", "Velocity noise"):
         place = plain.get_by_role("slider", name=name, exact=True).bounding_box()
-        assert place is not None
         assert place["y"] + place["height"] <= height, name
     rows = plain.evaluate(_HEIGHTS)
     assert len(rows) > 15

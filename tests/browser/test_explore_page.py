@@ -52,7 +52,6 @@ def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
     canvas = page.locator(".bk-Figure:visible").first
     canvas.click(trial=True)  # once it has come to rest
     place = canvas.bounding_box()
-    assert place is not None
     before = _cross(page)
     page.mouse.click(place["x"] + 0.3 * place["width"], place["y"] + 0.7 * place["height"])
     page.wait_for_function(f"(x) => ({COLUMNS})('map design').x[0] !== x", arg=before[0])

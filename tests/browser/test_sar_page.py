@@ -87,7 +87,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(
     visit: Visit, page: Page, tmp_path: Path, accessible: Check, scheme: str
 ) -> None:
     """Axe over the whole page with its results, wide and in a phone's width; then the keyboard alone."""
-    page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+    page.emulate_media(color_scheme=scheme)
     _open(visit)
     for title in ("Why, and what would change it", "Errors by strategy", "Eight point targets", "Exports"):
         page.get_by_role("button", name=title, exact=True).click()

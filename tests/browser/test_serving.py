@@ -131,7 +131,6 @@ def test_a_report_under_way_arrives_although_the_server_is_told_to_stop(page: Pa
             )
             process.terminate()
         path = download.value.path()
-        assert path is not None
         assert "</html>" in Path(path).read_text()
         assert process.wait(PATIENCE) == 0
 

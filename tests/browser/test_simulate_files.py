@@ -71,7 +71,7 @@ def test_a_flight_from_a_file_is_flown_and_one_that_cannot_be_is_refused_by_name
 
 def heavy_tasks(server: str) -> float:
     with urllib.request.urlopen(server + "/metrics") as answer:
-        return float(re.search(r"^navbudget_heavy_tasks (\S+)", answer.read().decode(), re.M)[1])  # type: ignore[index]
+        return float(re.search(r"^navbudget_heavy_tasks (\S+)", answer.read().decode(), re.M)[1])
 
 
 @pytest.fixture

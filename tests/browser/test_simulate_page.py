@@ -39,7 +39,6 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     page.wait_for_function(f"() => ({_CURVE})('sim-position rms 2').length === 121")
     for figure in [answer, *figures.all()]:  # all of it in the window
         place = figure.bounding_box()
-        assert place is not None
         assert place["y"] >= 0
         assert place["x"] + place["width"] <= 1440
         assert place["y"] + place["height"] <= 900

@@ -22,7 +22,6 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(
     expect(gyros).to_contain_text("26.7 km")
     settled(page)
     for box in (status.bounding_box(), gyros.bounding_box(), page.locator(".bk-Figure:visible").last.bounding_box()):
-        assert box is not None
         assert box["y"] + box["height"] <= 900
     page.get_by_role("button", name="Inputs", exact=True).click()
 

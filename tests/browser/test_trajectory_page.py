@@ -26,8 +26,6 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     expect(page.get_by_role("button", name="Cancel", exact=True)).to_be_disabled()
     theory, undo = page.get_by_role("tab", name="Theory"), page.get_by_role("button", name="Undo").first
     tab, tool = theory.bounding_box(), undo.bounding_box()
-    assert tab is not None
-    assert tool is not None
     assert tab["x"] + tab["width"] <= tool["x"]  # nine tabs have room beside the tools
     expect(page.locator(".bk-Figure:visible")).to_have_count(6)
     page.get_by_role("button", name="Table by line", exact=True).click()

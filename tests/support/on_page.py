@@ -35,7 +35,6 @@ def enter(field: Locator, text: str) -> None:
 def content(download: Download) -> bytes:
     """The bytes of a file that was downloaded."""
     path = download.path()
-    assert path is not None
     return Path(path).read_bytes()
 
 

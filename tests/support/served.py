@@ -22,7 +22,6 @@ def serving(
         log.open("w") if log else nullcontext() as errors,
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True) as process,
     ):
-        assert process.stdout is not None
         line = process.stdout.readline()
         assert line.startswith("NavBudget on http://"), line
         try:

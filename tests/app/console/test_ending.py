@@ -37,7 +37,6 @@ def _run(*command: str, **options: Any) -> subprocess.Popen[str]:
 
 def _say_until_under_way(process: subprocess.Popen[str]) -> str:
     """What a command says until it has told of work that is done."""
-    assert process.stderr is not None
     said = ""
     while not _DONE.search(said):
         more = os.read(process.stderr.fileno(), 4096).decode()
@@ -81,7 +80,6 @@ def test_a_stopped_command_ends_its_workers_says_one_line_and_leaves_nothing_hal
             else:
                 process.send_signal(number)
             assert process.wait(PATIENCE) == 128 + number
-            assert process.stderr is not None
             lines = (before + process.stderr.read()).splitlines()
             said = [line for line in lines if line.startswith(("navbudget", "Traceback"))]
             assert said == [f"navbudget: {'interrupted' if number == signal.SIGINT else 'terminated'}"]
@@ -98,7 +96,6 @@ def test_a_stopped_command_ends_its_workers_says_one_line_and_leaves_nothing_hal
 def test_a_signal_while_the_command_is_loaded_ends_it_with_one_line(tmp_path: Path, number: signal.Signals) -> None:
     (tmp_path / "numpy.py").write_text("import os, time\nos.write(2, b'loading\\n')\ntime.sleep(600)\n")
     with _run("check", TACTICAL, env={**os.environ, "PYTHONPATH": str(tmp_path)}) as process:
-        assert process.stderr is not None
         assert process.stderr.readline() == "loading\n"
         process.send_signal(number)
         assert process.wait(PATIENCE) == 128 + number
@@ -118,7 +115,6 @@ def test_a_full_disk_is_a_fault_of_the_surroundings_and_a_closed_pipe_silent(com
         with _run(*command, stdout=output) as process:
             os.close(output)
             assert process.wait(PATIENCE) == 3
-            assert process.stderr is not None
             assert process.stderr.read() == said
 
 

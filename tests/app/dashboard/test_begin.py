@@ -24,5 +24,5 @@ def test_the_designs_study_begins_as_its_tab_is_turned_to(
     monkeypatch.setattr(pn.state, "execute", lambda work: asyncio.run(work()))
     session = SimpleNamespace(design=first_design(), study_link=link)
     subject: Any = SimpleNamespace(ahead="studies:fly_ahead" if ahead else "", load=lambda _: begin)
-    Frame._begin(SimpleNamespace(session=session), subject)  # type: ignore[arg-type]
+    Frame._begin(SimpleNamespace(session=session), subject)
     assert begun == [session.design] * begins

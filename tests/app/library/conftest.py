@@ -49,7 +49,6 @@ def kill_during_saves() -> Callable[..., set[str]]:
         command = [sys.executable, "-c", _SAVER, address, str(EXAMPLES / "mems_x_band.toml")]
         for _ in range(kills):
             with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
-                assert process.stdout is not None
                 said = [process.stdout.readline() for _ in range(draw.randrange(saves))]
                 time.sleep(draw.uniform(0.0, 0.005))
                 process.kill()

@@ -31,7 +31,6 @@ def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: s
     assert _OMITTED in before
     assert _OMITTED not in said
     row = re.search(r"<tr>(?:(?!</tr>).)*lever &lt;arm&gt;(?:(?!</tr>).)*mechanics.*?</tr>", said, re.DOTALL)
-    assert row is not None
     for text in ("Detrended phase", "1 mm", "20 %", "random", "both", "survey, 2026-03"):
         assert text in row[0]
     assert "Contributors given in the design" not in before
@@ -57,7 +56,6 @@ def test_a_tile_has_them_in_both_moments_and_a_chart_says_that_its_curves_do_not
     for budget in (alone, with_own):
         (tile,) = (item for item in key_figures(budget).items if item.label == "Horizontal position")
         found = re.search(r"average ([\d.]+) (c?)m", tile.detail)
-        assert found is not None
         told.append(float(found[1]) / (100 if found[2] else 1))
     assert told[1] == pytest.approx(told[0] + 3, abs=0.006)
     said = " Contributors given in the design enter the values that are checked, not the curves."

@@ -62,7 +62,6 @@ def test_the_compose_file_gives_options_the_program_takes(capsys: pytest.Capture
     assert "/run/secrets/" in said
     assert "No such file" in said
     host = re.search(r"//(\w+)@(\w+)/(\w+)$", options["--library"])
-    assert host
     database = services[host[2]]
     assert (database["environment"]["POSTGRES_USER"], database["environment"]["POSTGRES_DB"]) == (host[1], host[3])
     password = services["navbudget"]["environment"]["PGPASSWORD"]

@@ -45,7 +45,6 @@ def test_a_signal_leaves_no_process(signal_number: signal.Signals) -> None:
         "    s.serve(Rules(port=0, grace=0.5, workers=2))\n"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         assert process.stdout.readline().startswith("NavBudget on")
         until(lambda: len(children_of(process.pid)) >= 2, "a worker and the tracker of shared resources")
         family = children_of(process.pid)
@@ -65,7 +64,6 @@ def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path:
         f"    main(['serve', '--port', '0', '--library', {str(tmp_path / 'l.db')!r}, '--grace', '60'])\n"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         address = process.stdout.readline().split()[-1]
 
         async def stay() -> None:
@@ -110,5 +108,5 @@ def test_heavy_work_steps_back_behind_the_pages(monkeypatch: pytest.MonkeyPatch)
                 raise EOFError
             return self.asked.pop()
 
-    long_run._work(Ends(), None)  # type: ignore[arg-type]
+    long_run._work(Ends(), None)
     assert [answer[:2] for answer in Ends.answers] == [("done", 1)]

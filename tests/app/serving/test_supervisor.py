@@ -140,14 +140,12 @@ def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
             subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         )
         left.callback(process.kill)
-        assert process.stdout is not None
         port = int(process.stdout.readline().rpartition(":")[2])
         family = _page_processes(process.pid)
         assert len(family) == 2
         process.send_signal(number)
         assert process.wait(PATIENCE) == (-signal.SIGKILL if number == signal.SIGKILL else 0)
         _nothing_stays(family, port)
-        assert process.stderr is not None
         assert "Traceback" not in process.stderr.read()
 
 
@@ -225,7 +223,6 @@ def test_a_process_that_ends_is_started_later_each_time_and_in_the_end_not_at_al
     falls, now, pauses = supervisor.Falls(), 0.0, []
     falls.started(now)
     while falls.fell(now := now + 5.0):
-        assert falls.due is not None
         pauses.append(falls.due - now)
         falls.started(now := falls.due)
     assert pauses == [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0]

@@ -41,7 +41,7 @@ def _in_a_session(
 
     async def run() -> None:
         document, context = Document(), SimpleNamespace(destroyed=False)
-        document._session_context = lambda: context  # type: ignore[assignment,return-value]
+        document._session_context = lambda: context
         session = ServerSession(ID("a"), document, IOLoop.current())
         with set_curdoc(document):
             work(document, context)

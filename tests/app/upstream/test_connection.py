@@ -22,7 +22,7 @@ def test_frames_do_not_wait_once_a_connection_is_open(opened: bool, monkeypatch:
 
     monkeypatch.setattr(WSHandler, "open", bokehs)
     handler = FramesAtOnce.__new__(FramesAtOnce)
-    handler.stream = None  # type: ignore[attr-defined]
+    handler.stream = None
     handler.open()
     assert asked == [True] * opened
 
@@ -30,7 +30,7 @@ def test_frames_do_not_wait_once_a_connection_is_open(opened: bool, monkeypatch:
 def test_a_connection_that_a_ping_has_found_lost_may_close() -> None:
     session: Any = SimpleNamespace(subscribe=lambda _: None, unsubscribe=lambda _: None)
     handler = LostConnection.__new__(LostConnection)
-    handler.connection = ServerConnection(None, None, None, session)  # type: ignore[arg-type]
+    handler.connection = ServerConnection(None, None, None, session)
     handler.connection.detach_session()
     handler.close_code = handler.close_reason = None
     handler.on_close()

@@ -45,9 +45,7 @@ def _told(model: Model) -> dict[str, Any]:
             return {key: plain(value) for key, value in part.items() if key != "id"}
         return [plain(value) for value in part] if isinstance(part, list) else part
 
-    told = plain(Serializer().encode(model))
-    assert isinstance(told, dict)
-    return told
+    return plain(Serializer().encode(model))
 
 
 @pytest.mark.filterwarnings("ignore::bokeh.util.warnings.BokehDeprecationWarning")

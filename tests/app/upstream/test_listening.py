@@ -20,8 +20,8 @@ def test_open_connections_stay_open() -> None:
     async def run() -> None:
         loop = asyncio.get_running_loop()
         server = BaseServer.__new__(BaseServer)
-        server._http = SimpleNamespace(stop=lambda: done.append("closed"), close_all_connections=cut)  # type: ignore[assignment]
-        server._loop = SimpleNamespace(add_callback=lambda work: loop.create_task(work()))  # type: ignore[assignment]
+        server._http = SimpleNamespace(stop=lambda: done.append("closed"), close_all_connections=cut)
+        server._loop = SimpleNamespace(add_callback=lambda work: loop.create_task(work()))
         let_nobody_new_in(server)
         await asyncio.sleep(0)
         await asyncio.sleep(0)

@@ -21,7 +21,7 @@ class _Connection:
 
 @pytest.mark.parametrize("protocol", ["http", "https"])
 def test_the_cookie_stays_here(protocol: str) -> None:
-    request = HTTPServerRequest(start_line=RequestStartLine("GET", "/", "HTTP/1.0"), connection=_Connection())  # type: ignore[arg-type]
+    request = HTTPServerRequest(start_line=RequestStartLine("GET", "/", "HTTP/1.0"), connection=_Connection())
     request.protocol = protocol
     handler = CookieForThisSite(Application(cookie_secret="of a test"), request)
     handler.set_secure_cookie("user", "ada")

@@ -145,7 +145,7 @@ def test_a_fault_in_a_message_does_not_hold_up_the_line(monkeypatch: pytest.Monk
 
         connection = _Connection(monkeypatch, written)
         try:
-            await sending._bokehs(connection, "x")  # type: ignore[arg-type]
+            await sending._bokehs(connection, "x")
         finally:
             assert connection._socket.write_lock._block._value == 1, "the line goes on"
 

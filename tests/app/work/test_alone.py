@@ -78,7 +78,7 @@ def test_a_process_that_died_while_it_waited_is_not_taken(monkeypatch: pytest.Mo
         lives = True
 
     monkeypatch.setattr(alone, "_Process", New)
-    alone._waiting.append(Gone())  # type: ignore[arg-type]
+    alone._waiting.append(Gone())
     assert isinstance(alone._take(), New)
     assert not alone._waiting
 

@@ -67,7 +67,6 @@ def test_a_reading_at_one_second_is_said_to_be_one():
     assert all(walk is not None and walk.reading and walk.value > 1.05e-4 for walk in walks)
     assert all(axis["random_walk"]["interval"] == READING_INTERVAL for axis in to_json(analysis)["axes"])
     triad = triad_random_walk(analysis, "gyro")
-    assert triad is not None
     assert triad.reading
     note = adopt_random_walks(analysis).origins[ARW]
     assert "read at 1 s, above the white-noise floor, on gyro_x, gyro_y, gyro_z" in note

@@ -154,7 +154,6 @@ def test_anti_alias_filter_hides_quantization_but_not_the_random_walk():
     filtered = (noise[:-3] + noise[1:-2] + noise[2:-1] + noise[3:]) / 4.0
     axis = analyse_log(ImuLog(filtered, None, 100.0)).axes[0]
     walk = axis.coefficients["random_walk"]
-    assert walk is not None
     assert walk.value == pytest.approx(0.1, rel=0.05)
     assert axis.band_hz < 50.0
     assert "filter" in axis.not_resolved["quantization"]
@@ -169,7 +168,6 @@ def test_vibration_line_is_named_and_left_out(amplitude: float):
     axis = analyse_log(ImuLog(signal, None, 100.0)).axes[0]
     assert axis.lines_hz == pytest.approx((17.3,), abs=0.01)
     walk = axis.coefficients["random_walk"]
-    assert walk is not None
     assert walk.low <= 1e-4 <= walk.high
 
 
@@ -201,14 +199,12 @@ def test_temperature_and_drift_are_warned_of():
     assert any("drifts steadily" in w for w in axes[2].warnings)
     assert not any("temperature" in w for w in axes[0].warnings)
     ramp = axes[2].coefficients["ramp"]
-    assert ramp is not None
     assert ramp.low <= 1e-3 * 11.0 / 200.0 <= ramp.high
 
 
 def test_falling_drift_keeps_its_sign():
     signal = white() - 1e-5 * np.arange(20_000)[:, None] / 100.0
     ramp = analyse_log(ImuLog(signal, None, 100.0)).axes[0].coefficients["ramp"]
-    assert ramp is not None
     assert ramp.low <= -1e-5 <= ramp.high < 0.0
 
 
@@ -243,7 +239,6 @@ def test_samples_held_by_a_logger_are_still_noise():
     """A sensor slower than its logger: every value twice, white below the sensor's own band."""
     axis = analyse_log(ImuLog(np.repeat(white(10_000), 2, axis=0), None, 100.0)).axes[0]
     walk = axis.coefficients["random_walk"]
-    assert walk is not None
     assert walk.low <= 1e-3 * np.sqrt(2 / 100.0) <= walk.high
     coarse = analyse_log(ImuLog(np.repeat(white(100), 200, axis=0), None, 100.0)).axes[0]
     assert not any("repeats itself" in warning for warning in coarse.warnings)
@@ -270,7 +265,6 @@ def test_triad_offers_one_value_to_the_design():
     gyro = white() * np.array([1.0, 2.0, 2.0])
     result = analyse_log(ImuLog(gyro, None, 100.0))
     offered = triad_random_walk(result, "gyro")
-    assert offered is not None
     assert offered.value == pytest.approx(1e-4 * np.sqrt(3.0), rel=0.01)
     assert offered.low < offered.value < offered.high
     assert triad_random_walk(result, "accelerometer") is None

@@ -35,7 +35,6 @@ def test_workers_end_when_their_parent_is_killed(tmp_path, module: str, name: st
     script = tmp_path / "script.py"  # a file: what is spawned imports it again
     script.write_text(_POOL.format(module=module, name=name, arguments=arguments), encoding="utf-8")
     with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         told = {int(word) for word in process.stdout.readline().split()}
         workers = psutil.Process(process.pid).children(recursive=True)
         assert told <= {worker.pid for worker in workers}

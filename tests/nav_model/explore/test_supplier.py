@@ -19,7 +19,7 @@ DESIGN = read_design("examples/tactical_x_band.toml")
 
 @pytest.mark.parametrize("unit", ["imu", "gnss"])
 def test_with_all_required_values_at_once_every_limit_is_met_and_one_percent_more_misses_one(unit: str) -> None:
-    lines = required(DESIGN, unit)  # type: ignore[arg-type]
+    lines = required(DESIGN, unit)
     at = {line.key: line.value for line in lines}
     assert analyse(DESIGN.replace(at)).verdict.closes
     assert not analyse(DESIGN.replace({key: 1.011 * value for key, value in at.items()})).verdict.closes
@@ -33,7 +33,7 @@ def test_with_all_required_values_at_once_every_limit_is_met_and_one_percent_mor
 def test_values_from_the_allocation_meet_each_limit_less_its_reserve(name: str, mode: str, split: str) -> None:
     plan = read_own({"allocation": {"split": split, "reserve": "20 %"}})
     design = read_design(f"examples/{name}.toml").replace({"processing.mode": mode}, own=plan)
-    found = {line.key: line for unit in ("imu", "gnss") for line in required(design, unit)}  # type: ignore[arg-type]
+    found = {line.key: line for unit in ("imu", "gnss") for line in required(design, unit)}
     new = analyse(design.replace({key: line.value for key, line in found.items()}))
     assert all(check.value <= 0.8 * check.limit * (1 + 1e-9) for check in new.verdict.checks), [
         (check.name, check.value / check.limit) for check in new.verdict.checks

@@ -24,7 +24,7 @@ SETTLED = 150.0
 
 def study(design: Design = PAPER, added: dict[str, str] | None = None, **options: object) -> SimulationStudy:
     asked = {"runs": 30, "duration": 300.0, "outages": [(200, 300)], "trajectory": "straight", **options}
-    spec = specification(design, more=read_study_inputs(added or {}), **asked)  # type: ignore[arg-type]
+    spec = specification(design, more=read_study_inputs(added or {}), **asked)
     return study_of(design, simulate(spec, closed_form=closed_form(design, spec)))
 
 
@@ -131,7 +131,6 @@ def test_after_an_outage_the_filter_settles_by_as_much_as_a_flat_filter_of_other
     """Schuler and Coriolis terms over 60 s are below 1 %: none of them may be named for the way back."""
     found = study(outages=[(100, 160), (200, 300)])
     back = of(found, "position", "north", 161.0)
-    assert back is not None
     settled = settled_channel()
     carried, ratios = channel_after(60.0, settled), []
     for _ in range(20):
@@ -164,7 +163,6 @@ def test_the_step_of_the_earth_is_what_schuler_gravity_and_coriolis_make_of_a_fl
         phi = block[8:, 8:].T
         down.append(math.sqrt((phi @ start @ phi.T + phi @ block[:8, 8:])[7, 7]))
     departure = of(plain(), "velocity", "down", 299.0)
-    assert departure is not None
     assert dict(departure.steps) == {"earth": pytest.approx(down[1] / down[0], rel=0.01)}
 
 
@@ -182,7 +180,6 @@ def test_errors_the_filter_does_not_expect_are_found_though_the_filter_agrees_wi
     """The slow GNSS error passes straight into position: 1 m on 0.47 m, and the filter knows nothing of it."""
     found = study(PAPER.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.0}))
     north = of(found, "position", "north", 190.0)
-    assert north is not None
     assert north.ratio == pytest.approx(0.946, abs=0.01)  # the posterior's [T-8]
     (cause, factor) = north.steps[-1]
     assert cause == "errors"

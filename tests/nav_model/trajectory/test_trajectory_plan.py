@@ -97,7 +97,7 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight(tmp_path: Path) -> None:
 )
 def test_a_file_that_is_no_plan_is_refused_with_the_place(read: object, text: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        read(text.encode(), "flight")  # type: ignore[operator]
+        read(text.encode(), "flight")
 
 
 def test_places_without_height_take_the_one_that_is_given() -> None:
@@ -118,7 +118,7 @@ def turning(write: object) -> np.ndarray:
     course = np.radians(yaw)
     north, east = np.sin(course), -np.cos(course)
     radius = 90.0 / np.radians(3.0) / 6.37e6 * 180 / np.pi
-    heading = write(yaw)  # type: ignore[operator]
+    heading = write(yaw)
     return np.column_stack([t, radius * north, radius * east, 1000.0 + 0 * t, 0 * t, 0 * t, heading])
 
 

@@ -76,7 +76,6 @@ def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> N
     shown = [row["source"] for row in part._entries.rows]
     part._entries.put([{"lock": "0.1°"} if source == "gyro noise" else {} for source in shown])
     plan = part.session.design.allocation
-    assert plan is not None
     assert (plan.split, plan.reserve) == ("equal", 0.3)
     assert [(lock.requirement, lock.name, lock.value) for lock in plan.locks] == [
         ("tilt", "gyro noise", pytest.approx(math.radians(0.1)))
@@ -113,7 +112,6 @@ def test_a_comparison_lists_contributors_that_differ() -> None:
     one, other = _DESIGN.replace({}, own=Own(own + same)), _DESIGN.replace({}, own=Own(same))
     said = to_html(report_of([analyse(one), analyse(other)]))
     row = re.search(r"<tr>(?:(?!</tr>).)*Contributor lever &lt;arm&gt;.*?</tr>", said, re.DOTALL)
-    assert row is not None
     assert "1 mm in detrended_phase, random, both" in row[0]
     assert "not given" in row[0]
     assert "Contributor clock" not in said

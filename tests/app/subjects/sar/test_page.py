@@ -111,7 +111,6 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     ranked = sorted((key for key in NAMES if key != "1"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
     best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)
-    assert best is not None
     assert best[1] == study.best().name
     assert sar._images.object.count("<img") == 10 + 1  # and the scale
     tables = part(sar, "Parts of the error, impulse response in figures")
@@ -299,7 +298,6 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
     assert "Simulator and error model compared" in tables.object
     assert "WGS 84" in part(sar, "Why, and what would change it").object
     result = sar._result
-    assert result is not None
     assert (result.study.engine, result.beside.engine) == ("simulator", "fast")
     # The two are different programs, so only their statistics agree.
     ratio = result.study.rms[1:] / result.beside.rms[1:]

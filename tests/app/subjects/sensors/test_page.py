@@ -60,7 +60,6 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert not panel.boxes["rate"].error_state
     asyncio.run(panel.analyse())
     analysis = panel.static.analysis
-    assert analysis is not None
     assert panel.static.__panel__().visible
     assert not panel.message.visible
     assert not session.running
@@ -180,7 +179,6 @@ def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
     panel.boxes["rate"].value = "100"
     asyncio.run(panel.take("bench.csv", log()))
     analysis = panel.static.analysis
-    assert analysis is not None
     for quantity, truth in (("gyro", 0.3 * 60.0), ("accelerometer", VRW / 9.80665e-6)):
         chart = triad_chart(analysis, quantity)
         assert len(chart.bands) == 3
@@ -201,7 +199,6 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
     cells = unescape(html_of(*coefficient_tables(result)))
     for axis in result.axes:
         walk = axis.coefficients["random_walk"]
-        assert walk is not None
         assert walk.reading
         assert axis.white_floor < walk.value
         for said in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):

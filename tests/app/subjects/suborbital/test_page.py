@@ -59,11 +59,9 @@ async def flown(page: SuborbitalPage, trajectory: tuple[str, bytes] | None) -> N
 
 def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
     before = here.study.shown
-    assert before is not None
     assert before.exact
     assert here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h")) is None
     after = here.study.shown
-    assert after is not None
     assert not after.exact
     k = after.study.case("gyro total")
     change = after.study.pure.position_m[k, -1] - before.study.pure.position_m[k, -1]
@@ -185,7 +183,6 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     assert any(running and "error sources" in words for running, words in told)
     shown = here.study.shown
     assert shown.exact
-    assert shown.gap is not None
     share = shown.gap.pure_share[shown.gap.names.index("all")]
     assert 0 < share < 0.05
     assert "The linear answer before was off by" in here._strip._text.object
@@ -291,7 +288,6 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
 
     asyncio.run(fly())
     shown = here.study.shown
-    assert shown.ensemble is not None
     flown = sensors.noise_chart(shown, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
     assert "50 runs, seed 1" in noise_table(shown).note
