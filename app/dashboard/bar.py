@@ -5,7 +5,6 @@ It is one custom component: with widgets of the component library it took a thir
 """
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, ClassVar
 
 import param
@@ -38,9 +37,8 @@ class Bar(PlainScript):
     shown = param.String(doc='How figures are told, such as "95.si"; empty: as usual.')
     presenting = param.Boolean(default=False, doc="Whether the screen is left to a decision.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = FIND + Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _before = FIND
 
     def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:
         super().__init__(**params)

@@ -1,7 +1,6 @@
 """The choice of comparison: the value before the last change, a saved design, a file, or nothing."""
 
 import asyncio
-from pathlib import Path
 from typing import Any, ClassVar
 
 import panel as pn
@@ -25,9 +24,7 @@ class ComparisonChoice(PlainScript):
     problem = param.String(doc="Why the last choice was not taken.")
     most = param.Integer(default=MAX_BYTES, doc="Bytes of the largest file.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
 
     def __init__(self, session: Session) -> None:
         super().__init__(sizing_mode="stretch_width", margin=(8, 10, 0, 10))

@@ -36,7 +36,7 @@ export function render({ model, view }) {
 
   model.on("dark", () => {
     const secure = location.protocol === "https:" ? "; secure" : ""
-    document.cookie = `COOKIE=${model.dark ? "dark" : "light"}; path=/; max-age=31536000; samesite=lax${secure}`
+    document.cookie = `${THEME_COOKIE}=${model.dark ? "dark" : "light"}; path=/; max-age=31536000; samesite=lax${secure}`
   })
 
   const say = (what) => { text.textContent = what }

@@ -2,8 +2,7 @@
 mode is kept."""
 
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import param
 
@@ -25,9 +24,7 @@ class Lifeline(PlainScript):
     who = param.String(doc="Who is logged in; empty: nobody has to.")
     dark = param.Boolean(doc="Whether the page is dark: kept in a cookie, for every page of this server.")
 
-    _stylesheets: ClassVar[list[str]] = [Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8").replace("COOKIE", THEME_COOKIE)
+    _before = f'const THEME_COOKIE = "{THEME_COOKIE}"\n'
 
     def __init__(self, come_back: Callable[[str, str], None], **params: Any) -> None:
         super().__init__(**params)

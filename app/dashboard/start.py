@@ -1,6 +1,5 @@
 """The first question of an empty start: the user's task, its inputs, and the page that answers."""
 
-from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import param
@@ -42,9 +41,7 @@ class StartChoice(PlainScript):
     chosen = param.String(default="", doc="Empty: none.")
     says = param.String(default="", doc="What to do next.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
 
     def _handle_msg(self, msg: Any) -> None:
         if isinstance(msg, str) and msg in STARTS:

@@ -1,6 +1,5 @@
 """Long text with anchors: the page's address cannot reach into a component."""
 
-from pathlib import Path
 from typing import ClassVar
 
 import param
@@ -16,7 +15,6 @@ class AnchoredText(PlainScript):
     asked = param.String(default="", doc="The id last asked for, and a count so that it can be asked for again.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET]
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
 
     def go_to(self, name: str) -> None:
         """Bring the element of this id into view; an unknown one changes nothing."""

@@ -1,7 +1,6 @@
 """A table with a decision in each row: accept or reject, with a reason where one is needed."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, ClassVar
 
 import param
@@ -23,9 +22,7 @@ class DecisionTable(PlainScript):
         default=[], doc="Dicts of place, name, label, value, limit, met, seen, decision and reason, as texts to show."
     )
 
-    _stylesheets: ClassVar[list[str]] = [SHEET, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [SHEET]
 
     def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:
         super().__init__(**params)

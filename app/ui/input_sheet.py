@@ -7,7 +7,6 @@ brings back what a person typed, chose or slid. An error is shown at its row, an
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import panel as pn
@@ -105,9 +104,7 @@ class InputSheet(PlainScript):
 
     _rename: ClassVar[dict[str, str | None]] = {"invalid": None}
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
 
     def __init__(self, groups: Sequence[Group], **params: Any) -> None:
         self.inputs = {each.key: each for group in groups for each in group.inputs}

@@ -1,6 +1,5 @@
 """Values that the browser keeps between visits, in a cookie: a name, a preference."""
 
-from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
@@ -26,8 +25,6 @@ class Remembered(PlainScript):
 
     key = param.String()
     text = param.String(default="")
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
 
     def __init__(self, key: str, text: Any) -> None:
         super().__init__(key=key, text=text, width=0, height=0, margin=0)

@@ -1,7 +1,6 @@
 """A table that a person fills in: a row a thing, each cell a box, a choice or a text to read."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import param
@@ -36,9 +35,7 @@ class RowEditor(PlainScript):
     ordered = param.Boolean(doc="Whether rows follow each other: inserted between others, pasted from a spreadsheet.")
     refused = param.String()
 
-    _stylesheets: ClassVar[list[str]] = [SHEET, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [SHEET]
 
     def __init__(self, fields: tuple[Field, ...], told: Callable[[Rows], object], **params: Any) -> None:
         columns = [field._asdict() for field in fields]

@@ -5,7 +5,6 @@ A row is chosen by its radio button, or by a button in it, where the table has a
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any, ClassVar
 
 import panel as pn
@@ -29,9 +28,7 @@ class SortableTable(PlainScript):
     html = param.String(default="", doc="Already escaped.")
     chosen = param.String(default="", doc="Value of the radio button that is on, or of the button last pressed.")
 
-    _stylesheets: ClassVar[list[str]] = [SHEET, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [SHEET]
 
     def __init__(self, take: Callable[[str], object] | None = None, **params: Any) -> None:
         """take: called with the value of a button that is pressed, again if it is pressed again; may be async."""

@@ -21,6 +21,5 @@ class Tour(PlainScript):
     steps = param.List(default=_STEPS, doc="Title, text and place of each.")
     offers = param.Boolean(default=True, doc="Whether the page in view has room for the offer, which floats over it.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
-
-    _esm = FIND + Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _before = FIND

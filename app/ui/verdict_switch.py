@@ -1,6 +1,5 @@
 """A switch whose words change with every step of a slider, in the frame in which the text beside it does."""
 
-from pathlib import Path
 from typing import ClassVar
 
 import param
@@ -22,5 +21,4 @@ class VerdictSwitch(PlainScript):
     options = param.Dict(default={}, doc="What each button says -> its value.")
     value = param.String(default="", doc="Value of the one that is on.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING, Path(__file__).with_suffix(".css").read_text("utf-8")]
-    _esm = Path(__file__).with_suffix(".js").read_text("utf-8")
+    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]

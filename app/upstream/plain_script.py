@@ -6,14 +6,28 @@ Reports to send upstream, versions and ends: docs/upstream/plain_script.md
 """
 
 import hashlib
-from typing import Any
+import inspect
+from pathlib import Path
+from typing import Any, ClassVar
 
 from panel.custom import JSComponent
 from panel.io.state import set_curdoc
 
 
 class PlainScript(JSComponent):
-    """A component whose ``_esm`` is plain JavaScript."""
+    """A component whose script is the file beside its module, and so is its style sheet, where there is one."""
+
+    _before: ClassVar[str] = ""
+    """Goes before the script."""
+    _stylesheets: ClassVar[list[str]] = []
+    """Go before its own."""
+
+    def __init_subclass__(cls) -> None:
+        script = Path(inspect.getfile(cls)).with_suffix(".js")
+        if script.exists():
+            cls._esm = cls._before + script.read_text("utf-8")
+        if (sheet := script.with_suffix(".css")).exists():
+            cls._stylesheets = [*cls._stylesheets, sheet.read_text("utf-8")]
 
     def _get_properties(self, doc: Any) -> dict[str, Any]:
         found: dict[str, Any] = super()._get_properties(doc)

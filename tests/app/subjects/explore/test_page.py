@@ -17,11 +17,12 @@ from app.subjects.explore.page import ExplorePage
 from app.subjects.explore.search import EXAMPLE
 from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.sweep_inputs import NONE
-from app.subjects.explore.uncertainty import RangeRow
+from app.subjects.explore.uncertainty import range_of, row_of
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
 from nav_model.design.file import format_design
 from nav_model.design.link import split_link
+from nav_model.design.parts import declaration_of
 from nav_model.design.presets import preset_fill
 from nav_model.explore.search import OWN_GNSS
 from nav_model.explore.sweep import sweep_ratios, to_csv, to_parquet
@@ -171,23 +172,55 @@ def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
     assert search._table.html.count("✓ closes") == sum(row["Closes"] == "True" for row in rows) > 0
 
 
-def test_a_range_is_what_the_command_takes() -> None:
-    row = RangeRow("imu.angle_random_walk", first_design)
-    row.set("Uniform", "0.02", "0.06 °/√h")
-    assert read_uncertain(row.key, row.text) == read_uncertain(row.key, "0.02 °/√h .. 0.06 °/√h")
-    row.set("Log-uniform", "0.02", "0.06")
-    assert row.text.endswith("log")
-    row.set("Typical ×/÷", "0.15", "1.3")
-    assert read_uncertain(row.key, row.text).kind == "lognormal"
-    row.set("Uniform", "0.06", "0.02")
-    assert "below" in row.problem
+@pytest.mark.parametrize(
+    ("cells", "text"),
+    [
+        (("uniform", "0.02", "0.06 °/√h"), "0.02 °/√h .. 0.06 °/√h"),
+        (("log-uniform", "0.02", "0.06"), "0.02 °/√h .. 0.06 °/√h log"),
+        (("typical", "0.15 °/√h", "1.3"), "0.15 °/√h */ 1.3"),
+    ],
+)
+def test_a_range_is_what_the_command_takes(cells: tuple[str, str, str], text: str) -> None:
+    row = dict(zip(("kind", "first", "second"), cells, strict=True))
+    said = range_of(row, "°/√h")
+    assert read_uncertain("imu.angle_random_walk", said) == read_uncertain("imu.angle_random_walk", text)
+    assert range_of(row_of(text), "°/√h") == text
+    assert not range_of({**row, "second": ""}, "°/√h")
+
+
+def _vary(sure: Any, key: str, *cells: str) -> None:
+    """Fill in the row of an input, as a person does."""
+    label = str(declaration_of(key).label)
+    row = next(row for row in sure.rows.rows if row["input"].startswith(f"{label}:"))
+    row |= dict(zip(("kind", "first", "second"), cells, strict=True))
+    sure.rows.put(sure.rows.rows)
+
+
+def test_a_range_that_cannot_be_is_refused_by_name_and_the_last_one_stays(explore: ExplorePage) -> None:
+    async def asked() -> None:
+        sure = _ask(explore, "Probability")
+        _vary(sure, "imu.angle_random_walk", "uniform", "0.02", "0.06")
+        before = sure.ranges
+        _vary(sure, "imu.angle_random_walk", "uniform", "0.06", "0.02")
+        assert sure.rows.refused.startswith("Angle random walk: ")
+        assert "below" in sure.rows.refused
+        assert sure.ranges == before != ""
+        sure.run.cancel()
+
+    asyncio.run(asked())
+
+
+def test_a_link_with_a_range_that_cannot_be_says_so(explore: ExplorePage) -> None:
+    explore.session.settings = {"uncertainty": "uncertainty.ranges=imu.angle_random_walk%3D2"}
+    sure = _ask(explore, "Probability")
+    assert (sure.answer.word, sure.answer.tone) == ("No probability", "warn")
 
 
 def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
     async def asked() -> Any:
         sure = _ask(explore, "Probability")
         await soon(lambda: "An example" in " ".join(sure.answer.sentences), "the example of an empty page")
-        next(row for row in sure.rows if row.key == "imu.angle_random_walk").set("Uniform", "0.02", "0.06")
+        _vary(sure, "imu.angle_random_walk", "uniform", "0.02", "0.06")
         await soon(lambda: "of closing: 40.1" in sure.answer.word, "the probability")
         return sure
 
@@ -208,8 +241,8 @@ def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePag
         _search(explore).biases = "zero"
         _ask(explore, "Trade-off map").y = "gnss.interval"
         sure = _ask(explore, "Probability")
-        for key, text in (("imu.vibration_factor", "1.0 .. 8.0 log"), ("gnss.position_noise", "1 m */ 1.5")):
-            next(row for row in sure.rows if row.key == key).take(text)
+        _vary(sure, "imu.vibration_factor", "log-uniform", "1.0", "8.0")
+        _vary(sure, "gnss.position_noise", "typical", "1 m", "1.5")
         sure.run.cancel()
         return explore.session.link
 
@@ -220,9 +253,9 @@ def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePag
     async def reloaded() -> None:
         page = ExplorePage(again)
         assert page.views.chosen == "Probability"
-        assert {row.key: row.text for row in page.question.rows if row.text} == {
-            "imu.vibration_factor": "1.0 .. 8.0 log", "gnss.position_noise": "1 m */ 1.5"
-        }  # fmt: skip
+        assert [list(row.values())[:3] for row in page.question.rows.rows if row.get("kind")] == [
+            ["log-uniform", "1.0", "8.0"], ["typical", "1 m", "1.5"]
+        ]  # fmt: skip
         page.question.run.cancel()
         assert _search(page).biases == "zero"
         assert _ask(page, "Trade-off map").y == "gnss.interval"
