@@ -43,7 +43,7 @@ from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.verdict import label_of, limit_on, outage_mark
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING, IN_OUTAGE
+from nav_model.design.contributors import COASTING, IN_OUTAGE, RESPONSE
 from nav_model.processing.geolocation import circular_error, ground_covariance
 
 _PLAIN = {
@@ -307,7 +307,7 @@ class _Making:
         if self.design.limits:
             self.workings.head("Limited by requirements of your own")
         for number, limit in enumerate(self.design.limits, 1):
-            if limit.on in FIGURES and not in_outage(limit):
+            if limit.on in (*FIGURES, *PLACING) and not in_outage(limit):
                 continue
             of: Any = np.float64(0.0)
             time: Any = self.x.duration
@@ -317,7 +317,11 @@ class _Making:
                 of = np.sqrt(outage(self.x, saw["posterior"], time, self._rule())[COASTING.index(limit.on)])
             elif limit.on in IN_OUTAGE:
                 of = np.sqrt(free_growth(self.x, saw["closed"], time)[limit.on])
-            self._figure(limit.name, of, limit.dimension, outage_mark(limit.on), key=own_key(number))
+            elif limit.on in RESPONSE:
+                others = {name: parts for name, parts in self.plain.own.items() if name != limit.name}
+                of = figures(replace(self.plain, own=others), (limit.name,))[limit.name]
+            taken, mark = limit.on in RESPONSE, outage_mark(limit.on)
+            self._figure(limit.name, of, limit.dimension, mark, taken=taken, key=own_key(number))
 
     def _image(self, start: Sawtooth) -> None:
         x, name = self.x, self.workings.name
@@ -359,11 +363,10 @@ class _Making:
             name(f"ground_{part}", value, f"on the ground, {part}", "m²", "[P-7]")
             for part, value in zip(("azimuth", "across", "both"), ground, strict=True)
         )
-        placed = placing(x, moved, [figure for figure in PLACING if figure != "ce90"])
-        placed["ce90"] = circular_error(one, other, both)
+        placed = placing(x, moved, [figure for figure in PLACING if figure not in ("ce90", "cep")])
+        placed |= {"ce90": circular_error(one, other, both), "cep": circular_error(one, other, both, share=0.5)}
         for figure in PLACING:
             self._figure(figure, placed[figure], "length", "[P-7]")
-        self._sum("real_time_cep", circular_error(one, other, both, share=0.5), "CEP", "length", "[P-7]")
 
     def _checked(self) -> None:
         """Figures of the steady state at the point of the fix cycle that the design's limits hold for."""

@@ -15,6 +15,7 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
 from nav_model.budget.contributors import entering, turned
 from nav_model.budget.result import Budget, Check
+from nav_model.design.contributors import RESPONSE
 from nav_model.design.own import Allotment
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.paired_echo import NOTHING
@@ -111,10 +112,13 @@ def allocate(
     Raises
     ------
     InputError
-        As `check_of`, and for a reserve out of bounds, an unknown split, and a lock of an unknown source or of a
-        value that is not above zero.
+        As `check_of`, for a measure of the impulse response, and for a reserve out of bounds, an unknown split, and
+        a lock of an unknown source or of a value that is not above zero.
     """
     check, plan = check_of(budget, requirement), budget.design.allocation or Allotment()
+    if check.on in RESPONSE:
+        said = "is no sum of its sources. Allocate the quadratic phase that widens the response."
+        raise InputError("requirement", said, check.name)
     split, reserve = split or plan.split, plan.reserve if reserve is None else reserve
     Allotment(split, reserve)  # which refuses what is not allowed
     locked = locks_of(budget, check) if locks is None else dict(locks)

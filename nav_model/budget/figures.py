@@ -20,10 +20,11 @@ from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import TURNING, smoothed_bent_variance, turn_weights
 from nav_model.aperture import geometry, phase
 from nav_model.base.arrays import Array, as_numbers
-from nav_model.budget.contributors import NONE, all_with_contributors
+from nav_model.budget.contributors import NONE, all_with_contributors, entering, with_contributors
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
-from nav_model.design.contributors import COASTING, IN_OUTAGE
+from nav_model.budget.response import responses
+from nav_model.design.contributors import COASTING, EXTRA, IN_OUTAGE, RESPONSE
 from nav_model.design.own import Limit
 from nav_model.processing.flight import Channel
 from nav_model.processing.geolocation import (
@@ -39,7 +40,10 @@ from nav_model.processing.smoother import smoothed_error
 
 SETTLED = ("horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt")
 IMAGING = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase")
-PLACING = ("azimuth_shift", "range_shift", "ce90", "le90")
+PLACING = ("azimuth_shift", "range_shift", "ce90", "le90", "cep")
+_WITHIN = {"ce90": 0.9, "cep": 0.5}
+"""Radii -> the share of images that each contains."""
+
 PERCENTAGES = ("ce90", "le90")
 """Figures that hold a percentage already."""
 
@@ -47,6 +51,7 @@ FIGURES: Mapping[str, str] = MappingProxyType(
     {
         name: "quadratic_phase" if name == "along_track_quadratic_phase" else name
         for name in (*IMAGING, *LEVELS, *PLACING, *SETTLED, *COASTING)
+        if name not in EXTRA
     }
 )
 """Name of a figure -> name of the requirement that limits it; the order is that of a verdict."""
@@ -113,7 +118,10 @@ def in_outage(limit: Limit) -> bool:
 
 
 def _limited(x: Inputs, limit: Limit, found: Mapping[str, Array]) -> Array:
-    """What a limit of the user's own limits, without contributors; zero where that is one of them."""
+    """What a limit of the user's own limits, without its contributors; zero where that is one of them."""
+    if limit.on in RESPONSE:
+        entered = entering(x.own, "quadratic_phase", post_processed=x.post_processed)
+        return responses(x, with_contributors(found["quadratic_phase"], entered))[limit.on]
     if not in_outage(limit):
         return found[limit.on] if limit.on in found else np.asarray(0.0)
     time = x.duration if limit.at is None else np.asarray(limit.at)
@@ -219,8 +227,9 @@ def placing(x: Inputs, moved: Shifts, names: Collection[str] = PLACING) -> dict[
         found["azimuth_shift"] = np.sqrt(moved.azimuth)
     if "range_shift" in names:
         found["range_shift"] = np.sqrt(moved.range)
-    if "ce90" in names:
-        found["ce90"] = circular_error(*ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint))
+    if not {"ce90", "cep"}.isdisjoint(names):
+        ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
+        found |= {name: circular_error(*ground, share=share) for name, share in _WITHIN.items() if name in names}
     if "le90" in names:
         found["le90"] = NINETY * np.sqrt(moved.height + x.scene_height_error**2)
     return found
@@ -247,6 +256,7 @@ _NEEDED: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "range_shift": ("mean", "slope", "mean_slope"),
         "ce90": ("mean", "slope", "mean_slope"),
         "le90": ("mean", "slope", "mean_slope"),
+        "cep": ("mean", "slope", "mean_slope"),
         "horizontal_position": ("position",),
         "vertical_position": ("position",),
         "horizontal_velocity": ("velocity",),
@@ -365,7 +375,8 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
         are NaN where the aperture is longer than a design may have.
     """
     limits = [limit for limit in x.limits if limit.name in names]
-    found = _of_model(x, {*names, *(limit.on for limit in limits if not in_outage(limit))})
+    needed = {"quadratic_phase" if limit.on in RESPONSE else limit.on for limit in limits if not in_outage(limit)}
+    found = _of_model(x, {*names, *needed})
     own = {limit.name: _limited(x, limit, found) for limit in limits}
     wanted = {name: value for name, value in found.items() if name in names} | own
     return all_with_contributors(wanted, x.own, post_processed=x.post_processed)
@@ -376,7 +387,7 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
     found: dict[str, Array] = {}
     wanted = set(names)
     if x.post_processed:
-        found |= smoothed_figures(x, [name for name in FIGURES if name in wanted and name not in COASTING])
+        found |= smoothed_figures(x, [name for name in (*FIGURES, "cep") if name in wanted and name not in COASTING])
         wanted &= set(COASTING)
     if wanted.intersection(LEVELS):
         found |= levels(x.fast.values(), x.to_phase, x.aperture, x.window)
@@ -396,7 +407,7 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
         assert saw is not None
         ends = outage(x, saw.posterior, x.duration)
         found |= {name: np.sqrt(variance) for name, variance in zip(COASTING, ends, strict=True)}
-    return {name: found[name] for name in (*FIGURES, INITIAL_TILT) if name in names}
+    return {name: found[name] for name in (*FIGURES, "cep", INITIAL_TILT) if name in names}
 
 
 SHARED = (*SETTLED, *COASTING, *PLACING, "along_track_quadratic_phase", INITIAL_TILT)

@@ -6,8 +6,7 @@ from functools import partial
 
 from nav_model.analytic.steady_state import Horizontal
 from nav_model.aperture import geometry, phase
-from nav_model.aperture.impulse_response import ImpulseResponse, with_echoes
-from nav_model.aperture.polynomial_response import half_power_extent, quadratic_response
+from nav_model.aperture.polynomial_response import half_power_extent
 from nav_model.aperture.window import ideal_null_cells
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
@@ -15,14 +14,14 @@ from nav_model.budget.contributors import composed, entering
 from nav_model.budget.fast import LEVELS, levels, stays
 from nav_model.budget.figures import INITIAL_TILT, PLACING, imaging, phase_sources, placing
 from nav_model.budget.inputs import Inputs
+from nav_model.budget.response import NO_IMAGE, response_of
 from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
 from nav_model.budget.shares import Shares, shares_by_step, shares_of
 from nav_model.design import Design
-from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
+from nav_model.processing.geolocation import Shifts, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 
 _COLUMNS = {"quadratic_phase": "quadratic", "cubic_phase": "cubic", "detrended_phase": "detrended"}
-_NO_IMAGE = 1000.0  # rad of quadratic phase: the response is smeared over more than 600 cells
 
 
 def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Shares]) -> Sar:
@@ -68,24 +67,10 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         tilt_shares=shares[INITIAL_TILT],
         velocity_shares=found["along_track_quadratic_phase"].shares,
         half_power_extent=(
-            None if one.sigma > _NO_IMAGE else half_power_extent(one.sigma, x.window)  # type: ignore[arg-type]
+            None if one.sigma > NO_IMAGE else half_power_extent(one.sigma, x.window)  # type: ignore[arg-type]
         ),
         respond=partial(response_of, x),
     )
-
-
-def response_of(x: Inputs, quadratic: float) -> ImpulseResponse | None:
-    """Impulse response of a quadratic phase [rad], with the echoes and scatter of the fast sources. [P-9], [P-11]
-
-    None beyond `_NO_IMAGE`.
-    """
-    if quadratic > _NO_IMAGE:
-        return None
-    response = quadratic_response(quadratic, x.window)  # type: ignore[arg-type]
-    if not x.fast:
-        return response
-    whole, near = (float(part) for part in stays(x.fast.values(), x.to_phase, x.aperture, x.window))
-    return with_echoes(response, float(_heights(x)["paired_echo"]), whole, near)
 
 
 def spectral_of(x: Inputs, cell: float) -> Spectral:
@@ -146,7 +131,7 @@ def placement_of(
         azimuth=placed["azimuth_shift"].sigma,
         ground=(float(ground[0]), float(ground[1]), float(ground[2])),
         ce90=placed["ce90"].sigma,
-        cep=float(circular_error(*ground, share=0.5)),
+        cep=placed["cep"].sigma,
         le90=placed["le90"].sigma,
         shares=FrozenMapping({name: placed[name].shares for name in PLACING}),
     )

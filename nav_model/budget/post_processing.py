@@ -9,10 +9,11 @@ from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import composed, entering
 from nav_model.budget.figures import IMAGING, SETTLED, SMOOTHED, smoothed_with_shifts
-from nav_model.budget.image import placement_of, response_of
+from nav_model.budget.image import placement_of
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.navigation import smoothed_outage
 from nav_model.budget.refusals import refused
+from nav_model.budget.response import response_of
 from nav_model.budget.result import (
     AfterFlight,
     Outage,

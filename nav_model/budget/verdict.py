@@ -9,10 +9,11 @@ from nav_model.budget.contributors import Parts, composed, entering, with_contri
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import FIGURES, PLACING
 from nav_model.budget.provenance import steady_marks
+from nav_model.budget.response import NO_IMAGE, limited_of
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING, ENTERED, IN_OUTAGE, UNSCALED
+from nav_model.design.contributors import COASTING, ENTERED, EXTRA, IN_OUTAGE, RESPONSE, UNSCALED
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -81,8 +82,8 @@ def label_of(name: str) -> str:
     """A figure's label: that of its requirement, but for one that limits two figures; a name of the user's own."""
     if name == "along_track_quadratic_phase":
         return "Along-track quadratic phase"
-    if name in IN_OUTAGE:
-        return IN_OUTAGE[name][1]
+    if name in EXTRA:
+        return EXTRA[name][1]
     return str(limit_on(name).label) if name in FIGURES else name
 
 
@@ -105,6 +106,8 @@ def judge(
     if smoothed is not None:
         figures |= _smoothed(smoothed)
     figures |= _placed(placement, figures["quadratic_phase"].basis)
+    if any(limit.on in RESPONSE for limit in design.limits):
+        figures |= _response(sar, smoothed, figures["quadratic_phase"], steady_state.own)
     figures |= _of_limits(design, figures, coast, steady_state.own, post_processed=smoothed is not None)
     checks = []
     for name, one in required(design).items():
@@ -185,8 +188,20 @@ def _of_limits(
     return found
 
 
+def _response(sar: Sar, smoothed: PostProcessed | None, quadratic: _Figure, own: Parts) -> dict[str, _Figure]:
+    """Figures of `RESPONSE`, with the shares of the quadratic phase; beyond `NO_IMAGE` those of `NO_IMAGE`."""
+    response = (smoothed or sar).respond(min(quadratic.sigma, NO_IMAGE))
+    assert response is not None
+    found = {}
+    for name, value in limited_of(response, sar.cell_length).items():
+        entered = entering(own, name, post_processed=smoothed is not None)
+        whole = composed(value, quadratic.shares, entered)
+        found[name] = _Figure(whole.sigma, "impulse response with 1σ quadratic", quadratic.equation, whole.shares)
+    return found
+
+
 def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
-    values = (placement.azimuth, placement.range, placement.ce90, placement.le90)
+    values = (placement.azimuth, placement.range, placement.ce90, placement.le90, placement.cep)
     return {
         name: _Figure(value, basis, "[P-7]", placement.shares[name])
         for name, value in zip(PLACING, values, strict=True)

@@ -36,6 +36,18 @@ IN_OUTAGE: Mapping[str, tuple[str, str]] = MappingProxyType(
 )
 """Figure of the outage that only a limit of the user's own may limit -> its dimension and label."""
 
+RESPONSE: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "response_width": ("length", "Response width"),
+        "pslr": ("level", "Peak side-lobe ratio"),
+        "response_islr": ("level", "Integrated side-lobe ratio"),
+    }
+)
+"""The same of the azimuth impulse response with the quadratic phase at one sigma."""
+
+EXTRA: Mapping[str, tuple[str, str]] = MappingProxyType({**IN_OUTAGE, "cep": ("length", "CEP"), **RESPONSE})
+"""Every figure that only a limit of the user's own may limit."""
+
 ENTERED: Mapping[str, str] = MappingProxyType(
     {
         name: declaration.dimension
@@ -43,13 +55,13 @@ ENTERED: Mapping[str, str] = MappingProxyType(
         if isinstance(declaration, BaseQuantity) and declaration.dimension
     }
     | {"along_track_quadratic_phase": "angle"}
-    | {name: dimension for name, (dimension, _) in IN_OUTAGE.items()}
+    | {name: dimension for name, (dimension, _) in EXTRA.items()}
 )
 """Figure that a contributor may enter, or a limit of the user's own limit -> its dimension."""
 
 COASTING = ("coast_horizontal_position", "coast_vertical_position")
-UNSCALED = ("ce90", "le90", "paired_echo", "islr")
-"""Figures that a confidence does not multiply: they are a percentage already, or a level."""
+UNSCALED = ("ce90", "le90", "cep", "paired_echo", "islr", *RESPONSE)
+"""Figures that a confidence does not multiply: a percentage already, a level, or of the response at one sigma."""
 
 ALIKE = (*COASTING, *IN_OUTAGE, "paired_echo", "islr")
 """Figures that are the same in both processings."""

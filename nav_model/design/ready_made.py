@@ -1,4 +1,4 @@
-"""Ready-made contributors: common errors beside the navigation, each by a formula of two numbers. [P-16]
+"""Ready-made contributors: common errors beside the navigation, each by a formula of one or two numbers. [P-16]
 
 What is made is a contributor like any other: its `source` says the formula and the numbers. Sources: JCGM 100:2008,
 5.1 (products and sums of independent errors); P. Prats, A. Reigber and J. Mallorqui, IEEE Geoscience and Remote
@@ -6,7 +6,7 @@ Sensing Letters 2(2), 2005, for motion compensation to a wrong height.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -25,30 +25,35 @@ class Box(NamedTuple):
 
 
 class ReadyMade(NamedTuple):
-    """A formula of two boxes a and b, in SI, that gives the 1σ of a contributor in `unit` of `dimension`."""
+    """A formula of the numbers in boxes, in SI, and of a design: the 1σ of a contributor in `unit` of `dimension`."""
 
-    boxes: tuple[Box, Box]
+    boxes: tuple[Box, ...]
     formula: str
     dimension: str
     unit: str
     enters: str
     kind: str
-    of: Callable[[float, float, Design], float]
+    of: Callable[..., float]
 
 
-def _product(a: float, b: float, _: Design) -> float:
+def _product(_: Design, a: float, b: float) -> float:
     return a * b
 
 
-def _root(a: float, b: float, _: Design) -> float:
+def _root(_: Design, a: float, b: float) -> float:
     return math.hypot(a, b)
 
 
-def _slant(a: float, b: float, _: Design) -> float:
-    return a / math.sin(b) if math.sin(b) > 0 else math.inf
+def _along(design: Design, a: float) -> float:
+    return a * design.flight.speed
 
 
-def _turned(a: float, b: float, design: Design) -> float:
+def _slant(design: Design, a: float) -> float:
+    upward = math.sin(design.radar.grazing_angle)
+    return a / upward if upward else math.inf
+
+
+def _turned(design: Design, a: float, b: float) -> float:
     return a * b / (design.radar.slant_range * math.cos(design.radar.grazing_angle))
 
 
@@ -64,8 +69,8 @@ READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
         "flexure × attitude rate", "speed", "mm/s", "horizontal_velocity", RANDOM, _product,
     ),
     "time tag, offset": ReadyMade(
-        (Box("Offset", "time", "0.1 ms"), Box("Velocity", "speed", "100 m/s")),
-        "offset × velocity", "length", "mm", "horizontal_position", SYSTEMATIC, _product,
+        (Box("Offset", "time", "0.1 ms"),),
+        "offset × speed of the flight", "length", "mm", "horizontal_position", SYSTEMATIC, _along,
     ),
     "time tag, jitter": ReadyMade(
         (Box("Jitter, 1σ", "time", "0.1 ms"), Box("Acceleration, rms", "acceleration", "1 m/s²")),
@@ -80,9 +85,8 @@ READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
         "√(variation² + drift²)", "length", "mm", "detrended_phase", RANDOM, _root,
     ),
     "atmospheric path": ReadyMade(
-        (Box("Vertical path error", "length", "5 mm"), Box("Grazing angle", "angle", "35°")),
-        "vertical error / sin(grazing angle)", "length", "mm", "range_shift", SYSTEMATIC,
-        _slant,
+        (Box("Vertical path error", "length", "5 mm"),),
+        "vertical error / sin(grazing angle)", "length", "mm", "range_shift", SYSTEMATIC, _slant,
     ),
     "scene height": ReadyMade(
         (Box("Height error", "length", "10 m"), Box("Deviation across the line of sight, rms", "length", "0.5 m")),
@@ -93,8 +97,8 @@ READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
 """Name -> formula."""
 
 
-def ready_made(name: str, first: str, second: str, design: Design) -> Contributor:
-    """A contributor of the list for a design, from the texts of its two boxes.
+def ready_made(name: str, texts: Sequence[str], design: Design) -> Contributor:
+    """A contributor of the list for a design, from the texts of its boxes.
 
     Raises
     ------
@@ -105,7 +109,7 @@ def ready_made(name: str, first: str, second: str, design: Design) -> Contributo
         raise InputError("contributor", not_a_choice(name, READY_MADE), name)
     made = READY_MADE[name]
     values, said = [], []
-    for box, text in zip(made.boxes, (first, second), strict=True):
+    for box, text in zip(made.boxes, texts, strict=True):
         try:
             values.append(parse_quantity(text, box.dimension).value)
         except QuantityError as error:
@@ -114,6 +118,6 @@ def ready_made(name: str, first: str, second: str, design: Design) -> Contributo
         said.append(f"{box.label.lower()} {text.strip()}")
     taken = {one.name for one in design.contributors}
     own = next(each for n in range(1, len(taken) + 2) if (each := name if n == 1 else f"{name} {n}") not in taken)
-    value = float(f"{made.of(values[0], values[1], design):.6g}")
+    value = float(f"{made.of(design, *values):.6g}")
     source = f"{made.formula}: {', '.join(said)} [P-16]"
     return Contributor(own, value, made.enters, made.dimension, made.kind, source=source, unit=made.unit)

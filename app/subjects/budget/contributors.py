@@ -1,6 +1,7 @@
 """Contributors and requirements of the user's own on the Budget page, and what each source may take of a limit."""
 
 from html import escape
+from itertools import zip_longest
 
 import panel as pn
 import panel_material_ui as pmui
@@ -148,8 +149,10 @@ class Contributors(View):
     def _ask(self) -> None:
         """Ask for the numbers of the formula that is chosen."""
         made = READY_MADE[self._made.value]
-        for box, asked in zip(self._boxes, made.boxes, strict=True):
-            box.param.update(label=asked.label, placeholder=asked.example, value="")
+        for box, asked in zip_longest(self._boxes, made.boxes):
+            if asked:
+                box.param.update(label=asked.label, placeholder=asked.example, value="")
+            box.visible = asked is not None
         text = f"{made.formula}, enters {label_of(made.enters).lower()} [P-16]."
         self._made_said.say(html_of(Text(text[:1].upper() + text[1:])))
 
@@ -157,7 +160,8 @@ class Contributors(View):
         """Add the ready-made contributor."""
         refused: InputError | None
         try:
-            one = ready_made(self._made.value, self._boxes[0].value, self._boxes[1].value, self.session.design)
+            texts = [box.value for box in self._boxes if box.visible]
+            one = ready_made(self._made.value, texts, self.session.design)
             refused = self._enter("contributors", [*self._contributors.rows, one.record()])
         except InputError as error:
             refused = error

@@ -43,6 +43,8 @@ CHANGED = {
 """Inputs that are changed, and from where to where."""
 designs = pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.slow)])
 """So many random ones."""
+_PLACED = (*SETTLED, "cep", "pslr")
+"""Figures of limits that have a cell elsewhere, or a value without a formula."""
 
 
 def drawn(base: Design, seed: int) -> Design:
@@ -70,9 +72,10 @@ def entered(book: openpyxl.Workbook, key: str, value: float) -> float:
 
 
 def expected(design: Design) -> dict[str, float]:
-    """Every figure in real time, and the verdict, under the names of the sheet's cells."""
+    """Every figure in real time that has a formula, and the verdict, under the names of the sheet's cells."""
     names = {name: name for name in FIGURES}
-    names |= {limit.name: f"own_limit_{n}" for n, limit in enumerate(design.limits, 1) if limit.on not in SETTLED}
+    names |= {limit.name: f"own_limit_{n}" for n, limit in enumerate(design.limits, 1) if limit.on not in _PLACED}
+    names |= {limit.name: limit.on for limit in design.limits if limit.on == "cep"}
     found = figures(inputs_of(design.replace({"processing.mode": "real time"})), names)
     return {f"real_time_{names[name]}": float(value) for name, value in found.items()}
 
@@ -85,6 +88,8 @@ def own() -> Own:
         {"name": "position", "on": "coast_horizontal_position", "limit": "1 NM", "at": "12.5 s"},
         {"name": "vertical tilt", "on": "tilt", "limit": "1 mrad", "confidence": 2},
         {"name": "lever", "on": "lever arm", "limit": "3 mm"},
+        {"name": "half of the images", "on": "cep", "limit": "1 m"},
+        {"name": "side lobe", "on": "pslr", "limit": "3 dB"},
     ]
     return Own(contributors(), read_limits(limits, contributors()))
 
@@ -120,6 +125,7 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
         row = checked[check.label]
         assert row[6].value == pytest.approx(check.margin, abs=1e-9)
         assert row[7].value == ("met" if check.met else "not met")
+        assert row[9].value == (TAKEN if check.on == "pslr" else LIVE)
     post = {row[0].value: row for row in book["Post-processed"].iter_rows(min_row=6)}
     for check in budget.other_verdict.checks:
         assert post[check.label][6].value == pytest.approx(check.margin, abs=1e-9)
@@ -133,7 +139,7 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
 
 def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
     limits = [name for name in book.defined_names if name.startswith("real_time_own_limit")]
-    for name in (*(f"real_time_{figure}" for figure in FIGURES), *limits, "verdict_in_real_time"):
+    for name in (*(f"real_time_{figure}" for figure in (*FIGURES, "cep")), *limits, "verdict_in_real_time"):
         sheet, _, cell = book.defined_names[name].attr_text.rpartition("!")
         yield name, f"{sheet.strip(chr(39))}!{cell.replace('$', '')}"
 

@@ -82,6 +82,61 @@ def test_own_confidence_and_contributors_count_and_a_contributor_can_be_limited(
     assert {entry.source for entry in allocate(budget, "heading").entries} == {"gyro noise", "drift", "mount"}
 
 
+_RESPONSE = [
+    {"name": "width", "on": "response_width", "limit": "0.6 m"}, {"name": "peak", "on": "pslr", "limit": "-9 dB"},
+    {"name": "side", "on": "response_islr", "limit": "-6 dB"}, {"name": "half", "on": "cep", "limit": "1 m"},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("lines", [(), ((20.0, 2e-3, "length"),)])
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_measures_of_the_response_and_cep_are_those_that_are_printed(mode: str, lines: tuple[Any, ...]) -> None:
+    changes = {"processing.mode": mode, "motion.unsensed_lines": lines}
+    arm = {"name": "lever arm", "value": "2 mm", "enters": "quadratic_phase"}
+    budget = analyse(_design(*_RESPONSE, contributors=[arm]).replace(changes))
+    response, place = (budget.smoothed or budget.sar).impulse_response, to_json(budget)["geolocation"]
+    assert response is not None
+    expected = {
+        "width": response.half_power_extent_cells * budget.sar.cell_length,
+        "peak": 10 ** (response.pslr_fixed_db / 20),
+        "side": 10 ** (response.islr_fixed_db / 20),
+        "half": place[mode.replace("-", "_").replace(" ", "_")]["cep_m"],
+    }
+    found = {check.name: check for check in budget.verdict.checks}
+    assert {name: check.value for name, check in found.items()} == {
+        name: pytest.approx(float(value), rel=1e-12) for name, value in expected.items()
+    }
+    assert {check.confidence for check in found.values()} == {None}
+    for check in found.values():
+        assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
+    across = ratios(budget.design, {"imu.angle_random_walk": [1e-5, 1e-3, 1.0]})
+    for name, values in across.items():
+        assert list(values[:1]) == [pytest.approx(found[name].value / found[name].limit, rel=1e-9)]
+        assert values[0] < values[2] < math.inf
+    with pytest.raises(InputError, match="Allocate the quadratic phase"):
+        allocate(budget, "width")
+
+
+def test_a_contributor_to_the_width_or_to_cep_adds_to_it() -> None:
+    own = [
+        {"name": "pad", "value": "3 cm", "enters": "response_width", "kind": "systematic"},
+        {"name": "datum", "value": "40 cm", "enters": "cep"},
+    ]  # fmt: skip
+    plain, more = (
+        {check.name: check for check in analyse(_design(*_RESPONSE, contributors=each)).verdict.checks}
+        for each in ([], own)
+    )
+    assert more["width"].value == pytest.approx(plain["width"].value + 0.03, rel=1e-12)
+    assert more["half"].value == pytest.approx(math.hypot(plain["half"].value, 0.4), rel=1e-12)
+    assert more["width"].shares["pad"] == pytest.approx(0.03 / more["width"].value, rel=1e-9)
+
+
+@pytest.mark.parametrize("limit", ["30°", "0.5235987755982988 rad", "523.5987755982989 mrad"])
+def test_a_limit_on_a_phase_takes_any_unit_of_an_angle(limit: str) -> None:
+    (check,) = analyse(_design({"name": "phase", "on": "detrended_phase", "limit": limit})).verdict.checks
+    assert check.limit == pytest.approx(math.pi / 6, rel=1e-12)
+
+
 def test_what_would_close_it_solves_for_them() -> None:
     limit = {"name": "heading", "on": "coast_heading", "limit": "1e-5 rad", "at": "30 s"}
     solutions = solve(_design(limit))
@@ -131,6 +186,12 @@ def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None
         ({"limits": [_HEADING | {"on": "yaw"}]}, "limits[heading].on"),
         ({"limits": [_HEADING | {"on": "confidence"}]}, "limits[heading].on"),
         ({"limits": [_HEADING | {"limit": "1 m"}]}, "limits[heading].limit"),
+        ({"limits": [{"name": "a", "on": "detrended_phase", "limit": "1 mm"}]}, "limits[a].limit"),
+        ({"limits": [{"name": "a", "on": "pslr", "limit": "-9"}]}, "limits[a].limit"),
+        (
+            {"limits": [{"name": "a", "on": "response_width", "limit": "1 m", "confidence": 2}]},
+            "limits[a].confidence",
+        ),
         ({"limits": [_HEADING | {"limit": "0°"}]}, "limits[heading].limit"),
         ({"limits": [_HEADING | {"limit": "-1°"}]}, "limits[heading].limit"),
         ({"limits": [_HEADING | {"at": "30 m"}]}, "limits[heading].at"),

@@ -118,17 +118,19 @@ def test_a_comparison_lists_contributors_that_differ() -> None:
     assert "The designs have the same inputs." not in said
 
 
-def test_a_ready_made_contributor_takes_two_boxes(part: Contributors) -> None:
-    part._made.value = "time tag, offset"
-    assert [box.label for box in part._boxes] == ["Offset", "Velocity"]
+def test_a_ready_made_contributor_asks_for_what_the_design_does_not_have(part: Contributors) -> None:
+    part._made.value = "time tag, jitter"
+    assert [(box.label, box.visible) for box in part._boxes] == [("Jitter, 1σ", True), ("Acceleration, rms", True)]
     part._boxes[0].value = "1 ms"
     part._make()
-    assert "role='alert'>Velocity: " in part._made_said.object
+    assert "role='alert'>Acceleration, rms: " in part._made_said.object
     assert part.session.design == _DESIGN
-    part._boxes[1].value = "100 m/s"
+    part._made.value = "time tag, offset"
+    assert [box.visible for box in part._boxes] == [True, False]
+    part._boxes[0].value = "1 ms"
     part._make()
     (one,) = part.session.design.contributors
     assert (one.name, one.value, one.kind, one.enters) == (
-        "time tag, offset", pytest.approx(0.1), "systematic", "horizontal_position",
+        "time tag, offset", pytest.approx(1e-3 * _DESIGN.flight.speed), "systematic", "horizontal_position",
     )  # fmt: skip
     assert part._boxes[0].value == ""

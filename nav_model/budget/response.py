@@ -1,0 +1,55 @@
+"""The azimuth impulse response of a quadratic phase, with what vibration and oscillator add. [S-5], [P-9], [P-11]"""
+
+import math
+
+import numpy as np
+
+from nav_model.aperture import geometry
+from nav_model.aperture.impulse_response import ImpulseResponse, with_echoes
+from nav_model.aperture.polynomial_response import quadratic_response
+from nav_model.base.arrays import Array
+from nav_model.budget.fast import levels, stays
+from nav_model.budget.inputs import Inputs
+from nav_model.design.contributors import RESPONSE
+
+NO_IMAGE = 1000.0
+"""Quadratic phase [rad] that smears the response over more than 600 cells; no larger one is computed."""
+
+
+def response_of(x: Inputs, quadratic: float) -> ImpulseResponse | None:
+    """Impulse response of one design with a quadratic phase [rad]; None beyond `NO_IMAGE`."""
+    return None if quadratic > NO_IMAGE else _response(quadratic, x.window, *map(float, _beside(x)))
+
+
+def limited_of(response: ImpulseResponse, cell: float) -> dict[str, float]:
+    """Figures of `RESPONSE`: width between the outermost half-power points [m] for cells of so many metres, and
+    amplitudes outside the error-free main lobe over the target's."""
+    side = (float(response.pslr_fixed_db), float(response.islr_fixed_db))
+    values = (float(response.half_power_extent_cells) * cell, *(10 ** (level / 20) for level in side))
+    return dict(zip(RESPONSE, values, strict=True))
+
+
+def responses(x: Inputs, quadratic: Array) -> dict[str, Array]:
+    """Figures of `RESPONSE` for quadratic phases [rad], beyond `NO_IMAGE` those of `NO_IMAGE`; NaN for NaN."""
+
+    def measured(phase: float, *beside: float) -> tuple[float, ...]:
+        if math.isnan(phase):
+            return (math.nan,) * len(RESPONSE)
+        return tuple(limited_of(_response(min(phase, NO_IMAGE), x.window, *beside), 1.0).values())
+
+    found = np.vectorize(measured, otypes=[float] * len(RESPONSE))(quadratic, *_beside(x))
+    cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
+    return dict(zip(RESPONSE, (found[0] * cell, *found[1:]), strict=True))
+
+
+def _response(quadratic: float, window: str, *beside: float) -> ImpulseResponse:
+    response = quadratic_response(quadratic, window)  # type: ignore[arg-type]
+    return with_echoes(response, *beside) if beside else response
+
+
+def _beside(x: Inputs) -> tuple[Array, ...]:
+    """Highest echo, and power that stays, all and with near errors alone; empty where there are no fast sources."""
+    if not x.fast:
+        return ()
+    made = x.fast.values(), x.to_phase, x.aperture, x.window
+    return levels(*made)["paired_echo"], *stays(*made)
