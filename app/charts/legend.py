@@ -1,7 +1,7 @@
 """A chart's legend as HTML under the figure, which wraps on a phone and is read by screen readers."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from html import escape
 
 import numpy as np
@@ -14,7 +14,22 @@ from app.charts.styles import DASHES, STYLES, Style
 def legend_html(chart: Chart | DotChart | MapChart) -> str:
     """One entry for each name; curves of one name, such as the two parts of one, share the first one's."""
     entries = {label: swatch for swatch, label in reversed(_ENTRIES[type(chart)](chart))}
-    items = "".join(f"<li>{swatch} {escape(label)}</li>" for label, swatch in reversed(entries.items()))
+    return _listed((swatch, label) for label, swatch in reversed(entries.items()))
+
+
+def key_html(**names: str) -> str:
+    """What each look of a line means, whatever its colour: a dash of `DASHES`, "limit", "faint", or "span", a time."""
+    looks = {dash: _line(Style("currentColor", dash)) for dash in DASHES}
+    looks |= {
+        "limit": _line(STYLES["limit"]),
+        "faint": _line(Style("#9fb8ca")),
+        "span": _box(Style("currentColor"), 0.2),
+    }
+    return _listed((looks[look], name) for look, name in names.items())
+
+
+def _listed(entries: Iterable[tuple[str, str]]) -> str:
+    items = "".join(f"<li>{swatch} {escape(label)}</li>" for swatch, label in entries)
     return f'<ul class="legend" aria-label="Legend">{items}</ul>'
 
 

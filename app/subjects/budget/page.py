@@ -9,6 +9,7 @@ import param
 from bokeh.core.property.validation import validate
 
 from app.charts.kinds import BarChart, Chart
+from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
 from app.declared import held
 from app.document.bars import bars_html
@@ -44,7 +45,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
 
-_KEY = '<span class="quiet fine">red: limit · faint: compared</span>'
+_KEY = key_html(limit="limit", faint="compared")
 _QUIET = ".switch { border: 0; justify-content: end; } button { font-size: 12px; padding: 1px 8px; }"
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 

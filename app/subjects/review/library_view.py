@@ -33,7 +33,8 @@ _HINT = '<p class="quiet">Tick designs above to select them, then compare, open,
 _OPENING = '<p class="quiet">Opening the library …</p>'
 _EMPTY = (
     "<p><b>No design saved yet.</b> Enter your name, then press <i>Save as new design</i>. It saves the design "
-    "on the left with its verdict. Each later save is a revision that can be compared and reviewed.</p>"
+    "on the left with its verdict. Each later save is a revision that can be compared and reviewed. "
+    "For an example, load one from <i>Open, Examples</i> and save it as well.</p>"
 )
 
 

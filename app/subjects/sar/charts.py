@@ -205,7 +205,7 @@ def gnss_winner_chart(budget: Budget) -> MapChart:
     """The best strategy by aperture time and position noise."""
     return _winner_chart(
         budget, gnss_map(budget), "sar-map-gnss", "Best strategy by aperture and position noise",
-        "position noise, horizontal, 1σ [m]", 1.0, "catalogue radars",
+        "position noise, 1σ [m]", 1.0, "catalogue radars",
         "its aperture [S-3] with this design's GNSS",
     )  # fmt: skip
 

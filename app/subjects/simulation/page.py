@@ -12,7 +12,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.legend import legend_html
+from app.charts.legend import key_html, legend_html
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen, held
 from app.document.blocks import Answer, Block
@@ -71,12 +71,12 @@ _POINTS = 600  # results kept along a run
 _UPLOAD = 20_000_000  # bytes
 _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
-_KEY = '<span class="quiet fine">solid: simulated · dashed: filter · dotted: formula · grey: outage</span>'
+_KEY = key_html(solid="simulated", dashed="filter", dotted="formula", span="outage")
 _START = Answer(
     "Not run yet",
     "open",
     (
-        "Press Start to compare simulated errors with the filter and the formulas.",
+        "An example is set: press Start to compare simulated errors with the filter and the formulas.",
         f"At most {_MOST_RUNS} runs. Enter outages as start,stop in seconds; separate several with semicolons.",
     ),
 )

@@ -12,6 +12,7 @@ import param
 from bokeh.events import DoubleTap
 
 from app.charts.csv_text import csv_text
+from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen, held
 from app.document.blocks import Answer
@@ -52,8 +53,8 @@ _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
-_KEY = '<span class="quiet fine">solid: real time · dashed: post-processed · grey: no fixes{}</span>'
-_RUNS = " · dotted: simulated on this flight"
+_KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
+_RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 _WAITING = Answer("Working", "open", ("The covariance along the flight follows.",))
 
@@ -211,7 +212,7 @@ class TrajectoryPage(View):
             self._stack.feed(charts)
             self._show_shares(found)
         said, knowledge = "".join(map(described, charts)), charts[0].knowledge
-        key = _COMING if found is None else _KEY.format(_RUNS if simulated(found, flown) else "")
+        key = _COMING if found is None else key_html(**_KEY, **(_RUNS if simulated(found, flown) else {}))
         self._head.say(head_html("Along the flight", knowledge, said, key))
         if not run.running:
             self._details.follow()
