@@ -76,12 +76,14 @@ def percent(share: float) -> str:
 
 
 def signed_percent(margin: float) -> str:
-    """A margin or a change, its sign always shown: three significant digits, at most a tenth of a percent.
+    """A margin, its sign always shown: three significant digits, at most a tenth of a percent.
 
-    >>> signed_percent(0.1421), signed_percent(-1.4437)
-    ('+14.2 %', '−144 %')
+    >>> signed_percent(0.1421), signed_percent(-1.4437), signed_percent(0.0)
+    ('+14.2 %', '−144 %', 'at the limit')
     """
     value = 100 * margin
+    if abs(value) < 0.05:
+        return _at_limit(margin)
     if abs(value) >= 1e5:
         return f"{'+' if value > 0 else ''}{number(value)} %"
     return _signed(f"{value:+.1f} %" if abs(value) < 99.95 else f"{value:+.0f} %")
@@ -104,9 +106,12 @@ def margin_in_short(margin: float) -> str:
     >>> margin_in_short(0.798), margin_in_short(0.0004), margin_in_short(-0.0004)
     ('✓ +80 %', '✓ at the limit', '✗ just over the limit')
     """
-    if abs(margin) < 0.005:
-        return "✓ at the limit" if margin >= 0 else "✗ just over the limit"
-    return f"{'✓' if margin > 0 else '✗'} {whole_percent(margin, 1 - margin)}"
+    said = _at_limit(margin) if abs(margin) < 0.005 else whole_percent(margin, 1 - margin)
+    return f"{'✓' if margin >= 0 else '✗'} {said}"
+
+
+def _at_limit(margin: float) -> str:
+    return "at the limit" if margin >= 0 else "just over the limit"
 
 
 def decibels(value: float) -> str:

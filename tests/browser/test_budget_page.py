@@ -254,7 +254,7 @@ def test_no_serious_accessibility_violation_in_light_and_dark(visit: Visit, acce
 
 def test_contributors_are_entered_by_keyboard_and_a_refusal_loses_nothing(visit: Visit, accessible: Check) -> None:
     page = visit("?dpe=20deg")
-    page.get_by_role("button", name="Contributors of your own, and allocation").click()
+    page.get_by_role("button", name="Your contributors, and allocation").click()
     add = page.get_by_role("button", name="Add contributor")
     add.press("Enter")
     page.keyboard.type("lever arm")

@@ -28,7 +28,7 @@ from app.charts.screen.axes import empty_figure, line_look
 from app.charts.screen.figures import CHIP, add_glyph, same, unit_of
 from app.charts.styles import GREY, INK, STYLES, behind_text
 
-_LEFT = 72  # pixels left of every frame, so that the frames are aligned
+_LEFT = 80  # pixels left of every frame, so that the frames are aligned: room for "0.0005" and the axis' name
 _NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
 _HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve

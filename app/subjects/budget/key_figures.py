@@ -56,9 +56,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
             return KeyFigure(
                 label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
             )
-        limit = shown_check(budget.design, check, display)[1]
-        if display.spread == "1σ":  # a chosen spread is told above the charts
-            limit += shown_at(budget.design, check, display)
+        limit = _limit_said(budget, check, display)
         return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
 
     def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
@@ -118,12 +116,20 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
 def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFigure:
     """The check that has the least margin, and how the others stand."""
     first, *rest = sorted(checks, key=lambda check: check.margin)
-    value, limit = shown_check(budget.design, first, display)
+    value, _ = shown_check(budget.design, first, display)
     more = sum(not check.met for check in rest)
     detail = f"{check_words(budget.design, first).figure}, the tightest of the checks without a tile"
     for check in rest:
         other, its_limit = shown_check(budget.design, check, display)
         detail += f"; {check.label} {other}, limit {its_limit}, {'met' if check.met else 'not met'}"
-    limit += shown_at(budget.design, first, display) if display.spread == "1σ" else ""
-    limit += f"; {more} more not met" if more else ""
+    limit = _limit_said(budget, first, display) + (f"; {more} more not met" if more else "")
     return KeyFigure(first.label, value, detail, limit, first.met, first.sigma, 1 - first.margin)
+
+
+def _limit_said(budget: Budget, check: Check, display: Display) -> str:
+    """A limit, with its spread unless one is chosen, which is told above the charts; after an outage, a smoothed
+    budget's is of real time."""
+    limit = shown_check(budget.design, check, display)[1]
+    if display.spread == "1σ":
+        limit += shown_at(budget.design, check, display)
+    return f"{limit}, real time" if budget.smoothed and check.on.startswith("coast_") else limit

@@ -255,7 +255,7 @@ class BudgetPage(View):
         return Folded(
             (
                 ("Requirements and cautions", lambda: details.text(requirements)),
-                ("Phase and image location in either processing", lambda: details.text(_both)),
+                ("Phase and image location, real time and post-processed", lambda: details.text(_both)),
                 ("Sources and methods", lambda: details.text(lambda budget: _sources(budget, self._display))),
                 ("Paired echoes: vibration and oscillator", lambda: details.text(_echoes)),
                 (
@@ -263,7 +263,7 @@ class BudgetPage(View):
                     lambda: details.chart(charts.regime_chart, 340),
                 ),
                 ("Growth of the position error by cause", lambda: details.chart(timelines.position_chart, 340)),
-                ("Contributors of your own, and allocation", self._contributors),
+                ("Your contributors, and allocation", self._contributors),
                 ("Exports", self._exports),
             )
         )

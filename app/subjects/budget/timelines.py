@@ -108,7 +108,7 @@ def position_knowledge(budget: Budget) -> str:
     return (
         f"Curves by formula {_cited(budget)}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
         f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
-        f"vertical {number(ratio_v)} times the polynomial at {number(coast.duration, given=True)} s.{slow}"
+        f"vertical {number(ratio_v)} times the simple formula at {number(coast.duration, given=True)} s.{slow}"
     )
 
 

@@ -67,6 +67,9 @@ def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -
         "Detrended phase": ("20°", False),
         "Along-track quadratic phase": ("90°", True),
     }
+    smoothed = changed(processing__mode="post-processed")
+    limits = {figure.label: figure.limit for figure in key_figures(smoothed).items}
+    assert limits["Horizontal position after the outage"] == "50 m, real time"
 
 
 def test_every_check_can_be_seen_to_fail() -> None:
