@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -209,8 +208,8 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
 
 
 def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
-    """Each curve's name at its end, above it or below the one it would touch; the span's name in the last chart, at
-    the beginning of a wide span: the names of curves may be at its end."""
+    """Each curve's name at its end, above it, or below where it would touch the upper one or the frame; the span's
+    name in the last chart, at the beginning of a wide span: the names of curves may be at its end."""
     low, high = (_place(chart, bound) for bound in height)
     ends = []
     for line in chart.lines:
@@ -218,11 +217,14 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
         if len(seen) and line.end != "":
             ends.append((float(line.x[seen[-1]]), float(line.y[seen[-1]]), line))
     ends.sort(key=lambda end: (end[0], -end[1]))
-    offsets = [-4.0] * len(ends)
-    for i, (upper, lower) in enumerate(pairwise(ends), 1):
-        near = _NEAR if offsets[i - 1] < 0 else 2 * _NEAR  # a name below its curve is nearer to the next one
-        if upper[0] == lower[0] and _place(chart, upper[1]) - _place(chart, lower[1]) < near * (high - low):
-            offsets[i] = 17.0 + _HEIGHT * min(_fall(chart, lower[2]) / (high - low), _NEAR)
+    offsets: list[float] = []
+    for i, (x, y, line) in enumerate(ends):
+        above, near = high, _NEAR
+        if i and ends[i - 1][0] == x:
+            above = _place(chart, ends[i - 1][1])
+            near = _NEAR if offsets[-1] < 0 else 2 * _NEAR  # a name below its curve is nearer to the next one
+        below = 17.0 + _HEIGHT * min(_fall(chart, line) / (high - low), _NEAR)
+        offsets.append(below if above - _place(chart, y) < near * (high - low) else -4.0)
     rows: list[tuple[Any, ...]] = [
         (x, y, line.end or line.label, behind_text(STYLES[line.style].colour), offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)

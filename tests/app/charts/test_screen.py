@@ -10,6 +10,7 @@ from bokeh.models import HoverTool
 
 from app.charts.kinds import Chart, Line, Points
 from app.charts.screen.figures import Figure, to_bokeh
+from app.charts.screen.timelines import Timelines
 from app.examples import example
 from app.subjects.sar.charts import arw_winner_chart
 from nav_model.budget import analyse
@@ -115,3 +116,12 @@ def test_what_points_come_from_is_text_in_their_hover():
         said = [tool.tooltips for tool in plot.select(type=HoverTool) if "img" in str(tool.tooltips)]
         assert len(said) == 1
         assert "&lt;img src=x&gt;" in said[0]
+
+
+def test_a_name_that_has_no_room_above_its_curve_is_below_it():
+    under_the_frame = replace(_chart(), y_range=(0.0, 17.0))  # one curve ends at 16
+    names = Timelines([under_the_frame])._sources["test labels"].data
+    assert dict(zip(names["text"], (offset > 0 for offset in names["offset"]), strict=True)) == {
+        "worst": True,
+        "steady": False,
+    }
