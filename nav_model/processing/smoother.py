@@ -105,11 +105,9 @@ def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]
         # From orthonormal polynomials to those of Legendre, and from the axis's units to metres.
         root = np.sqrt(2 * np.arange(ORDERS) + 1)
         square = axis.length**2
-        named, left_3 = (
-            spread * (root[:, None] * root) * square[:, None, None],
-            spread[:, 4, 4] + spread[:, 5, 5] + rest,
-        )
-        found |= _of_the_aperture(named, left_3 * square, x["aperture"])
+        named = spread * (root[:, None] * root) * square[:, None, None]
+        left_3 = (spread[:, 4, 4] + spread[:, 5, 5] + rest) * square
+        found |= _of_the_aperture(named, left_3, x["aperture"])
     if not _IN_THE_MIDDLE.isdisjoint(names):
         middle = aperture / 2  # forward to it with the fixes before, then the information of those after
         now = updated(carried(start, flight.to(middle)), flight.ahead(middle, aperture + after))
