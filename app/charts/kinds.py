@@ -16,6 +16,8 @@ from app.charts.csv_text import csv_text
 from nav_model.explore.trade_map import MapPoint, TradeMap
 
 Array = NDArray[np.float64]
+DataRow = tuple[str | float, ...]
+"""A row of a chart's numbers as a table, which `to_csv` writes with full precision."""
 
 
 def spread_of(axis: str) -> str:
@@ -125,23 +127,23 @@ class Chart(_OnAxes):
     aside: str = ""
     named_at_ends: bool = False
 
-    def rows(self) -> Iterator[tuple[str, ...]]:
+    def rows(self) -> Iterator[DataRow]:
         """Every number drawn, as rows of a table: series, x, y, (upper y of a band or a point's name)."""
         yield ("series", self.x_label, self.y_label, "upper or name", "source")
         for line in self.lines:
             for x, y in zip(line.x, line.y, strict=True):
                 if not math.isnan(y):
-                    yield (line.label, repr(float(x)), repr(float(y)), "", line.source)
+                    yield (line.label, x, y, "", line.source)
         for band in self.bands:
             for x, low, high in zip(band.x, band.low, band.high, strict=True):
-                yield (band.label, repr(float(x)), repr(float(low)), repr(float(high)), band.source)
+                yield (band.label, x, low, high, band.source)
         for points in self.points:
             for x, y, name in zip(points.x, points.y, points.names, strict=True):
-                yield (points.label, repr(float(x)), repr(float(y)), name, points.source)
+                yield (points.label, x, y, name, points.source)
         for limit in self.limits:
             if not math.isnan(limit.level):
                 for x in (limit.start, limit.stop):
-                    yield ("limit", repr(float(x)), repr(float(limit.level)), limit.label, "requirement")
+                    yield ("limit", x, limit.level, limit.label, "requirement")
 
 
 TOTAL = "total"
@@ -190,14 +192,13 @@ class BarChart(_Titled):
         """The unit after a number: "°", or " rad" with its space."""
         return " rad" if self.x_label.endswith("[rad]") else "°"
 
-    def rows(self) -> Iterator[tuple[str, ...]]:
+    def rows(self) -> Iterator[DataRow]:
         """Every number drawn, as rows of a table."""
         kinds = (self.first_label, self.second_label)
         unit = self.unit.strip()
         yield ("source", *(f"{kind} [{unit}]" for kind in kinds), *(f"{kind} [mm]" for kind in kinds), "equation")
         for bar in self.bars:
-            lengths = (bar.first, bar.second, bar.first_mm, bar.second_mm)
-            yield (bar.label, *(repr(float(length)) for length in lengths), bar.source)
+            yield (bar.label, bar.first, bar.second, bar.first_mm, bar.second_mm, bar.source)
 
 
 @dataclass(frozen=True)
@@ -232,15 +233,14 @@ class DotChart(_Titled):
         """Whether a part stands beside the values."""
         return any(not math.isnan(dot.whole) for dot in self.dots)
 
-    def rows(self) -> Iterator[tuple[str, ...]]:
+    def rows(self) -> Iterator[DataRow]:
         """Every number drawn, as rows of a table."""
         names = ("closed form", "ensemble rms", "ensemble 5 %", "ensemble 95 %", "with the along-track part")
         yield ("strategy", *(f"{n} [°]" for n in names), *(f"{n} [mm]" for n in names), "source")
         for dot in self.dots:
             values = (dot.closed, dot.ensemble, dot.low, dot.high, dot.whole)
-            millimetres = (self.millimetres * value for value in values)
-            yield (dot.label, *(repr(float(v)) for v in values), *(repr(float(v)) for v in millimetres), dot.source)
-        yield ("limit", repr(float(self.limit)), *[""] * 10)
+            yield (dot.label, *values, *(self.millimetres * value for value in values), dot.source)
+        yield ("limit", self.limit, *[""] * 10)
 
 
 @dataclass(frozen=True)
@@ -262,16 +262,15 @@ class MapChart(_OnAxes):
     contour: Line
     knowledge: str = ""
 
-    def rows(self) -> Iterator[tuple[str, ...]]:
+    def rows(self) -> Iterator[DataRow]:
         """Every cell of the map, then the points."""
         yield (self.x_label, self.y_label, "name", self.value_label)
         for i, y in enumerate(self.y):
             for j, x in enumerate(self.x):
-                cell = (self.names[int(self.winner[i, j])], repr(float(self.values[i, j])))
-                yield (repr(float(x)), repr(float(y)), *cell)
+                yield (x, y, self.names[self.winner[i, j]], self.values[i, j])
         for points in self.points:
             for x, y, name in zip(points.x, points.y, points.names, strict=True):
-                yield (repr(float(x)), repr(float(y)), name, points.label)
+                yield (x, y, name, points.label)
 
 
 @dataclass(frozen=True)
@@ -318,11 +317,11 @@ class RankChart(_Titled):
     bars: tuple[RankBar, ...]
     knowledge: str
 
-    def rows(self) -> Iterator[tuple[str, ...]]:
+    def rows(self) -> Iterator[DataRow]:
         """Every bar as a row of a table."""
         yield ("change", self.x_label, "d ln(result)/d ln(input)", "in words")
         for bar in self.bars:
-            yield (bar.label, repr(bar.percent), repr(bar.slope), bar.sentence)
+            yield (bar.label, bar.percent, bar.slope, bar.sentence)
 
 
 @dataclass(frozen=True)
@@ -359,14 +358,14 @@ class TradeMapChart(_OnAxes):
         """What the figure's structure depends on; if it changes, a new figure is needed."""
         return self.x_label, self.y_label, self.trade.result
 
-    def rows(self) -> Iterator[tuple[str, ...]]:
+    def rows(self) -> Iterator[DataRow]:
         """Every cell of the map, then the catalogue."""
         yield (self.x_label, self.y_label, f"{self.trade.result} over {self.reference}", "name")
         for y, row in zip(self.y, self.ratio, strict=True):
             for x, value in zip(self.x, row, strict=True):
-                yield (repr(float(x)), repr(float(y)), repr(float(value)), "")
+                yield (x, y, value, "")
         for x, y, point in zip(self.points_x, self.points_y, self.points, strict=True):
-            yield (repr(float(x)), repr(float(y)), repr(point.value / self.level), point.name)
+            yield (x, y, point.value / self.level, point.name)
 
 
 def _extent(label: str, values: Array) -> str:

@@ -4,12 +4,15 @@ Jinja escapes every text; equations become MathML through Typst, so that they ar
 """
 
 import json
+import math
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from urllib.parse import quote
 
+import numpy as np
 import typst
 from bokeh.document import Document
 from bokeh.embed import components
@@ -17,7 +20,7 @@ from bokeh.resources import Resources
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, MapChart, PictureChart, Plotted, to_csv
+from app.charts.kinds import AnyChart, BarChart, Chart, DotChart, Line, MapChart, PictureChart, Plotted, to_csv
 from app.charts.legend import legend_html
 from app.charts.screen.figures import to_bokeh
 from app.charts.screen.pictures import picture_gallery
@@ -69,7 +72,7 @@ def to_html(report: Report) -> str:
     environment.filters.update(
         said=said,
         told=lambda block: Markup(html_of(block, said=said)),
-        rows=lambda chart: _data_rows(chart),
+        rows=_data_rows,
         kind=lambda block: type(block).__name__,
         data=_data_url,
         csv=to_csv,
@@ -146,43 +149,24 @@ def _data_url(text: str, kind: str) -> str:
 
 def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
     """A chart's numbers for reading: bars and dots whole, curves and maps at a few places; first the head."""
-    if isinstance(chart, BarChart | DotChart):
-        return [tuple(_short(cell) for cell in row) for row in chart.rows()]
+    return [tuple(map(_short, row)) for row in _at_a_few_places(chart).rows()]
+
+
+def _at_a_few_places(chart: AnyChart) -> AnyChart:
     if isinstance(chart, MapChart):
-        return _map_rows(chart)
-    rows: list[tuple[str, ...]] = [("series", chart.x_label, chart.y_label)]
-    for line in chart.lines:
-        seen = [i for i, y in enumerate(line.y) if y == y]
-        step = max(1, (len(seen) - 1) // (_TABLE_ROWS - 1))
-        rows += [(line.label, number(line.x[i], given=True), number(line.y[i])) for i in seen[::step]]
-    for points in chart.points:
-        rows += [(name, number(x), number(y)) for name, x, y in zip(points.names, points.x, points.y, strict=True)]
-    rows += [
-        (x.label, f"{number(x.start, given=True)} to {number(x.stop, given=True)}", number(x.level, given=True))
-        for x in chart.limits
-        if x.level == x.level
-    ]
-    return rows
+        down, across = (slice(None, None, max(1, size // _MAP_ROWS)) for size in chart.values.shape)
+        kept = {name: getattr(chart, name)[down, across] for name in ("winner", "values")}
+        return replace(chart, x=chart.x[across], y=chart.y[down], **kept)
+    if isinstance(chart, Chart):
+        return replace(chart, bands=(), lines=tuple(map(_few_points, chart.lines)))
+    return chart
 
 
-def _map_rows(chart: MapChart) -> list[tuple[str, ...]]:
-    """Every few cells of a map, then its points."""
-    rows: list[tuple[str, ...]] = [(chart.x_label, chart.y_label, "name", chart.value_label)]
-    for i in range(0, len(chart.y), max(1, len(chart.y) // _MAP_ROWS)):
-        for j in range(0, len(chart.x), max(1, len(chart.x) // _MAP_ROWS)):
-            where = number(chart.x[j]), number(chart.y[i])
-            rows.append((*where, chart.names[int(chart.winner[i, j])], number(chart.values[i, j])))
-    for points in chart.points:
-        rows += [
-            (number(x), number(y), name, points.label)
-            for name, x, y in zip(points.names, points.x, points.y, strict=True)
-        ]
-    return rows
+def _few_points(line: Line) -> Line:
+    seen = np.flatnonzero(~np.isnan(line.y))
+    seen = seen[:: max(1, (len(seen) - 1) // (_TABLE_ROWS - 1))]
+    return replace(line, x=line.x[seen], y=line.y[seen])
 
 
-def _short(cell: str) -> str:
-    try:
-        value = float(cell)
-    except ValueError:
-        return cell
-    return number(value) if value == value else NONE
+def _short(cell: str | float) -> str:
+    return cell if isinstance(cell, str) else NONE if math.isnan(cell) else number(cell)
