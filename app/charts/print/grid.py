@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from app.charts.kinds import DotChart, MapChart, PictureChart
-from app.charts.print.look import MARKERS, area_entry, line_entry, log_axis, pen, plain
+from app.charts.print.look import MARKERS, log_axis, pen
 from app.charts.region import region_names
 from app.charts.styles import STYLES
 
@@ -18,9 +18,8 @@ _LEFT, _RIGHT, _FOOT = 13.0, 2.0, 24.0  # mm beside and under the pictures: tick
 _MOST_HIGH = 44.0  # mm of one picture
 
 
-def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
-    """Rows of dots; the entries of the legend."""
-    plain(axes)
+def draw_dots(axes: Any, chart: DotChart) -> None:
+    """Rows of dots."""
     axes.grid(visible=True, axis="x")
     axes.set(xlabel=chart.x_label, xscale="log")
     rows = np.arange(len(chart.dots))
@@ -28,35 +27,26 @@ def draw_dots(axes: Any, chart: DotChart) -> list[Any]:
     low, high, runs, closed = (
         np.array([getattr(dot, name) for dot in chart.dots], float) for name in ("low", "high", "ensemble", "closed")
     )
-    handles: list[Any] = []
     if not np.isnan(runs).all():
         pale: dict[str, Any] = {"color": band, "alpha": 0.35, "linewidth": 0}
-        axes.barh(rows, high - low, left=low, height=0.42, **pale)
-        dot: dict[str, Any] = {"color": band, "marker": "o", "linestyle": "none", "markersize": 4.5}
-        axes.plot(runs, rows, **dot)
-        handles += [area_entry("runs, 5 to 95 %", pale), line_entry("runs, rms", dot)]
-    diamond: dict[str, Any] = {
-        "color": form, "marker": "D", "linestyle": "none", "markersize": 6.5, "fillstyle": "none",
-        "markeredgewidth": 1.1,
-    }  # fmt: skip
-    axes.plot(closed, rows, **diamond)
-    handles.append(line_entry("formula, 1σ", diamond))
+        axes.barh(rows, high - low, left=low, height=0.42, label="runs, 5 to 95 %", **pale)
+        axes.plot(runs, rows, color=band, marker="o", linestyle="none", markersize=4.5, label="runs, rms")
+    axes.plot(
+        closed, rows, color=form, marker="D", linestyle="none", markersize=6.5, fillstyle="none", markeredgewidth=1.1,
+        label="formula, 1σ",
+    )  # fmt: skip
     if not math.isnan(chart.limit):
-        axes.axvline(chart.limit, **pen(STYLES["limit"]))
-        handles.append(line_entry("limit (scaled to 1σ)", pen(STYLES["limit"])))
+        axes.axvline(chart.limit, label="limit (scaled to 1σ)", **pen(STYLES["limit"]))
     axes.set_yticks(rows, [dot.label for dot in chart.dots])
     axes.set_ylim(len(chart.dots) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
     log_axis(axes.xaxis)
-    return handles
 
 
-def draw_map(axes: Any, chart: MapChart) -> list[Any]:
-    """Regions by colour, hatch and name, points and the contour; the entries of the legend."""
-    plain(axes)
+def draw_map(axes: Any, chart: MapChart) -> None:
+    """Regions by colour, hatch and name, points and the contour."""
     axes.set(xlabel=chart.x_label, ylabel=chart.y_label, xscale="log", yscale="log")
     axes.set(xlim=(chart.x[0], chart.x[-1]), ylim=(chart.y[0], chart.y[-1]))
-    handles: list[Any] = []
     named = region_names(chart)
     for index, (name, style) in enumerate(zip(chart.names, chart.styles, strict=True)):
         here = chart.winner == index
@@ -68,16 +58,14 @@ def draw_map(axes: Any, chart: MapChart) -> list[Any]:
         )
         drawn.set_edgecolor(edge)
         drawn.set_linewidth(0.3)
-        area = {"facecolor": colour, "edgecolor": edge, "hatch": hatch or None, "linewidth": 0.4}
-        handles.append(area_entry(name, area))
+        axes.fill([], [], label=name, facecolor=colour, edgecolor=edge, hatch=hatch or None, linewidth=0.4)
         if index in named:
             x, y, lines = named[index]
             box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.6}
             axes.text(x, y, lines, ha="center", va="center", bbox=box, zorder=4)
     if not np.isnan(chart.contour.y).all():
         line = pen(STYLES[chart.contour.style], width=1.3)
-        axes.plot(chart.contour.x, chart.contour.y, zorder=2, **line)
-        handles.append(line_entry(chart.contour.label, line))
+        axes.plot(chart.contour.x, chart.contour.y, zorder=2, label=chart.contour.label, **line)
     for points in chart.points:
         cross = points.marker == "cross"
         look: dict[str, Any] = {
@@ -85,11 +73,9 @@ def draw_map(axes: Any, chart: MapChart) -> list[Any]:
             "markersize": 10 if cross else 4.5, "markeredgewidth": 2.2 if cross else 0.6,
             "markeredgecolor": STYLES[points.style].colour if cross else "white",
         }  # fmt: skip
-        axes.plot(points.x, points.y, zorder=3, **look)
-        handles.append(line_entry(points.label, look))
+        axes.plot(points.x, points.y, zorder=3, label=points.label, **look)
     for axis in (axes.xaxis, axes.yaxis):
         log_axis(axis)
-    return handles
 
 
 def _pale(colour: str) -> tuple[float, float, float]:
@@ -100,7 +86,7 @@ def _pale(colour: str) -> tuple[float, float, float]:
     return r, g, b
 
 
-def draw_pictures(figure: Any, chart: PictureChart) -> list[Any]:
+def draw_pictures(figure: Any, chart: PictureChart) -> None:
     """The images in rows of three over one scale; there is no legend."""
     across = min(_PICTURES_ACROSS, len(chart.names))
     down = math.ceil(len(chart.names) / across)
@@ -125,7 +111,6 @@ def draw_pictures(figure: Any, chart: PictureChart) -> list[Any]:
     bar = figure.colorbar(drawn, ax=every, orientation="horizontal", aspect=50, fraction=0.05, pad=0.02)
     bar.set_label(f"power [dB] {chart.reference.partition(';')[0]}")
     bar.outline.set_linewidth(0.5)
-    return []
 
 
 def pictures_height(chart: PictureChart, width: float) -> float:

@@ -34,20 +34,6 @@ def pen(style: Style, dash: str = "", width: float = 1.0) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def line_entry(label: str, look: dict[str, Any]) -> Any:
-    """A line or a marker in the legend."""
-    from matplotlib.lines import Line2D
-
-    return Line2D([], [], label=label, **look)
-
-
-def area_entry(label: str, look: dict[str, Any]) -> Any:
-    """An area in the legend."""
-    from matplotlib.patches import Patch
-
-    return Patch(label=label, **look)
-
-
 def plain(axes: Any) -> None:
     """Axes without a box, with short ticks, grid below."""
     axes.spines[["top", "right"]].set_visible(False)

@@ -12,19 +12,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, Points, spread_of
+from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, PictureChart, Points, spread_of
 from app.charts.print.grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
-from app.charts.print.look import (
-    LINE_SCALE,
-    MARKERS,
-    area_entry,
-    label_ends,
-    label_points,
-    line_entry,
-    log_axis,
-    pen,
-    plain,
-)
+from app.charts.print.look import LINE_SCALE, MARKERS, label_ends, label_points, log_axis, pen, plain
 from app.charts.styles import STYLES
 
 WIDTH = 166.0  # mm: the text width of an A4 page
@@ -37,7 +27,6 @@ _MEASURED_IN = "'STIXGeneral', 'DejaVu Serif'"  # come with Matplotlib; widths c
 
 _Y_LABEL_LENGTH = 26  # characters that fit beside the axes
 _STYLE = Path(__file__).with_name("paper.mplstyle")
-_SHADE = {"color": "#7b8794", "alpha": 0.18, "linewidth": 0}
 _settings_lock = threading.Lock()
 
 
@@ -49,7 +38,8 @@ def to_svg(chart: Drawing) -> str:
     with _settings():
         figure = Figure(layout="constrained")
         canvas = FigureCanvasSVG(figure)
-        handles = _drawn(figure, chart)
+        _draw(figure, chart)
+        handles = _legend_of(figure.axes[0])
         columns = 3 if len(handles) != 4 else 2
         height = _height(chart) + _LEGEND_ROW * math.ceil(len(handles) / columns)
         figure.set_size_inches(WIDTH / 25.4, height / 25.4)
@@ -64,17 +54,26 @@ def to_svg(chart: Drawing) -> str:
     return text.getvalue().replace(_MEASURED_IN, f"'{FONT}'")
 
 
-def _drawn(figure: Any, chart: Drawing) -> list[Any]:
-    """Draw the chart; the entries of its legend."""
+def _draw(figure: Any, chart: Drawing) -> None:
+    if isinstance(chart, PictureChart):
+        draw_pictures(figure, chart)
+        return
+    axes = figure.add_subplot()
+    plain(axes)
     if isinstance(chart, Chart):
-        return _curves(figure.add_subplot(), chart)
-    if isinstance(chart, BarChart):
-        return _bars(figure.add_subplot(), chart)
-    if isinstance(chart, DotChart):
-        return draw_dots(figure.add_subplot(), chart)
-    if isinstance(chart, MapChart):
-        return draw_map(figure.add_subplot(), chart)
-    return draw_pictures(figure, chart)
+        _curves(axes, chart)
+    elif isinstance(chart, BarChart):
+        _bars(axes, chart)
+    elif isinstance(chart, DotChart):
+        draw_dots(axes, chart)
+    else:
+        draw_map(axes, chart)
+
+
+def _legend_of(axes: Any) -> list[Any]:
+    """What is drawn under a name, each name once."""
+    handles, labels = axes.get_legend_handles_labels()
+    return [handle for place, handle in enumerate(handles) if labels[place] not in labels[:place]]
 
 
 def _height(chart: Drawing) -> float:
@@ -109,43 +108,34 @@ def _in_lines(label: str) -> str:
     )
 
 
-def _curves(axes: Any, chart: Chart) -> list[Any]:
-    plain(axes)
+def _curves(axes: Any, chart: Chart) -> None:
     axes.grid(visible=True)
     axes.set(xlabel=chart.x_label, ylabel=_in_lines(chart.y_label))
     if chart.x_log:
         axes.set_xscale("log")
     if chart.y_log:
         axes.set_yscale("log")
-    handles: list[Any] = []
     for span in chart.spans:
-        if math.isnan(span.start):
-            continue
-        axes.axvspan(span.start, span.stop, **_SHADE)
-        if span.label not in [handle.get_label() for handle in handles]:
-            handles.append(area_entry(span.label, _SHADE))
+        if not math.isnan(span.start):
+            axes.axvspan(span.start, span.stop, label=span.label, color="#7b8794", alpha=0.18, linewidth=0)
     for band in chart.bands:
         pale: dict[str, Any] = {"color": STYLES[band.style].colour, "alpha": 0.25, "linewidth": 0}
-        axes.fill_between(band.x, band.low, band.high, **pale)
-        handles.append(area_entry(band.label, pale))
+        axes.fill_between(band.x, band.low, band.high, label=band.label, **pale)
     for line in chart.lines:
-        axes.plot(line.x, line.y, **pen(STYLES[line.style]))
-        if not chart.named_at_ends and line.label not in [handle.get_label() for handle in handles]:
-            handles.append(line_entry(line.label, pen(STYLES[line.style])))
+        axes.plot(line.x, line.y, label="" if chart.named_at_ends else line.label, **pen(STYLES[line.style]))
     for points in chart.points:
         mark = {"color": STYLES[points.style].colour, "marker": MARKERS[points.marker]}
-        look: dict[str, Any] = {**mark, "linestyle": "none", "markersize": 4.5}
+        look: dict[str, Any] = {**mark, "linestyle": "none", "markersize": 4.5, "label": points.label}
         if points.sizes is None:  # whole even on the edge of the frame, unless the frame was chosen
             axes.plot(points.x, points.y, zorder=3, clip_on=bool(chart.x_range or chart.y_range), **look)
         else:
             sizes = (LINE_SCALE * points.sizes) ** 2
             axes.scatter(points.x, points.y, s=sizes, linewidths=0.9, zorder=3, **mark)
-        handles.append(line_entry(points.label, look))
-    drawn = [limit for limit in chart.limits if not math.isnan(limit.level)]
-    for limit in drawn:
-        axes.plot([limit.start, limit.stop], [limit.level] * 2, **pen(STYLES["limit"]))
-    if drawn:
-        handles.append(line_entry(f"limit (scaled to {spread_of(chart.y_label)})", pen(STYLES["limit"])))
+            axes.plot([], [], **look)
+    for limit in chart.limits:
+        if not math.isnan(limit.level):
+            said = f"limit (scaled to {spread_of(chart.y_label)})"
+            axes.plot([limit.start, limit.stop], [limit.level] * 2, label=said, **pen(STYLES["limit"]))
     if chart.x_range is not None:
         axes.set_xlim(*chart.x_range)
     if chart.square:
@@ -158,33 +148,28 @@ def _curves(axes: Any, chart: Chart) -> list[Any]:
     for is_log, axis in ((chart.x_log, axes.xaxis), (chart.y_log, axes.yaxis)):
         if is_log:
             log_axis(axis)
-    return handles
 
 
 _BAR_KINDS = (("first", STYLES["quadratic"].colour, -0.19, "", "dashdot"),
               ("second", STYLES["with cubic"].colour, 0.19, "/////", "dotted"))  # fmt: skip
 
 
-def _bars(axes: Any, chart: BarChart) -> list[Any]:
-    plain(axes)
+def _bars(axes: Any, chart: BarChart) -> None:
     axes.grid(visible=True, axis="x")
     axes.set_xlabel(chart.x_label)
     bars = [bar for bar in chart.bars if bar.shows]
     rows = range(len(bars))
-    handles: list[Any] = []
     for kind, colour, offset, hatch, dash in _BAR_KINDS:
         lengths = [getattr(bar, kind) for bar in bars]
-        face = "white" if hatch else colour
-        look: dict[str, Any] = {"facecolor": face, "edgecolor": colour, "linewidth": 0.6, "hatch": hatch or None}
-        axes.barh([row + offset for row in rows], lengths, height=0.34, **look)
-        label = getattr(chart, f"{kind}_label")
-        handles.append(area_entry(label, look))
-        limit = getattr(chart, f"{kind}_limit")
+        label, limit = getattr(chart, f"{kind}_label"), getattr(chart, f"{kind}_limit")
+        axes.barh(
+            [row + offset for row in rows], lengths, height=0.34, label=label, facecolor="white" if hatch else colour,
+            edgecolor=colour, linewidth=0.6, hatch=hatch or None,
+        )  # fmt: skip
         if not math.isnan(limit):
-            axes.axvline(limit, **pen(STYLES["limit"], dash))
-            handles.append(line_entry(f"limit on {label}, at {spread_of(chart.x_label)}", pen(STYLES["limit"], dash)))
+            said = f"limit on {label}, at {spread_of(chart.x_label)}"
+            axes.axvline(limit, label=said, **pen(STYLES["limit"], dash))
     axes.set_yticks(list(rows), [bar.label for bar in bars])
     axes.set_ylim(len(bars) - 0.5, -0.5)  # a last row without a second bar stays whole
     axes.set_xlim(left=0)
     axes.tick_params(axis="y", length=0)
-    return handles

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import Any
 
-import numpy as np
 from bokeh.core.properties import field as field_of
 from bokeh.core.properties import value
 from bokeh.models import (
@@ -31,6 +30,7 @@ from bokeh.plotting import figure
 from app.charts.kinds import Chart, Line, MapChart, Plotted
 from app.charts.screen.axes import TOOLS, empty_figure, line_look
 from app.charts.screen.grid import columns_of, draw
+from app.charts.screen.sources import Sources
 from app.charts.styles import INK, STYLES
 
 CHIP: dict[str, Any] = {"text_color": "white", "text_font_size": "11px", "padding": [3, 0], "border_radius": 3}
@@ -44,18 +44,13 @@ class Figure:
     """A Bokeh figure and its data sources. `plot` goes on a page or into a report."""
 
     plot: figure
-    _sources: dict[str, ColumnDataSource]
-    _sent: dict[str, Any] = field(default_factory=dict)
+    _sources: Sources
     _spans: dict[str, tuple[BoxAnnotation, Label]] = field(default_factory=dict)
     _lines: Sequence[GlyphRenderer] = ()
 
     def feed(self, chart: Plotted) -> None:
         """Show another chart of the same structure."""
-        for name, columns in _columns(chart).items():
-            sent = self._sent[name]
-            if changed := {key: new for key, new in columns.items() if not same(sent[key], new)}:
-                self._sources[name].data.update(changed)
-            self._sent[name] = columns
+        self._sources.feed(_columns(chart))
         if isinstance(chart, Chart):
             self._feed_frame(chart)
 
@@ -80,12 +75,11 @@ def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
     """A figure for a chart, as wide as its place; with a height of None also as high as its place."""
     if isinstance(chart, Chart):
         return _curves(chart, height)
-    columns = columns_of(chart)
-    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    sources = Sources(columns_of(chart), f"{chart.key} ")
     plot = draw(chart, sources, height or _LEAST)
     if height is None:
         fill(plot)
-    return Figure(plot, sources, dict(columns))
+    return Figure(plot, sources)
 
 
 def fill(plot: figure) -> None:
@@ -130,17 +124,6 @@ def _line_source(chart: Chart, x: Any) -> str:
     return f"lines {next(i for i, line in enumerate(chart.lines) if line.x is x)}"
 
 
-def same(old: Any, new: Any) -> bool:
-    """Whether a column need not be sent again."""
-    if old is new:
-        return True
-    if isinstance(new, np.ndarray) and isinstance(old, np.ndarray):  # bit by bit: a tenth of the time
-        return (old.dtype, old.shape) == (new.dtype, new.shape) and old.tobytes() == new.tobytes()
-    if isinstance(new, list) and isinstance(old, list):
-        return len(old) == len(new) and all(map(same, old, new))
-    return repr(old) == repr(new)  # NaN is the same as before
-
-
 def _curves(chart: Chart, height: int | None) -> Figure:
     plot = empty_figure(
         chart,
@@ -160,8 +143,7 @@ def _curves(chart: Chart, height: int | None) -> Figure:
     elif chart.square:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
-    columns = _columns(chart)
-    sources = {name: ColumnDataSource(dict(data), name=f"{chart.key} {name}") for name, data in columns.items()}
+    sources = Sources(_columns(chart), f"{chart.key} ")
     spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
     for band in chart.bands:
         style = STYLES[band.style]
@@ -190,7 +172,7 @@ def _curves(chart: Chart, height: int | None) -> Figure:
         glyph = Segment(x0="x0", y0="y", x1="x1", y1="y", **line_look(STYLES["limit"]))
         renderer = add_glyph(plot, sources["limits"], glyph)
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
-    return Figure(plot, sources, dict(columns), spans, lines)
+    return Figure(plot, sources, spans, lines)
 
 
 def add_glyph(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:

@@ -1,16 +1,16 @@
 """Maps of regions as Bokeh figures; `figures` feeds them, `legend` explains them."""
 
-from collections.abc import Mapping
 from html import escape
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
+from bokeh.models import HoverTool, LinearColorMapper
 from bokeh.plotting import figure
 
 from app.charts.kinds import MapChart
 from app.charts.region import region_names
 from app.charts.screen.axes import TOOLS, empty_figure, line_look
+from app.charts.screen.sources import Sources
 from app.charts.styles import STYLES
 
 
@@ -42,7 +42,7 @@ def _edges(values: np.ndarray) -> tuple[float, float]:
     return float(values[0] / half), float(values[-1] * half)
 
 
-def draw(chart: MapChart, sources: Mapping[str, ColumnDataSource], height: int) -> figure:
+def draw(chart: MapChart, sources: Sources, height: int) -> figure:
     """The figure."""
     plot = empty_figure(
         chart, x_log=True, y_log=True, height=height, sizing_mode="stretch_width", tools=TOOLS,

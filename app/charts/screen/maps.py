@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from bokeh.models import (
     ColorBar,
-    ColumnDataSource,
     CustomJSTickFormatter,
     FixedTicker,
     HoverTool,
@@ -17,6 +16,7 @@ from bokeh.models import (
 from app.charts.kinds import LEVELS, Array, TradeMapChart
 from app.charts.screen.axes import empty_figure
 from app.charts.screen.figures import fill
+from app.charts.screen.sources import Sources
 from app.charts.styles import STYLES
 from nav_model.explore.trade_map import MapPoint
 
@@ -34,7 +34,6 @@ class MapFigure:
     """A map with its contours, the catalogue's units and the design's cross; narrow: names as on a phone."""
 
     def __init__(self, chart: TradeMapChart, *, narrow: bool = False) -> None:
-        self._chart = chart
         self._room = _ON_A_PHONE if narrow else _ON_A_SCREEN
         self.plot = empty_figure(
             chart,
@@ -47,29 +46,23 @@ class MapFigure:
         )
         fill(self.plot)
         self.plot.grid.visible = False
-        self._image = ColumnDataSource(_image(chart), name=f"{chart.key} image")
+        self._sources = sources = Sources(_columns(chart, self._room), f"{chart.key} ")
         mapper = LogColorMapper(palette=list(_PALETTE), low=_RANGE[0], high=_RANGE[1], nan_color="#ffffff00")
-        image = self.plot.image("image", "x", "y", "dw", "dh", source=self._image, color_mapper=mapper)
-        self._lines = []
-        for level, (x, y) in zip(LEVELS, chart.contours, strict=True):
-            dash, width, word = _CONTOUR[level]
-            source = ColumnDataSource({"x": x, "y": y}, name=f"{chart.key} contour {word}")
-            self.plot.line("x", "y", source=source, line_color=_RED if level == 1 else "#3b4650",
+        image = self.plot.image("image", "x", "y", "dw", "dh", source=sources["image"], color_mapper=mapper)
+        for level, (dash, width, word) in _CONTOUR.items():
+            self.plot.line("x", "y", source=sources[f"contour {word}"], line_color=_RED if level == 1 else "#3b4650",
                            line_dash=dash, line_width=width)  # fmt: skip
-            self._lines.append(source)
-        self._points = ColumnDataSource(_points(chart, self._room), name=f"{chart.key} catalogue")
         marks = self.plot.scatter(
-            "x", "y", marker="marker", size=8, source=self._points, fill_color="#ffffff", line_color="#10151a",
-            line_width=1.6,
+            "x", "y", marker="marker", size=8, source=sources["catalogue"], fill_color="#ffffff",
+            line_color="#10151a", line_width=1.6,
         )  # fmt: skip
         self.plot.text(
-            "x", "y", text="name", x_offset="right", y_offset="down", text_align="align", source=self._points,
+            "x", "y", text="name", x_offset="right", y_offset="down", text_align="align", source=sources["catalogue"],
             text_baseline="middle", text_font_size="11px", text_color="#10151a", background_fill_color="#ffffff",
             background_fill_alpha=0.7,
         )  # fmt: skip
-        self._here = ColumnDataSource(_here(chart), name=f"{chart.key} design")
         cross = {"marker": "cross", "size": 26, "line_width": 3.5, "line_color": STYLES["this design"].colour}
-        self.plot.scatter("x", "y", source=self._here, **cross)
+        self.plot.scatter("x", "y", source=sources["design"], **cross)
         self.plot.add_layout(
             ColorBar(
                 color_mapper=mapper, width=10, title="× " + chart.reference.replace("this design's value", "now"),
@@ -84,21 +77,22 @@ class MapFigure:
         )
 
     def feed(self, chart: TradeMapChart) -> None:
-        """Show another map of the same structure; the cross alone where nothing else moved."""
-        old, self._chart = self._chart, chart
-        if chart.here != old.here:
-            self._here.data = _here(chart)
-        if not np.array_equal(chart.points_x, old.points_x) or chart.points != old.points:
-            self._points.data = _points(chart, self._room)
-        same = np.array_equal(chart.ratio, old.ratio, equal_nan=True)
-        if same and np.array_equal(chart.x, old.x) and np.array_equal(chart.y, old.y):
-            return
-        self._image.data = _image(chart)
-        for source, (x, y) in zip(self._lines, chart.contours, strict=True):
-            source.data = {"x": x, "y": y}
+        """Show another map of the same structure."""
+        self._sources.feed(_columns(chart, self._room))
         for span, values in ((self.plot.x_range, chart.x), (self.plot.y_range, chart.y)):
             if (span.start, span.end) != (values[0], values[-1]):
                 span.update(start=float(values[0]), end=float(values[-1]))
+
+
+def _columns(chart: TradeMapChart, room: tuple[float, float, float]) -> dict[str, dict[str, Any]]:
+    """Source name -> columns."""
+    curves = zip(LEVELS, chart.contours, strict=True)
+    return {
+        "image": _image(chart),
+        **{f"contour {_CONTOUR[level][2]}": {"x": x, "y": y} for level, (x, y) in curves},
+        "catalogue": _points(chart, room),
+        "design": {"x": [chart.here[0]], "y": [chart.here[1]]},
+    }
 
 
 def _image(chart: TradeMapChart) -> dict[str, Any]:
@@ -139,48 +133,39 @@ def _labels(chart: TradeMapChart, wide: float, high: float, reach: float) -> dic
     """The place of each name beside its mark: the first that covers no other name or mark on a map of this size in
     pixels, or on a larger one, where marks are further apart. A name without a place is shown on hover only."""
     x, y = (
-        (np.log(values) - np.log(ends[0])) / (np.log(ends[-1]) - np.log(ends[0]))
-        if is_log
-        else (values - ends[0]) / (ends[-1] - ends[0])
-        for values, ends, is_log in (
-            (chart.points_x, chart.x, chart.x_log),
-            (chart.points_y, chart.y, chart.y_log),
+        (values - ends[0]) / (ends[-1] - ends[0])
+        for values, ends in (
+            (np.log(values), np.log(ends)) if is_log else (values, ends)
+            for values, ends, is_log in (
+                (chart.points_x, chart.x, chart.x_log),
+                (chart.points_y, chart.y, chart.y_log),
+            )
         )
     )
-    marks = [(across * wide * x, -down * high * y) for across, down in _SIZES]
-    taken = [
-        [(px - 6, py - 6, px + 6, py + 6) for px, py in zip(across, down, strict=True)] for across, down in marks
-    ]
+    # A box is left, top, right and bottom; each has a row for each of the sizes.
+    marks = np.stack([wide * np.outer(_SIZES[:, 0], x), -high * np.outer(_SIZES[:, 1], y)] * 2, axis=-1)
+    taken = list(np.moveaxis(marks + np.array([-6, -6, 6, 6]), 1, 0))
     placed: dict[str, list[Any]] = {"right": [], "down": [], "align": [], "name": []}
     for index, point in enumerate(chart.points):
         width = 7.0 * len(point.name)
-        for right, lower, align in _PLACES:
-            if abs(lower) > reach:
-                continue
-            boxes = []
-            for across, down in marks:
-                left = across[index] + right - {"left": 0, "right": width, "center": width / 2}[align]
-                boxes.append((left, down[index] + lower - 7, left + width, down[index] + lower + 7))
-            box = boxes[0]  # what is inside the smallest map is inside a larger one
-            inside = box[0] > 0 and box[2] < wide and box[1] > -high and box[3] < 0
-            if inside and not any(
-                _overlap(box, other) for box, others in zip(boxes, taken, strict=True) for other in others
-            ):
-                for box, others in zip(boxes, taken, strict=True):
-                    others.append(box)
+        for right, lower, align in (place for place in _PLACES if abs(place[1]) <= reach):
+            left = right - {"left": 0, "right": width, "center": width / 2}[align]
+            box = marks[:, index] + np.array([left, lower - 7, left + width, lower + 7])
+            first = box[0]  # what is inside the smallest map is inside a larger one
+            inside = first[0] > 0 and first[2] < wide and first[1] > -high and first[3] < 0
+            if inside and not _overlap(box, np.array(taken)):
+                taken.append(box)
                 name = point.name
                 break
         else:
             right, lower, align, name = 0, 0, "left", ""
-        placed["right"].append(right)
-        placed["down"].append(lower)
-        placed["align"].append(align)
-        placed["name"].append(name)
+        for key, value in zip(placed, (right, lower, align, name), strict=True):
+            placed[key].append(value)
     return placed
 
 
-_SIZES = ((1.0, 1.0), (1.0, 1.25), (1.2, 1.6), (1.5, 1.0), (1.5, 1.5), (1.5, 2.0))
-"""Of larger maps, across and down, over the smallest."""
+_SIZES = np.array([(1.0, 1.0), (1.0, 1.25), (1.2, 1.6), (1.5, 1.0), (1.5, 1.5), (1.5, 2.0)])
+"""Of larger maps, across and down, over the smallest, which is the first."""
 _PLACES = tuple(
     (right, lower, align)
     for lower in (0, -14, 14, -28, 28, -42, 42)
@@ -189,9 +174,6 @@ _PLACES = tuple(
 )
 
 
-def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
-
-def _here(chart: TradeMapChart) -> dict[str, Any]:
-    return {"x": [chart.here[0]], "y": [chart.here[1]]}
+def _overlap(box: Array, others: Array) -> bool:
+    """Whether a box (sizes, 4) meets one of the others (k, sizes, 4) at any of the sizes."""
+    return bool(np.any(np.all((box[:, :2] < others[..., 2:]) & (others[..., :2] < box[:, 2:]), axis=-1)))

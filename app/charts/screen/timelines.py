@@ -24,7 +24,8 @@ from bokeh.plotting import figure
 
 from app.charts.kinds import Chart, Limit, Line
 from app.charts.screen.axes import empty_figure, line_look
-from app.charts.screen.figures import CHIP, add_glyph, same, unit_of
+from app.charts.screen.figures import CHIP, add_glyph, unit_of
+from app.charts.screen.sources import Sources
 from app.charts.styles import GREY, INK, STYLES, behind_text
 
 _LEFT = 80  # pixels left of every frame, so that the frames are aligned: room for "0.0005" and the axis' name
@@ -64,10 +65,9 @@ class Timelines:
         first = charts[0]
         self._others: Sequence[Chart] = ()
         heights = self._heights(charts)
-        self._sent: dict[str, dict[str, Any]] = _columns(charts, heights)
-        self._sources = {name: ColumnDataSource(dict(data), name=name) for name, data in self._sent.items()}
-        nothing = {name: np.array([np.nan]) for name in self._sent["timelines"]}
-        self._was = ColumnDataSource(nothing, name="timelines compared")
+        self._sources = Sources(_columns(charts, heights))
+        self._nothing = {name: np.array([np.nan]) for name in _curves(charts)}
+        self._was = ColumnDataSource(self._nothing, name="timelines compared")
         self._x_range = beside.plots[0].x_range if beside else Range1d(*_ends(charts))
         crosshair = CrosshairTool(overlay=Rule(dimension="height", line_dash="dotted", line_color=GREY))
         self._boxes: list[list[BoxAnnotation]] = []
@@ -82,15 +82,7 @@ class Timelines:
     def feed(self, charts: Sequence[Chart]) -> None:
         """Show other charts of the same structure."""
         heights = self._heights(charts)
-        columns = _columns(charts, heights)
-        for name, new in columns.items():
-            sent = self._sent[name]
-            if changed := {key: value for key, value in new.items() if not same(sent[key], value)}:
-                if len(next(iter(new.values()))) == len(next(iter(sent.values()))):
-                    self._sources[name].data.update(changed)
-                else:
-                    self._sources[name].data = dict(new)
-        self._sent = columns
+        self._sources.feed(_columns(charts, heights))
         self._feed_frame(charts, heights)
 
     def compare(self, charts: Sequence[Chart] | None) -> None:
@@ -98,8 +90,7 @@ class Timelines:
 
         Two feeds in one message may tell the browser of columns whose lengths differ.
         """
-        curves = _curves(charts) if charts else {name: np.array([np.nan]) for name in self._sent["timelines"]}
-        self._was.data = curves
+        self._was.data = _curves(charts) if charts else dict(self._nothing)
         self._others = charts or ()
 
     def _heights(self, charts: Sequence[Chart]) -> list[_Range]:
