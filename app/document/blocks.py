@@ -4,11 +4,19 @@ Every text is literal: renderers escape it. A mark such as ``[T-9]`` in a text i
 that mark. A `Cell`'s mark is a word set off from its text; it is always printed, so nothing hangs on colour.
 """
 
+import math
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from app.charts.kinds import Drawing
+import numpy as np
+
+from app.charts.kinds import Chart, Drawing
+from app.charts.words import in_words
 from nav_model.equations.entry import Equation, Symbol
+
+MARK = re.compile(r"\[([TSBP]-\d+)\]")
+"""A reference to an equation."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +111,18 @@ class ChartBlock:
     key: str
     chart: Drawing
     alt: str
+
+
+def chart_block(chart: Drawing, key: str) -> ChartBlock:
+    """A chart with its description; series without values are removed, also from the legend."""
+    if isinstance(chart, Chart):
+        chart = replace(
+            chart,
+            lines=tuple(line for line in chart.lines if not np.isnan(line.y).all()),
+            spans=tuple(span for span in chart.spans if not math.isnan(span.start)),
+            limits=tuple(limit for limit in chart.limits if not math.isnan(limit.level)),
+        )
+    return ChartBlock(f"{key}-chart-{chart.key}", chart, f"{chart.title}. {in_words(chart)} {chart.knowledge}")
 
 
 @dataclass(frozen=True)

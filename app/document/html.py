@@ -25,12 +25,11 @@ from app.charts.legend import legend_html
 from app.charts.screen.figures import to_bokeh
 from app.charts.screen.pictures import picture_gallery
 from app.document.bars import ROWS_SHEET, bars_html
-from app.document.blocks import Equations, Report, Symbols
+from app.document.blocks import MARK, Equations, Report, Symbols
 from app.document.numbers import NONE, number
 from app.document.pane import html_of
 from app.document.ranks_html import ranks_html
 
-_MARK = re.compile(r"\[([TSBP]-\d+)\]")
 _MATH = re.compile(r"<math.*?</math>", re.DOTALL)
 _TYPST_MATH = """
 #for item in json(bytes(sys.inputs.items)) { math.equation(block: item.block, eval(item.math, mode: "math")) }
@@ -120,7 +119,7 @@ def _with_links(text: str, marks: Iterable[str]) -> Markup:
         mark = found[1]
         return f'<a href="#{mark}">[{mark}]</a>' if mark in known else found[0]
 
-    return Markup(_MARK.sub(link, str(escape(text))))
+    return Markup(MARK.sub(link, str(escape(text))))
 
 
 def _math(report: Report) -> dict[str, Markup]:

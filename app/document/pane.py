@@ -1,15 +1,29 @@
 """Blocks of a document as HTML: on a page in the product's own sheet, and in an HTML report."""
 
+import re
 from collections.abc import Callable
 from html import escape
 from itertools import groupby
 
-from app.document.blocks import Answer, Block, Bullets, Cell, Column, KeyFigures, Table, Text
-from app.document.prose import prose
+from app.document.blocks import MARK, Answer, Block, Bullets, Cell, Column, KeyFigures, Table, Text
 from app.document.tiles import tiles_html
+from nav_model.equations import ALL_EQUATIONS
 
 Said = Callable[[str], str]
 """Literal text -> HTML: escaped, its equation marks as links to where this document has them."""
+_TITLES = {equation.mark: equation.title for equation in ALL_EQUATIONS}
+
+
+def prose(text: str) -> str:
+    """Text for our own pages: escaped, equation marks such as [T-9] linked to the Theory page."""
+    return MARK.sub(_link, escape(text))
+
+
+def _link(found: re.Match[str]) -> str:
+    mark = found[1]
+    if mark not in _TITLES:
+        return f'<span class="nw">{found[0]}</span>'
+    return f'<a class="eq" href="#theory-{mark}" title="{escape(_TITLES[mark])}">{found[0]}</a>'
 
 
 def html_of(*blocks: Block, said: Said = prose) -> str:

@@ -6,7 +6,6 @@ inside the Typst wheel are used, so pages are the same on every machine. The fil
 
 import json
 import tempfile
-from dataclasses import asdict
 from datetime import datetime
 from functools import cache
 from importlib.resources import files
@@ -16,7 +15,7 @@ from typing import Any, Literal
 import typst
 
 from app.charts.print.svg import to_svg
-from app.document.blocks import Report
+from app.document.blocks import ChartBlock, Report
 
 _TEMPLATE = "report.typ"
 
@@ -27,7 +26,8 @@ def to_pdf(report: Report) -> bytes:
     with tempfile.TemporaryDirectory(prefix="navbudget-") as folder:
         root = Path(folder)
         (root / _TEMPLATE).write_bytes(files("app.document").joinpath(_TEMPLATE).read_bytes())
-        (root / "report.json").write_text(json.dumps(_plain(report), ensure_ascii=False), encoding="utf-8")
+        content = json.dumps(report, default=_plain, ensure_ascii=False)
+        (root / "report.json").write_text(content, encoding="utf-8")
         for key, svg in charts.items():
             (root / f"{key}.svg").write_text(svg, encoding="utf-8")
         return _compiled(root, datetime.fromisoformat(report.written))
@@ -61,31 +61,10 @@ def _fonts(system: bool) -> typst.Fonts:
     return typst.Fonts(include_system_fonts=system)
 
 
-def _plain(report: Report) -> dict[str, Any]:
-    """The report as JSON-ready data; each block says its kind, a chart is the name of its drawing."""
-    return {
-        "title": report.title,
-        "written": report.written,
-        "version": report.version,
-        "chapters": [
-            {
-                **vars(chapter),
-                "verdict": None if chapter.verdict is None else _block(chapter.verdict),
-                "sections": [_section(section) for section in chapter.sections],
-            }
-            for chapter in report.chapters
-        ],
-        "sections": [_section(section) for section in report.sections],
-    }
-
-
-def _section(section: Any) -> dict[str, Any]:
-    return {"key": section.key, "title": section.title, "blocks": [_block(block) for block in section.blocks]}
-
-
-def _block(block: Any) -> dict[str, Any]:
+def _plain(block: Any) -> dict[str, Any]:
+    """A part of the report as JSON takes it: it says its kind, and a chart is the name of its drawing."""
     kind = type(block).__name__
-    if kind == "ChartBlock":
-        return {"kind": kind, "key": block.key, "title": block.chart.title, "knowledge": block.chart.knowledge,
-                "alt": block.alt}  # fmt: skip
-    return {"kind": kind, **asdict(block)}
+    if isinstance(block, ChartBlock):
+        chart = block.chart
+        return {"kind": kind, "key": block.key, "title": chart.title, "knowledge": chart.knowledge, "alt": block.alt}
+    return {"kind": kind, **vars(block)}

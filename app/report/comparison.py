@@ -1,6 +1,7 @@
 """The chapter that sets several designs side by side."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from app.charts.words import in_words
 from app.document.blocks import Cell, Chapter, ChartBlock, Column, Row, Section, Table, Told, numbers, table
@@ -8,16 +9,19 @@ from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, percent, show_in
 from app.document.verdict import check_words, verdict_of
 from app.document.wording import labelled, printable, title_of
-from app.report.comparison_charts import image_of, phase_comparison, position_comparison
+from app.report.comparison_charts import phase_comparison, position_comparison
 from app.report.inputs import shown_value, sourced_value
 from nav_model.budget import Budget
-from nav_model.budget.result import Sigmas
+from nav_model.budget.figures import SETTLED, figures
+from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import label_of, limit_on
 from nav_model.design import Design
+from nav_model.design.contributors import COASTING
 from nav_model.design.parts import INPUTS
 
 _COLUMNS = 5  # designs that fit side by side on a page
 _LINES = 7  # curves a reader can tell apart
+_COMPARED = (*SETTLED, *COASTING, "quadratic_phase", "along_track_quadratic_phase", "detrended_phase")
 
 
 def comparison_chapter(
@@ -88,30 +92,17 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
     )
 
 
-def _settled(budget: Budget) -> Sigmas:
-    """Errors while fixes come in, of the design's processing, contributors included."""
-    return budget.smoothed.sigmas if budget.smoothed else budget.steady_state.checked("prior")
-
-
-_FIGURES: Mapping[str, Callable[[Budget], float]] = {
-    "horizontal_position": lambda b: _settled(b).position_horizontal,
-    "vertical_position": lambda b: _settled(b).position_vertical,
-    "horizontal_velocity": lambda b: _settled(b).velocity_horizontal,
-    "vertical_velocity": lambda b: _settled(b).velocity_vertical,
-    "tilt": lambda b: _settled(b).tilt,
-    "coast_horizontal_position": lambda b: b.coast.end_refined_horizontal,
-    "coast_vertical_position": lambda b: b.coast.end_refined_vertical,
-    "quadratic_phase": lambda b: image_of(b).quadratic,
-    "along_track_quadratic_phase": lambda b: image_of(b).along_track_quadratic,
-    "detrended_phase": lambda b: image_of(b).detrended,
-}
-"""Name of a figure -> its one sigma."""
+def _sigmas(budget: Budget) -> dict[str, float]:
+    """Each figure at one sigma, of the design's processing; while fixes come in, before a fix."""
+    found = figures(replace(inputs_of(budget.design), steady_state="prior"), _COMPARED)
+    return {name: float(found[name]) for name in _COMPARED}
 
 
 def _figures(
     budgets: Sequence[Budget], labels: Sequence[str], display: Display, wide: int = _COLUMNS
 ) -> tuple[Table, ...]:
-    sigmas = {name: [value(budget) for budget in budgets] for name, value in _FIGURES.items()}
+    by_design = [_sigmas(budget) for budget in budgets]
+    sigmas = {name: [found[name] for found in by_design] for name in _COMPARED}
 
     def cell(name: str, design: int) -> Told:
         limit, pair, sigma = limit_on(name), "horizontal" in name, sigmas[name][design]
@@ -127,17 +118,17 @@ def _figures(
         label = label_of(name)
         return label if display == ONE_SIGMA else f"{label}, {display.named(pair='horizontal' in name)}"
 
-    def figures(columns: range, part: str) -> Table:
+    def values(columns: range, part: str) -> Table:
         return table(
             f"c-figures-{columns.start}",
             f"Errors, {display.spread}{part}; the smallest of all designs is marked best",
             _head("Quantity", columns, labels, numeric=True),
-            ((told(name), *(cell(name, design) for design in columns)) for name in _FIGURES),
+            ((told(name), *(cell(name, design) for design in columns)) for name in _COMPARED),
             "Each design has its own outage, radar, aperture and processing. In real time: before a fix [T-8], "
             "phases [S-5], [S-2], [T-15], [S-6]. Post-processed: smoothed [P-3], [P-5]. Outage: in real time [T-17].",
         )
 
-    return _in_parts(len(budgets), labels, figures, wide)
+    return _in_parts(len(budgets), labels, values, wide)
 
 
 def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:

@@ -8,7 +8,6 @@ import numpy as np
 from app.charts.kinds import Bar, BarChart, Chart, Line
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
-from nav_model.budget.result import PostProcessed, Sar
 
 
 def position_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> Chart:
@@ -28,16 +27,11 @@ def position_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> Cha
     )  # fmt: skip
 
 
-def image_of(budget: Budget) -> Sar | PostProcessed:
-    """The phases of a design's processing."""
-    return budget.smoothed or budget.sar
-
-
 def phase_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> BarChart:
     """Quadratic and detrended phase of some budgets."""
 
     def bar(budget: Budget, label: str) -> Bar:
-        image = image_of(budget)
+        image = budget.smoothed or budget.sar
         phases = np.array([image.quadratic, image.detrended])
         first, second = map(float, np.degrees(phases))
         first_mm, second_mm = map(float, 1000 * phase_to_metres(phases, budget.sar.wavelength))

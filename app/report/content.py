@@ -1,11 +1,22 @@
 """The content of a report, the same for HTML and PDF. Each subject supplies its sections (`app.subjects`)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields, is_dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
+from typing import Any
 
-from app.document.blocks import Approval, Bullets, Chapter, Equations, Report, Section, Symbols
-from app.document.citations import marks_in
+from app.document.blocks import (
+    MARK,
+    Approval,
+    Bullets,
+    Chapter,
+    ChartBlock,
+    Equations,
+    Report,
+    Section,
+    Symbols,
+)
 from app.document.display import ONE_SIGMA, Display
 from app.document.verdict import verdict_of
 from app.document.wording import chapter_key, design_labels, labelled, printable, shortened, title_of
@@ -102,7 +113,7 @@ def _shared(budgets: Sequence[Budget], labels: Sequence[str], told: Sequence[Sec
         f"{labelled(label, title_of(budget.design))}, content hash {budget.design.content_hash}"
         for budget, label in zip(budgets, labels, strict=True)
     )
-    equations, symbols = with_cited(marks_in(told))
+    equations, symbols = with_cited(_marks_in(told))
     references = dict.fromkeys((*REFERENCES, *(text for section in told for text in section.references)))
     return (
         Section("equations", "Equations", (Equations(equations),)),
@@ -110,3 +121,23 @@ def _shared(budgets: Sequence[Budget], labels: Sequence[str], told: Sequence[Sec
         Section("references", "References", (Bullets(tuple(references)),)),
         Section("approval", "Approval", (Approval(("Prepared", "Checked", "Approved"), subjects),)),
     )
+
+
+def _marks_in(sections: Iterable[Section]) -> set[str]:
+    """Marks of the equations named in any text of some sections, captions and sources of curves included."""
+    return {mark for section in sections for text in _texts(section) for mark in MARK.findall(text)}
+
+
+def _texts(thing: Any) -> Iterator[str]:
+    """Every string in a tree of dataclasses and tuples; arrays are skipped."""
+    if isinstance(thing, str):
+        yield thing
+    elif isinstance(thing, ChartBlock):
+        yield thing.alt
+        yield from (getattr(line, "source", "") for line in getattr(thing.chart, "lines", ()))
+    elif isinstance(thing, tuple):
+        for one in thing:
+            yield from _texts(one)
+    elif is_dataclass(thing):
+        for field in fields(thing):
+            yield from _texts(getattr(thing, field.name))

@@ -12,7 +12,7 @@ from app.charts.legend import legend_html
 from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
 from app.charts.words import in_words
-from app.document.prose import prose
+from app.document.pane import prose
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, ON_A_PHONE, PRINT_NOTHING, PRINT_WHOLE

@@ -1,8 +1,7 @@
 """A budget as sections of a design's report: the requirements first, then what explains them."""
 
 from app.document.allocation import allocation_table
-from app.document.blocks import Section
-from app.document.chart_block import chart_block
+from app.document.blocks import Section, chart_block
 from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.key_figures import key_figures

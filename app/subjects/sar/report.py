@@ -4,8 +4,7 @@ import argparse
 
 from app.charts.kinds import Drawing
 from app.console.progress import count_runs
-from app.document.blocks import Block, Section, Text
-from app.document.chart_block import chart_block
+from app.document.blocks import Block, Section, Text, chart_block
 from app.document.numbers import degrees
 from app.document.wording import identified
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture

@@ -2,8 +2,7 @@
 
 import argparse
 
-from app.document.blocks import Section
-from app.document.chart_block import chart_block
+from app.document.blocks import Section, chart_block
 from app.document.wording import identified
 from app.subjects.simulation.charts import CHARTS, outage_chart
 from app.subjects.simulation.tables import findings, verdict

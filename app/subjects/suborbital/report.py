@@ -7,8 +7,7 @@ from functools import partial
 
 from app.charts.kinds import Chart
 from app.console.progress import show_progress
-from app.document.blocks import Block, Row, Section, Table, Text, table
-from app.document.chart_block import chart_block
+from app.document.blocks import Block, Row, Section, Table, Text, chart_block, table
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer, explained
 from app.subjects.suborbital.charts import Finding, Shown, attitude, errors, flight, sensors

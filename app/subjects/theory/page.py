@@ -10,8 +10,7 @@ import panel as pn
 from app.declared import held
 from app.document.blocks import Answer, Bullets, Cell, Row, Table, Text, numbers, table
 from app.document.html import mathml
-from app.document.pane import html_of
-from app.document.prose import prose
+from app.document.pane import html_of, prose
 from app.session import Session
 from app.subjects.theory.record import INDEPENDENT, Comparison, Difference, record
 from app.ui.anchored_text import AnchoredText

@@ -3,8 +3,7 @@
 import argparse
 from dataclasses import replace
 
-from app.document.blocks import Section, Text
-from app.document.chart_block import chart_block
+from app.document.blocks import Section, Text, chart_block
 from app.document.wording import identified, printable
 from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
 from app.subjects.trajectory.figures import main_figure
