@@ -32,7 +32,6 @@ from nav_model.budget.verdict import label_of, limit_on
 from nav_model.design import Design
 from nav_model.design.contributors import UNSCALED
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.own import Limit
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -124,9 +123,14 @@ class _Sheets:
             for name in names:
                 key = f"{section}.{name}"
                 if key in keys or (section == "requirements" and key != CHOICE.replace("_", ".", 1)):
-                    row = self._input(sheet, row, key, counts=section != "requirements")
+                    self._input(sheet, row, key)
+                    if section != "requirements":
+                        self._counts(sheet, row)
+                    row += 1
         for number, limit in enumerate(self.design.limits, 1):
-            row = self._own_limit(sheet, row, own_key(number), limit)
+            unit, doc = _usual(limit.unit, limit.dimension), "Requirement of your own"
+            self._entry(sheet, row, own_key(number), limit.name, limit.value, unit, limit.dimension, doc)
+            row += 1
         self._choice(sheet, row)
         self._name_formula(sheet, row + 2, "Inputs changed", _CHANGED, f"SUM(F{first + 1}:F{row})>0")
         row += 5
@@ -142,7 +146,7 @@ class _Sheets:
                 sheet.write_string(row, 0, str(names[name].label))
                 sheet.write_string(row, 1, text)
                 sheet.write_string(row, 4, text)
-                sheet.write_formula(row, 5, f"=IF(B{row + 1}=E{row + 1},0,1)", None, 0)
+                self._counts(sheet, row)
                 row += 1
         self._name_formula(sheet, row + 1, "Fixed inputs changed", _NOT_FOLLOWED, f"SUM(F{fixed + 1}:F{row})>0")
 
@@ -151,46 +155,35 @@ class _Sheets:
         sheet.write_formula(row, 1, f"={formula}", None, False)
         self._name(symbol, "Inputs", row, 1)
 
-    def _input(self, sheet: Any, row: int, key: str, *, counts: bool) -> int:
-        declaration, value = declaration_of(key), self.design[key]
+    def _input(self, sheet: Any, row: int, key: str) -> None:
+        declaration = declaration_of(key)
         assert isinstance(declaration, BaseQuantity)
-        unit = _unit(self.design, key)
-        sheet.write_string(row, 0, str(declaration.label))
-        sheet.write_string(row, 2, unit)
+        unit, doc = _unit(self.design, key), str(declaration.doc or "").split(". ")[0]
         low, high = (_in_unit(bound, unit, declaration.dimension) for bound in declaration.limits)
         sheet.data_validation(row, 1, row, 1, {
             "validate": "decimal", "criteria": "between", "minimum": low, "maximum": high,
             "error_title": "Not allowed", "error_message": declaration.allowed(unit)[:255],
         })  # fmt: skip
-        shown: Any = None if value is None else _in_unit(value, unit, declaration.dimension)
-        for column, style in ((1, self.entry), (4, None)):
-            (
-                sheet.write_blank(row, column, None, style)
-                if shown is None
-                else sheet.write_number(row, column, shown, style)
-            )
-        cell = f"B{row + 1}"
-        in_si = _to_si(cell, unit, declaration.dimension)
-        sheet.write_formula(row, 3, f'=IF({cell}="","",{in_si})', self.number, "" if value is None else value)
-        if counts:
-            sheet.write_formula(row, 5, f"=IF({cell}=E{row + 1},0,1)", None, 0)
-        self._name(symbol_of(key), "Inputs", row, 3)
-        sheet.write_string(row, 6, str(declaration.doc or "").split(". ")[0])
-        return row + 1
+        value = cast("float | None", self.design[key])
+        self._entry(sheet, row, symbol_of(key), str(declaration.label), value, unit, declaration.dimension, doc)
 
-    def _own_limit(self, sheet: Any, row: int, symbol: str, limit: Limit) -> int:
-        """A limit of the user's own, to change like those of the inputs."""
-        unit = _usual(limit.unit, limit.dimension)
-        shown = _in_unit(limit.value, unit, limit.dimension)
-        sheet.write_string(row, 0, limit.name)
-        sheet.write_number(row, 1, shown, self.entry)
+    def _entry(
+        self, sheet: Any, row: int, symbol: str, label: str, value: float | None, unit: str, dimension: str, doc: str
+    ) -> None:
+        """A cell to change, in SI under its name, and what it is as computed."""
+        shown, cell = None if value is None else _in_unit(value, unit, dimension), f"B{row + 1}"
+        sheet.write_string(row, 0, label)
+        sheet.write(row, 1, shown, self.entry)
         sheet.write_string(row, 2, unit)
-        in_si = _to_si(f"B{row + 1}", unit, limit.dimension)
-        sheet.write_formula(row, 3, f'=IF(B{row + 1}="","",{in_si})', self.number, limit.value)
-        sheet.write_number(row, 4, shown)
+        in_si = f'=IF({cell}="","",{_to_si(cell, unit, dimension)})'
+        sheet.write_formula(row, 3, in_si, self.number, "" if value is None else value)
+        sheet.write(row, 4, shown)
+        sheet.write_string(row, 6, doc)
         self._name(symbol, "Inputs", row, 3)
-        sheet.write_string(row, 6, "Requirement of your own")
-        return row + 1
+
+    def _counts(self, sheet: Any, row: int) -> None:
+        """Whether an input is another than as computed."""
+        sheet.write_formula(row, 5, f"=IF(B{row + 1}=E{row + 1},0,1)", None, 0)
 
     def _choice(self, sheet: Any, row: int) -> None:
         sheet.write_string(row, 0, str(declaration_of("requirements.steady_state").label))

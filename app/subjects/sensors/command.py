@@ -37,10 +37,10 @@ def add_to(commands: Any) -> None:
 
 def _allan(options: argparse.Namespace) -> int:
     from app.report.supplier import acceptance_json
-    from app.subjects.sensors.log_study import LogRequest, read_options, study_log, study_to_json
+    from app.subjects.sensors.log_study import read_options, study_log
     from nav_model.allan.log_file import Limits
-    from nav_model.allan.motion import BenchNoise
-    from nav_model.allan.result import LogAnalysis
+    from nav_model.allan.motion import BenchNoise, MotionAnalysis, motion_to_json
+    from nav_model.allan.result import to_json
     from nav_model.explore.supplier import judge_log, required
 
     if not options.motion and (options.bench_arw or options.bench_vrw):
@@ -50,29 +50,28 @@ def _allan(options: argparse.Namespace) -> int:
     design = read_design(options.against, ()) if options.against else None
     lines = required(design, "imu") if design else ()  # refused now, not after the log
     passes = True
-    request = LogRequest(
-        source=sys.stdin.buffer.read(Limits().file_bytes + 1) if options.log == "-" else options.log,
-        file_name="standard input" if options.log == "-" else None,
-        options=read_options(
-            options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays
-        ),
-        motion=options.motion,
-        bench=BenchNoise(
-            _bench("--bench-arw", "imu.angle_random_walk", options.bench_arw),
-            _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
-        ),
+    piped = options.log == "-"
+    source = sys.stdin.buffer.read(Limits().file_bytes + 1) if piped else options.log
+    told = read_options(options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays)
+    bench = BenchNoise(
+        _bench("--bench-arw", "imu.angle_random_walk", options.bench_arw),
+        _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
     )
 
     def work() -> Any:
         nonlocal passes
         with show_progress() as progress:
-            study = study_log(request, lambda share, what: progress(what, share))
+            study = study_log(
+                source, told, "standard input" if piped else None, bench=bench if options.motion else None,
+                progress=lambda share, what: progress(what, share),
+            )  # fmt: skip
+        if isinstance(study, MotionAnalysis):
+            return motion_to_json(study)
         if design is None:
-            return study_to_json(study)
-        assert isinstance(study, LogAnalysis)
+            return to_json(study)
         judged = acceptance_json(design, judge_log(lines, study))
         passes = judged["passes"]
-        return {**study_to_json(study), "acceptance": judged}
+        return {**to_json(study), "acceptance": judged}
 
     return put_json(work, options.output) or int(not passes)
 

@@ -17,7 +17,7 @@ from app.document.pane import html_of
 from app.report.supplier import acceptance_blocks
 from app.session import Session
 from app.subjects.sensors.charts import axis_chart, triad_chart
-from app.subjects.sensors.log_study import LogRequest, Study, read_options, study_log
+from app.subjects.sensors.log_study import Study, read_options, study_log
 from app.subjects.sensors.tables import (
     coefficient_tables,
     motion_answer,
@@ -43,7 +43,7 @@ from nav_model.allan.adoption import (
     adopt_vibration_spectrum,
     bench_of,
 )
-from nav_model.allan.log_file import Limits
+from nav_model.allan.log_file import Limits, LogOptions
 from nav_model.allan.log_names import units_of
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis
@@ -145,17 +145,19 @@ class LogPanel(pn.viewable.Viewer):
             return
         name = self.name_of_log
         try:
-            request = self._request(bench_of(self.session.design))
+            options = self._options()
         except InputError as error:
             self._refuse(error)
             self._say(f"Not analysed. {error.reason}")
             return
+        bench = bench_of(self.session.design) if self.motion.value == "motion" else None
 
         async def study(run: Run) -> Study:
             try:
                 return await run_alone(
-                    study_log, request, progress=lambda share, what: run.tell(f"{name}: {what}", share)
-                )
+                    study_log, self._path(), options, name, UPLOAD_LIMITS, bench,
+                    progress=lambda share, what: run.tell(f"{name}: {what}", share),
+                )  # fmt: skip
             except InputError as error:
                 if not self._refuse(error):
                     raise
@@ -179,7 +181,7 @@ class LogPanel(pn.viewable.Viewer):
     def _mark(self, key: str, wrong: str = "") -> None:
         self.boxes[key].param.update(error_state=bool(wrong), helper_text=wrong or _BOXES[key][1])
 
-    def _request(self, bench: BenchNoise) -> LogRequest:
+    def _options(self) -> LogOptions:
         texts = {key: box.value.strip() for key, box in self.boxes.items()}
         for key, box in self.counts.items():
             if count := box.value.strip():
@@ -192,16 +194,7 @@ class LogPanel(pn.viewable.Viewer):
                 rate = float(texts["rate"])
             except ValueError as error:
                 raise InputError("rate", f"{texts['rate']!r} is not a number") from error
-        return LogRequest(
-            source=self._path(),
-            file_name=self.name_of_log,
-            options=read_options(
-                rate, texts["gyro_unit"], texts["accelerometer_unit"], texts["columns"], texts["arrays"]
-            ),
-            limits=UPLOAD_LIMITS,
-            motion=self.motion.value == "motion",
-            bench=bench,
-        )
+        return read_options(rate, texts["gyro_unit"], texts["accelerometer_unit"], texts["columns"], texts["arrays"])
 
     def close(self) -> None:
         """End all work and delete the log when the user has left."""

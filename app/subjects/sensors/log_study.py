@@ -1,39 +1,16 @@
-"""Analysis of a log for the command line and the Sensors page: reading, analysis at rest or in motion, progress.
-
-Everything here pickles, so that the page can run it in a separate process (`app.work.alone`).
-"""
+"""Analysis of a log for the command and for the Sensors page, which runs it in a separate process."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from nav_model.allan.log_file import Limits, LogOptions, read_log
-from nav_model.allan.motion import BenchNoise, MotionAnalysis, analyse_motion, motion_to_json
-from nav_model.allan.result import LogAnalysis, to_json
+from nav_model.allan.motion import BenchNoise, MotionAnalysis, analyse_motion
+from nav_model.allan.result import LogAnalysis
 from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
 
 Study = LogAnalysis | MotionAnalysis
 Progress = Callable[[float, str], None]
-
-READING = "reading"
-
-
-@dataclass(frozen=True)
-class LogRequest:
-    """A log and the options for its analysis.
-
-    `motion` chooses effective noise in motion over noise parameters at rest, against `bench` (angle and
-    velocity random walk, SI, None where not known).
-    """
-
-    source: str | Path | bytes
-    file_name: str | None = None
-    options: LogOptions = field(default_factory=LogOptions)
-    limits: Limits = field(default_factory=Limits)
-    motion: bool = False
-    bench: BenchNoise = field(default_factory=BenchNoise)
 
 
 def read_options(
@@ -59,30 +36,30 @@ def read_options(
     )
 
 
-def study_log(request: LogRequest, progress: Progress) -> Study:
-    """Read and analyse; `progress` receives fractions from 0 to 1 and what is being done.
+def study_log(
+    source: str | Path | bytes,
+    options: LogOptions | None = None,
+    file_name: str | None = None,
+    limits: Limits | None = None,
+    bench: BenchNoise | None = None,
+    *,
+    progress: Progress,
+) -> Study:
+    """Read a log and analyse it, with fractions from 0 to 1 and what is being done for `progress`.
+
+    Without `bench` it was taken at rest and gives noise parameters; with `bench` it was taken in motion and gives
+    the effective noise, against that.
 
     Raises
     ------
     InputError
         Naming the file, and where in it, when it cannot be opened, read or analysed as asked.
     """
-    progress(0.0, READING)
-    log = read_log(request.source, request.options, request.file_name, request.limits)
+    progress(0.0, "reading")
+    log = read_log(source, options, file_name, limits)
     try:
-        if request.motion:
-            return analyse_motion(log, request.bench, progress=progress)
-        return analyse_log(log, progress=progress)
+        return analyse_log(log, progress=progress) if bench is None else analyse_motion(log, bench, progress=progress)
     except InputError:
         raise
     except ValueError as error:  # of a step that knows no file, such as a log too short to fit
-        raise InputError(_name(request), str(error)) from error
-
-
-def study_to_json(study: Study) -> dict[str, Any]:
-    """The study as JSON-ready data (contract.md, `allan`)."""
-    return motion_to_json(study) if isinstance(study, MotionAnalysis) else to_json(study)
-
-
-def _name(request: LogRequest) -> str:
-    return request.file_name or (Path(request.source).name if not isinstance(request.source, bytes) else "upload")
+        raise InputError(log.file_name, str(error)) from error

@@ -17,13 +17,12 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.charts import axis_chart, triad_chart
-from app.subjects.sensors.log_study import LogRequest, study_log
+from app.subjects.sensors.log_study import study_log
 from app.subjects.sensors.page import SensorsPage
 from app.subjects.sensors.tables import coefficient_tables, origin_table
 from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_names import scale_of
-from nav_model.allan.motion import BenchNoise
 from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
 from nav_model.design.catalogue import catalogue
@@ -84,10 +83,10 @@ def test_the_unit_of_a_log_is_chosen_and_may_be_of_counts(sensors: SensorsPage):
     asyncio.run(panel.take("bench.csv", log()))
     panel.counts["gyro_unit"].value = "0.05"
     with pytest.raises(InputError, match="choose the unit"):
-        panel._request(BenchNoise())
+        panel._options()
     panel.boxes["gyro_unit"].value = "deg/s"
     panel.boxes["accelerometer_unit"].value = "mg"
-    options = panel._request(BenchNoise()).options
+    options = panel._options()
     assert scale_of("gyro", options.gyro_unit).factor == pytest.approx(math.radians(0.05))
     assert options.accelerometer_unit == "mg"
 
@@ -143,15 +142,15 @@ def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
     for path, reason in ((tmp_path / "none.csv", "No such file"), (tmp_path / "bad.csv", "No numbers found")):
         (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
         with pytest.raises(InputError) as caught:
-            asyncio.run(run_alone(study_log, LogRequest(path), progress=lambda fraction, what: None))
+            asyncio.run(run_alone(study_log, path, progress=lambda fraction, what: None))
         assert path.name in caught.value.key
         assert reason in caught.value.reason
 
 
 def test_a_process_that_dies_is_an_answer(caplog: pytest.LogCaptureFixture):
-    """A request that cannot be understood raises in the process, as running out of memory would."""
+    """A source of no known kind raises in the process, as running out of memory would."""
     with pytest.raises(RunLost, match="without an answer"):
-        asyncio.run(run_alone(study_log, "not a request", progress=lambda fraction, what: None))
+        asyncio.run(run_alone(study_log, 1.5, progress=lambda fraction, what: None))
     assert "fault in a worker" in caplog.text
 
 
