@@ -1,18 +1,17 @@
 """Budgets of the examples, and what the reports of several subjects share."""
 
 import pickle
+from collections import OrderedDict
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app.charts.print.svg import to_svg
 from app.document import pdf
+from app.examples import example
+from app.work import kept
 from nav_model.budget import Budget, analyse
-from nav_model.design.file import read_design
-
-_EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -23,10 +22,16 @@ def _data_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         yield
 
 
+@pytest.fixture
+def nothing_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No result that a server still has."""
+    monkeypatch.setattr(kept, "_kept", OrderedDict())
+
+
 @pytest.fixture(scope="session")
 def budget_of() -> Callable[[str], Budget]:
     """The budget of the example of this name."""
-    return lambda name: analyse(read_design(_EXAMPLES / f"{name}.toml"))
+    return lambda name: analyse(example(name))
 
 
 @pytest.fixture(scope="session")

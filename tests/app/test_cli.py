@@ -11,16 +11,14 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from commanded import told
+from known_designs import L_BAND, MEMS, ROOT, TACTICAL
 
 import app.__main__
 import app.cli
 from app.cli import main
 
 pytestmark = pytest.mark.long
-
-ROOT = Path(app.cli.__file__).parent.parent
-EXAMPLES = ROOT / "examples"
-MEMS, TACTICAL, L_BAND = (str(EXAMPLES / f"{name}.toml") for name in ("mems_x_band", "tactical_x_band", "l_band_jet"))
 
 
 def _process(*arguments, stdin=b"", **environment):
@@ -126,8 +124,7 @@ def test_check_exit_codes(capsys, designs, code):
 def test_presets(capsys, kind, names):
     assert main(["presets", kind]) == 0
     text = capsys.readouterr().out
-    assert main(["presets", kind, "--json"]) == 0
-    plain = json.loads(capsys.readouterr().out)
+    plain = told(capsys, "presets", kind, "--json")
     for name in names:
         assert f"\n{name}" in f"\n{text}"
         assert name in plain

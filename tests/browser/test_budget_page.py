@@ -6,18 +6,18 @@ import re
 from pathlib import Path
 
 import pytest
+from known_designs import MEMS
 from on_page import Check, Visit, box, card, columns, content, enter, section
 from playwright.sync_api import Locator, Page, expect
 from waiting import until
 
+from app.examples import example
 from nav_model.budget import analyse
-from nav_model.design.file import parse_design, read_design
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+from nav_model.design.file import parse_design
 
 
 def test_first_screen_gives_the_answer(plain: Page) -> None:
-    budget = analyse(read_design(EXAMPLES / "mems_x_band.toml"))
+    budget = analyse(example("mems_x_band"))
     status = plain.get_by_role("status").first
     expect(status).to_contain_text("Does not close")
     expect(status).to_contain_text("gyro noise")
@@ -126,7 +126,7 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
 
     def shows_the_box() -> bool:
         changes = [f"imu.angle_random_walk={box(desk, 'Angle random walk').input_value()}"]
-        expected = analyse(parse_design((EXAMPLES / "mems_x_band.toml").read_bytes(), changes=changes))
+        expected = analyse(parse_design(Path(MEMS).read_bytes(), changes=changes))
         outage = list(expected.coast.refined_horizontal)
         shown = columns(desk, "timelines")["position horizontal"][-len(outage) :]  # before it: the steady state
         return bool(shown == pytest.approx(outage, rel=1e-12))
@@ -209,7 +209,7 @@ def test_chart_data_to_take_away(plain: Page) -> None:
         plain.get_by_role("button", name="Exports").click()
         plain.get_by_role("button", name="Position sigma: CSV").click()
     rows = list(csv.reader(io.StringIO(content(waiting.value).decode())))
-    budget = analyse(read_design(EXAMPLES / "mems_x_band.toml"))
+    budget = analyse(example("mems_x_band"))
     refined = [float(row[2]) for row in rows if row[0] == "horizontal, refined"]
     assert refined == pytest.approx(list(budget.coast.refined_horizontal), rel=1e-15)
 

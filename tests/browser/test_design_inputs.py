@@ -4,13 +4,13 @@ import re
 from pathlib import Path
 
 import pytest
+from known_designs import L_BAND
 from on_page import Visit, box, card, content, enter, section
 from playwright.sync_api import Page, expect
 
-from nav_model.design.file import parse_design, read_design
+from app.examples import example
+from nav_model.design.file import parse_design
 from nav_model.design.link import from_query
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def test_an_invalid_text_is_said_in_the_verdict_and_goes_with_reset(desk: Page) -> None:
@@ -174,9 +174,9 @@ def test_save_open_and_refuse(desk: Page, tmp_path: Path) -> None:
         page.get_by_role("button", name="Save", exact=True).click()
     saved = parse_design(content(waiting.value))
     assert waiting.value.suggested_filename == "mems-imu-at-x-band.toml"
-    assert saved == read_design(EXAMPLES / "mems_x_band.toml")
+    assert saved == example("mems_x_band")
     chooser = page.locator("input[type=file]").first
-    chooser.set_input_files(EXAMPLES / "l_band_jet.toml")
+    chooser.set_input_files(L_BAND)
     expect(page.get_by_role("status").first).to_contain_text("Closes")
     expect(box(page, "Design")).to_have_value("L band from a jet")
     expect(box(page, "Angle random walk")).to_have_value("0.125 °/√h")

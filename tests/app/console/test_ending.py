@@ -10,6 +10,7 @@ from typing import Any
 
 import psutil
 import pytest
+from known_designs import MEMS, ROOT, TACTICAL
 from waiting import PATIENCE
 
 from app.console import ending
@@ -17,8 +18,6 @@ from nav_model.base.processes import worker_pool
 
 pytestmark = pytest.mark.long
 
-ROOT = Path(ending.__file__).parents[2]
-TACTICAL, MEMS = (str(ROOT / "examples" / f"{name}_x_band.toml") for name in ("tactical", "mems"))
 _DONE = re.compile(r"\b[1-9]\d* of \d+ .*\n")
 _SWEEP = f"""
 design = "{TACTICAL}"

@@ -6,15 +6,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from known_designs import MEMS, ROOT, TACTICAL
 from waiting import PATIENCE
 
 from app.console.ending import one_line
 from app.console.files import put_file
 
 pytestmark = pytest.mark.long
-
-ROOT = Path(__file__).parents[3]
-TACTICAL, MEMS = (str(ROOT / "examples" / f"{name}_x_band.toml") for name in ("tactical", "mems"))
 
 
 def test_a_link_stays_and_the_file_it_leads_to_is_replaced(tmp_path: Path) -> None:

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from known_designs import MEMS
 
 from app.cli import main
 
 pytestmark = pytest.mark.long
 
-MEMS = str(Path(__file__).parents[3] / "examples" / "mems_x_band.toml")
 _SIMULATE = "simulate DESIGN --runs 6 --seed 4 --duration 40 --outage 30,40 --every 2 --workers 1"
 _TELL = {"allan", "report", "suborbital"}  # what they are doing, before they can know that it is wrong
 

@@ -1,14 +1,11 @@
 """The examples are those of the package, and each teaches something."""
 
-from pathlib import Path
-
 import pytest
+from known_designs import ROOT
 
 from app.dashboard.gallery import gallery
 from app.examples import EXAMPLES, description_of, example
 from nav_model.budget import analyse
-
-ROOT = Path(__file__).parents[3]
 
 
 def test_the_repositorys_examples_are_links_to_the_packages():

@@ -10,12 +10,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from known_designs import MEMS, ROOT
 
 from app.library.store import Library
 from nav_model.design.file import parse_design
 
-ROOT = Path(__file__).parents[3]
-EXAMPLES = ROOT / "examples"
 _SAVER = textwrap.dedent("""
     import sys
     from app.library.store import Library
@@ -46,7 +45,7 @@ def kill_during_saves() -> Callable[..., set[str]]:
 
     def kill(address: str, kills: int, saves: int, seed: int) -> set[str]:
         draw, answered = random.Random(seed), []
-        command = [sys.executable, "-c", _SAVER, address, str(EXAMPLES / "mems_x_band.toml")]
+        command = [sys.executable, "-c", _SAVER, address, MEMS]
         for _ in range(kills):
             with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
                 said = [process.stdout.readline() for _ in range(draw.randrange(saves))]

@@ -2,33 +2,19 @@
 
 import io
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pypdf
 import pytest
 
 from app.document.blocks import Cell, Report, Table
-from nav_model.budget import Budget, analyse
-from nav_model.design.file import read_design
-
-_EXAMPLES = Path(__file__).parents[3] / "examples"
-
-
-@pytest.fixture(scope="session")
-def changed() -> Callable[..., Budget]:
-    """The MEMS example with other values; ``imu__rate`` is imu.rate."""
-
-    def made(**changes: object) -> Budget:
-        design = read_design(_EXAMPLES / "mems_x_band.toml")
-        return analyse(design.replace({key.replace("__", "."): value for key, value in changes.items()}))
-
-    return made
+from app.examples import EXAMPLES
+from nav_model.budget import Budget
 
 
 @pytest.fixture(scope="module")
 def three(budget_of) -> list[Budget]:
-    return [budget_of(path.stem) for path in sorted(_EXAMPLES.glob("*.toml"))]
+    return [budget_of(name) for name in sorted(EXAMPLES)]
 
 
 @pytest.fixture(scope="session")

@@ -1,20 +1,20 @@
 """Contributors of the user's own in the report and on the command line."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from app.document.html import to_html
+from app.examples import example
 from app.report.comparison import difference_tables
 from app.report.content import report_of
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.timelines import position_knowledge
-from nav_model import analyse, read_design
+from nav_model import analyse
 from nav_model.design.contributors import read_contributors
 from nav_model.design.own import Own
 
-_BASE = read_design(Path("examples/mems_x_band.toml"))
+_BASE = example("mems_x_band")
 _LEVER_ARM = {
     "name": "lever <arm>", "value": "1 mm", "enters": "detrended_phase", "allowance": "20 %", "owner": "mechanics",
     "source": "survey, 2026-03",

@@ -9,6 +9,7 @@ from urllib.parse import unquote
 
 import pypdf
 import pytest
+from known_designs import changed
 
 from app.charts.kinds import to_csv
 from app.document.blocks import Equations, Symbols
@@ -59,7 +60,7 @@ def mems_html(mems) -> str:
 
 
 @pytest.fixture(scope="module")
-def hostile_html(budget_of, changed) -> bytes:
+def hostile_html(budget_of) -> bytes:
     """Three designs, two of which are called what nobody should be called."""
     hostile = changed(name=HOSTILE, description=HOSTILE)
     return report_bytes([budget_of("tactical_x_band"), hostile, hostile], ".html", NOW)
@@ -146,7 +147,7 @@ def test_the_pdf_carries_the_design_file(mems, mems_pdf):
     assert parse_design(attached) == mems.design
 
 
-def test_what_people_write_is_literal_in_the_pdf_and_inert_in_the_html(changed, hostile_html):
+def test_what_people_write_is_literal_in_the_pdf_and_inert_in_the_html(hostile_html):
     budget = changed(name=HOSTILE, description=HOSTILE)
     compared = squeezed(pdf_text(report_bytes([budget, budget], ".pdf", NOW)))
     assert compared.count(squeezed(HOSTILE)) >= 5  # each one's name and description, and the comparison
@@ -232,7 +233,7 @@ def test_the_html_opens_from_disk_with_every_chart_drawn(hostile_html, tmp_path)
     assert width == 390
 
 
-def test_a_name_in_any_script_is_written(changed):
+def test_a_name_in_any_script_is_written():
     name = "机载合成孔径雷达 🚀 رادار Ωмега bell\x07\x1b[31m\u200b\ufeff\nline"
     budget = changed(name=name, description=name)
     assert budget.design.content_hash in squeezed(pdf_text(report_bytes([budget], ".pdf", NOW)))
@@ -242,7 +243,7 @@ def test_a_name_in_any_script_is_written(changed):
 
 
 @pytest.mark.slow
-def test_long_words_stay_on_the_page(changed, placed):
+def test_long_words_stay_on_the_page(placed):
     budget = changed(name="n" * 300, description="m" * 900)
     pages = placed(report_bytes([budget, budget], ".pdf", NOW))
     assert all(0 < right < 210 / 25.4 * 72 for _, right in pages)
@@ -251,7 +252,7 @@ def test_long_words_stay_on_the_page(changed, placed):
     assert text.count("m" * 900) == 2
 
 
-def test_extreme_and_empty_designs_are_written(changed, cells):
+def test_extreme_and_empty_designs_are_written(cells):
     without_image = changed(imu__angle_random_walk=0.05, radar__aperture_time=200.0)
     assert without_image.sar.impulse_response is None
     assert any("no image" in cell.text for cell in cells(report_of([without_image], NOW)))

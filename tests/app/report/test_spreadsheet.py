@@ -14,16 +14,16 @@ import numpy as np
 import openpyxl
 import pytest
 
+from app.examples import EXAMPLES, example
 from app.report.spreadsheet import LIVE, OTHER, TAKEN, workbook_bytes
 from app.report.workings import traces_of
-from nav_model import Design, analyse, read_design
+from nav_model import Design, analyse
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.figures import FIGURES, SETTLED, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design.contributors import Contributor
 from nav_model.design.own import Own, read_limits
 
-EXAMPLES = Path("examples")
 CHANGED = {
     "imu.angle_random_walk": (1e-6, 1e-4),
     "imu.velocity_random_walk": (1e-5, 3e-3),
@@ -108,9 +108,9 @@ def contributors() -> tuple[Contributor, ...]:
 
 
 @pytest.mark.parametrize("own", [Own(), own()], ids=["model", "own"])
-@pytest.mark.parametrize("name", ["mems_x_band", "tactical_x_band", "l_band_jet"])
+@pytest.mark.parametrize("name", EXAMPLES)
 def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str, own: Own) -> None:
-    budget = analyse(read_design(EXAMPLES / f"{name}.toml").replace({}, own=own))
+    budget = analyse(example(name).replace({}, own=own))
     path = write(tmp_path / "budget.xlsx", budget.design)
     book = openpyxl.load_workbook(path, data_only=True)
     formulas_too = openpyxl.load_workbook(path)
@@ -147,7 +147,7 @@ def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
 @pytest.mark.long
 @designs
 def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path, count: int) -> None:
-    base = drawn(read_design(EXAMPLES / "mems_x_band.toml"), 0).replace({}, own=own())
+    base = drawn(example("mems_x_band"), 0).replace({}, own=own())
     path = write(tmp_path / "budget.xlsx", base)
     book = openpyxl.load_workbook(path)
     model = formulas.ExcelModel().loads(str(path)).finish()
@@ -177,10 +177,7 @@ def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path, count: 
 @designs
 def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int) -> None:
     """All workbooks in one start of the program, with a profile that nothing else uses."""
-    bases = [
-        read_design(EXAMPLES / f"{name}.toml").replace({}, own=own())
-        for name in ("mems_x_band", "tactical_x_band", "l_band_jet")
-    ]
+    bases = [example(name).replace({}, own=own()) for name in EXAMPLES]
     wanted: dict[str, Design] = {}
     for seed in range(3 + count):
         base = bases[seed % 3]
@@ -219,7 +216,7 @@ def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int)
     ],
 )  # fmt: skip
 def test_what_has_no_formula_says_so(tmp_path: Path, changes: dict[str, Any], symbol: str) -> None:
-    design = read_design(EXAMPLES / "mems_x_band.toml").replace(changes)
+    design = example("mems_x_band").replace(changes)
     rows = {row.symbol: row for row in traces_of(design).workings.rows}
     assert rows[symbol].taken
     for name, value in expected(design).items():
@@ -229,7 +226,7 @@ def test_what_has_no_formula_says_so(tmp_path: Path, changes: dict[str, Any], sy
 
 def test_names_are_texts_and_there_is_no_macro_or_link(tmp_path: Path) -> None:
     for sign in "=+-@":
-        design = read_design(EXAMPLES / "mems_x_band.toml").replace({"name": f'{sign}HYPERLINK("http://x","y")'})
+        design = example("mems_x_band").replace({"name": f'{sign}HYPERLINK("http://x","y")'})
         path = write(tmp_path / "budget.xlsx", design)
         title = openpyxl.load_workbook(path)["Budget"]["A1"]
         assert title.data_type == "s"
@@ -240,7 +237,7 @@ def test_names_are_texts_and_there_is_no_macro_or_link(tmp_path: Path) -> None:
 
 
 def test_names_of_cells_are_none_of_a_cell() -> None:
-    for row in traces_of(read_design(EXAMPLES / "mems_x_band.toml")).workings.rows:
+    for row in traces_of(example("mems_x_band")).workings.rows:
         assert not re.fullmatch(r"[A-Za-z]{1,3}\d+|[RrCc]\d*", row.symbol)
         assert len(row.text) < 400
 

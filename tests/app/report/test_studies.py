@@ -4,12 +4,12 @@ import math
 import pickle
 import re
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Equations, Section, Symbols, Table, Text
+from app.examples import example
 from app.report import report_bytes
 from app.report.content import report_of
 from app.report.studies import belonging, study_sections
@@ -18,7 +18,6 @@ from app.subjects.sar.run import SarResult
 from app.subjects.suborbital.charts import Finding, Shown
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.file import read_design
 from nav_model.equations import SYMBOLS
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import design_study
@@ -30,7 +29,6 @@ from nav_model.suborbital.settings import DEFAULTS, from_design
 from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import survey_json
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 MOST_BYTES = 3_000_000  # of the sections on their way to a worker
@@ -38,7 +36,7 @@ MOST_BYTES = 3_000_000  # of the sections on their way to a worker
 
 @pytest.fixture(scope="module")
 def design() -> Design:
-    return read_design(EXAMPLES / "mems_x_band.toml")
+    return example("mems_x_band")
 
 
 @pytest.fixture(scope="module")

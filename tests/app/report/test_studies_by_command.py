@@ -1,29 +1,28 @@
 """Studies run by the command `report`."""
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 import pytest
+from known_designs import MEMS
 
 from app import cli
+from app.examples import example
 from app.subjects.simulation import console as simulate_command
 from app.subjects.simulation import report as simulation_report
-from nav_model.design.file import read_design
 from nav_model.sar.design_study import design_study
 from nav_model.sar.strategies import STRATEGIES
 from nav_model.simulation.study_inputs import NOTHING_ADDED
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 
 
 def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     target = tmp_path / "r.html"
-    arguments = ["report", str(EXAMPLES / "mems_x_band.toml"), "-o", str(target), "--with", "sar", "--runs", "20"]
+    arguments = ["report", MEMS, "-o", str(target), "--with", "sar", "--runs", "20"]
     assert cli.main([*arguments, "--seed", "5"]) == 0
     page = target.read_text(encoding="utf-8")
-    study = design_study(read_design(EXAMPLES / "mems_x_band.toml"), 20, 5)
+    study = design_study(example("mems_x_band"), 20, 5)
     for strategy in STRATEGIES:
         assert strategy.key in page
     assert "".join(study.sentence.split()) in "".join(page.split())
@@ -32,7 +31,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
 
 
 def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(monkeypatch):
-    design = read_design(EXAMPLES / "mems_x_band.toml")
+    design = example("mems_x_band")
     asked: list[argparse.Namespace] = []
     monkeypatch.setattr(simulate_command, "fly_design", lambda _, options: asked.append(options))
     options = argparse.Namespace(runs=None, seed=1, duration=None, outages=[], trajectory="wandering", workers=None)

@@ -1,23 +1,22 @@
 """The supplier's sheet as a file, and a log judged by it."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pypdf
 import pytest
+from commanded import told
+from known_designs import TACTICAL
 
 from app.cli import main
-from nav_model import read_design
+from app.examples import example
 from nav_model.explore.supplier import required
-
-DESIGN = "examples/tactical_x_band.toml"
 
 
 @pytest.mark.parametrize(("unit", "said"), [("imu", "Angle random walk"), ("gnss", "Position noise")])
 def test_a_sheet_is_one_page_with_values_test_and_sources(tmp_path: Path, unit: str, said: str) -> None:
     target = tmp_path / "sheet.pdf"
-    assert main(["report", DESIGN, "--supplier", unit, "-o", str(target)]) == 0
+    assert main(["report", TACTICAL, "--supplier", unit, "-o", str(target)]) == 0
     (page,) = pypdf.PdfReader(target).pages
     text = page.extract_text()
     assert said in text
@@ -27,18 +26,18 @@ def test_a_sheet_is_one_page_with_values_test_and_sources(tmp_path: Path, unit: 
 
 def test_a_sheet_without_charts_is_a_small_html_page(tmp_path: Path) -> None:
     target = tmp_path / "sheet.html"
-    assert main(["report", DESIGN, "--supplier", "imu", "-o", str(target)]) == 0
+    assert main(["report", TACTICAL, "--supplier", "imu", "-o", str(target)]) == 0
     text = target.read_text("utf-8")
     assert "Accepted reading" in text
     assert len(text) < 100_000
 
 
-@pytest.mark.parametrize("more", [["--show", "2s"], ["--with", "sar"], [DESIGN]])
+@pytest.mark.parametrize("more", [["--show", "2s"], ["--with", "sar"], [TACTICAL]])
 def test_a_sheet_and_a_spreadsheet_are_of_one_design_alone(
     tmp_path: Path, more: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     for target, own in (("sheet.pdf", ["--supplier", "imu"]), ("budget.xlsx", [])):
-        assert main(["report", DESIGN, *more, *own, "-o", str(tmp_path / target)]) == 2
+        assert main(["report", TACTICAL, *more, *own, "-o", str(tmp_path / target)]) == 2
         assert "of one design, without --with and --show" in capsys.readouterr().err
         assert not list(tmp_path.iterdir())
 
@@ -47,11 +46,10 @@ def test_a_sheet_and_a_spreadsheet_are_of_one_design_alone(
 def test_a_log_is_judged_by_the_command(
     tmp_path: Path, factor: float, code: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    walks = [factor * 10 * line.value for line in required(read_design(DESIGN), "imu")]
+    walks = [factor * 10 * line.value for line in required(example("tactical_x_band"), "imu")]
     noise = np.random.default_rng(2).standard_normal((2, 30_000, 3))
     np.savez(tmp_path / "log.npz", gyro=walks[0] * noise[0], accelerometer=walks[1] * noise[1])
     units = ["--rate", "100", "--gyro-unit", "rad/s", "--accelerometer-unit", "m/s2"]
-    assert main(["allan", str(tmp_path / "log.npz"), *units, "--against", DESIGN]) == code
-    found = json.loads(capsys.readouterr().out)["acceptance"]
+    found = told(capsys, "allan", str(tmp_path / "log.npz"), *units, "--against", TACTICAL, code=code)["acceptance"]
     assert found["passes"] is (code == 0)
     assert [axis["passes"] for axis in found["axes"]] == [code == 0] * 6

@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 import yaml
+from known_designs import ROOT
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.web import create_signed_value
 from tornado.websocket import websocket_connect
@@ -27,7 +28,6 @@ from app.cli import main
 
 pytestmark = pytest.mark.long
 
-ROOT = Path(__file__).parents[3]
 _NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
 _TOKEN = re.compile(r'"token":"([^"]+)"')
 

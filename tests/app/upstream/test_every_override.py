@@ -8,13 +8,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from known_designs import ROOT
 
 import app.upstream
 import nav_model.base.compiled
 import nav_model.base.numba_typing
 from app.upstream.browser import Repairs, head_script
 
-ROOT = Path(__file__).parents[3]
 ROOM = Path(app.upstream.__file__).parent
 SCRIPTS = sorted(ROOM.glob("*.js"))
 IN_PYTHON = [path for path in sorted(ROOM.glob("*.py")) if path.stem not in ("__init__", "browser")]

@@ -1,16 +1,11 @@
 """Results that a server still has."""
 
-from collections import OrderedDict
-
 import pytest
 
 from app.work import kept
 from app.work.kept import keep
 
-
-@pytest.fixture(autouse=True)
-def nothing_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "_kept", OrderedDict())
+pytestmark = pytest.mark.usefixtures("nothing_kept")
 
 
 def test_the_last_few_of_a_kind_are_kept_and_take_no_place_of_another_kind() -> None:

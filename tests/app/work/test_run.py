@@ -4,6 +4,7 @@ import asyncio
 from typing import Any
 
 import pytest
+from pages import when_done
 
 from app.session import Session
 from app.ui.run_bar import RunBar, progress_html
@@ -13,10 +14,7 @@ from nav_model.design import Design
 
 
 def to_the_end(run: Run, work: Any) -> None:
-    async def main() -> None:
-        await run.start(work)
-
-    asyncio.run(main())
+    when_done(lambda: run.start(work))
 
 
 def test_the_time_left_is_the_time_spent_over_the_share_done():

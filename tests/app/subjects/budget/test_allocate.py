@@ -1,10 +1,10 @@
 """The command `navbudget allocate`."""
 
-import json
 import math
 from pathlib import Path
 
 import pytest
+from commanded import told
 
 from app.cli import main
 from nav_model.base.constants import SPEED_OF_LIGHT
@@ -30,8 +30,7 @@ def design(tmp_path: Path) -> str:
 
 
 def test_it_prints_the_contract_and_ends_with_0(design: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["allocate", design, "--split", "equal", "--reserve", "10%"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = told(capsys, "allocate", design, "--split", "equal", "--reserve", "10%")
     assert found.keys() == {"requirement", "limit", "reserve", "closes", "blocked_by", "entries"}
     assert (found["requirement"], found["reserve"], found["closes"]) == ("detrended_phase", 0.1, True)
     square = sum(entry["allocated"] ** 2 for entry in found["entries"])
@@ -43,16 +42,16 @@ def test_it_prints_the_contract_and_ends_with_0(design: str, capsys: pytest.Capt
 
 def test_a_length_and_an_angle_lock_a_phase(design: str, capsys: pytest.CaptureFixture[str]) -> None:
     locks = ["--lock", "lever arm=0.2 mm", "--lock", "gyro noise=5 deg"]
-    assert main(["allocate", design, "--requirement", "detrended_phase", *locks]) == 0
-    entries = {entry["source"]: entry for entry in json.loads(capsys.readouterr().out)["entries"]}
+    found = told(capsys, "allocate", design, "--requirement", "detrended_phase", *locks)
+    entries = {entry["source"]: entry for entry in found["entries"]}
     assert entries["gyro noise"]["allocated"] == pytest.approx(math.radians(5), rel=1e-12)
     assert entries["lever arm"]["allocated"] == pytest.approx(4 * math.pi / (SPEED_OF_LIGHT / 9.6e9) * 2e-4, rel=1e-9)
     assert {name for name, entry in entries.items() if entry["locked"]} == {"lever arm", "gyro noise"}
 
 
 def test_a_lock_that_leaves_nothing_is_named_with_1(design: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["allocate", design, "--lock", "gyro noise=30 deg", "--lock", "lever arm=0.1 mm"]) == 1
-    found = json.loads(capsys.readouterr().out)
+    locks = ["--lock", "gyro noise=30 deg", "--lock", "lever arm=0.1 mm"]
+    found = told(capsys, "allocate", design, *locks, code=1)
     assert (found["closes"], found["blocked_by"]) == (False, ["gyro noise"])
 
 

@@ -1,19 +1,16 @@
 """Residual biases that the strip of the Budget page names, and one press to change them."""
 
 import math
-from pathlib import Path
 
 import pytest
 
+from app.examples import example
 from app.session import Session
 from app.subjects.budget.page import BudgetPage
-from nav_model.design.file import read_design
-
-_EXAMPLES = Path(__file__).parents[4] / "examples"
 
 
 def test_the_strip_names_the_biases_and_one_press_changes_them() -> None:
-    session = Session(read_design(_EXAMPLES / "mems_x_band.toml"))
+    session = Session(example("mems_x_band"))
     page = BudgetPage(session)
     session.param.watch(lambda event: page.show(event.new), "budget")
     biases = page._biases

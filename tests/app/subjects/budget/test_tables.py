@@ -2,16 +2,17 @@
 
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from known_designs import changed
 
 from app.document.bars import bars_html
 from app.document.blocks import Text
 from app.document.display import Display
 from app.document.tiles import tiles_html
 from app.document.verdict import check_words, verdict_of, verdict_strip
+from app.examples import example
 from app.report.cautions import caution_list
 from app.report.content import report_of
 from app.session import Session
@@ -25,9 +26,7 @@ from app.subjects.budget.timelines import attitude_chart, position_chart, togeth
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
-from nav_model.design.file import read_design
 
-EXAMPLES = Path(__file__).parents[4] / "examples"
 _FACTOR = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "mm/s": 1e-3, "cm/s": 1e-2, "m/s": 1.0,
            "°": math.pi / 180, "arcsec": math.pi / 648000}  # fmt: skip
 
@@ -36,11 +35,6 @@ def si(text: str) -> float:
     """A quantity of a page in SI."""
     number, unit = re.fullmatch(r"(−?[\d.]+)\s?(\D+)", text).groups()
     return float(number.replace("−", "-")) * _FACTOR[unit]
-
-
-def changed(**changes: object) -> Budget:
-    design = read_design(EXAMPLES / "mems_x_band.toml")
-    return analyse(design.replace({key.replace("__", "."): value for key, value in changes.items()}))
 
 
 def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
@@ -219,7 +213,7 @@ def test_the_page_follows_the_budget_it_is_shown(mems: Budget) -> None:
 
 def test_a_new_comparison_comes_with_one_feed_of_the_curves(monkeypatch: pytest.MonkeyPatch) -> None:
     """With two, the browser was told of columns of different lengths."""
-    session = Session(read_design(EXAMPLES / "mems_x_band.toml"))
+    session = Session(example("mems_x_band"))
     page = BudgetPage(session)
     session.change({"imu.angle_random_walk": 1e-6})
     page.show(session.budget)
@@ -287,7 +281,7 @@ def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) ->
 
 
 def test_while_a_slider_moves_the_switch_does_not_contradict_the_strip() -> None:
-    session = Session(read_design(EXAMPLES / "mems_x_band.toml"))
+    session = Session(example("mems_x_band"))
     page = BudgetPage(session)
     assert list(page._mode.options) == ["Real time ✗ −144 %", "Post-processed ✗ −10 %"]
     session.change({"imu.angle_random_walk": 0.001 * math.pi / 180 / 60})

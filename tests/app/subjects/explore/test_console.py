@@ -2,30 +2,26 @@
 
 import csv
 import io
-import json
-from pathlib import Path
 
 import pytest
+from commanded import told
+from known_designs import MEMS
 
 from app.charts.csv_text import csv_text
 from app.cli import main
-
-DESIGN = str(Path(__file__).parents[4] / "app" / "examples" / "mems_x_band.toml")
 
 
 @pytest.mark.parametrize("question", ["solve", "rank", "map", "search", "uncertainty"])
 def test_every_question_answers_in_json_and_csv(question, capsys):
     extra = {"map": ["--size", "4"], "uncertainty": ["--vary", "gnss.position_noise=0.5 m .. 2 m"]}.get(question, [])
-    assert main(["explore", question, DESIGN, *extra]) == 0
-    assert json.loads(capsys.readouterr().out)["processing"] == {"mode": "real time"}
-    assert main(["explore", question, DESIGN, "--csv", *extra]) == 0
+    assert told(capsys, "explore", question, MEMS, *extra)["processing"] == {"mode": "real time"}
+    assert main(["explore", question, MEMS, "--csv", *extra]) == 0
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
     assert {row["processing.mode"] for row in rows} == {"real time"}
 
 
 def test_solve_says_what_would_help(capsys):
-    main(["explore", "solve", DESIGN])
-    rows = json.loads(capsys.readouterr().out)["solved"]
+    rows = told(capsys, "explore", "solve", MEMS)["solved"]
     row = next(r for r in rows if r["input"] == "gnss.position_noise" and r["requirement"] == "all requirements")
     assert row["outcome"] == "no value"
     assert row["largest"] is None
@@ -41,7 +37,7 @@ def test_a_name_from_a_catalogue_is_no_formula(tmp_path, capsys, name):
         'velocity_random_walk = { value = "9 m/s/√h", status = "confirmed", source = "bench" }\n',
         encoding="utf-8",
     )
-    assert main(["explore", "search", DESIGN, "--csv", "--imus", str(own)]) == 0
+    assert main(["explore", "search", MEMS, "--csv", "--imus", str(own)]) == 0
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
     named = [row for row in rows if name in row["imu"]]
     assert {row["imu"] for row in named} == {f"'{name}"}

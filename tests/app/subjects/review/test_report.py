@@ -21,17 +21,15 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.allocation import allocate
 from nav_model.design import Design
-from nav_model.design.file import read_design
 from nav_model.design.own import read_own
 
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
-EXAMPLES = Path(__file__).parents[4] / "examples"
 HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
 
 
 @pytest.fixture(scope="module")
-def budgets() -> list[Budget]:
-    return [analyse(read_design(EXAMPLES / f"{name}.toml")) for name in ("mems_x_band", "tactical_x_band")]
+def budgets(mems: Budget, tactical: Budget) -> list[Budget]:
+    return [mems, tactical]
 
 
 @pytest.fixture

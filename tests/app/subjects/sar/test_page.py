@@ -4,28 +4,28 @@ import asyncio
 import io
 import json
 import re
-from collections import OrderedDict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from waiting import soon
+from commanded import told
+from known_designs import MEMS
+from pages import at_once, when_done
 
-import app.subjects.sar.run as sar_run
-import app.subjects.sar.upload as sar_upload
 from app.charts.kinds import PictureChart, to_csv
 from app.charts.print.svg import to_svg
 from app.charts.screen.pictures import picture_gallery
 from app.cli import main
 from app.serving.server import first_design
 from app.session import Session
+from app.subjects.sar import picture_panel
+from app.subjects.sar import run as sar_run
+from app.subjects.sar import upload as sar_upload
 from app.subjects.sar.charts import gnss_winner_chart, scene_picture
 from app.subjects.sar.page import SarPage
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import SarResult, run_strategies, scene_of
-from app.work import kept
 from app.work.run import Run
 from nav_model.budget import analyse
 from nav_model.design.link import split_link
@@ -34,20 +34,10 @@ from nav_model.sar.strategies import NAMES
 pytestmark = pytest.mark.long
 
 
-MEMS = str(Path(__file__).parents[4] / "examples" / "mems_x_band.toml")
-
-
-async def here(function: Any, *arguments: Any) -> Any:
-    """Instead of a worker process."""
-    await asyncio.sleep(0)
-    return function(*arguments)
-
-
 @pytest.fixture
-def session(monkeypatch: pytest.MonkeyPatch) -> Session:
-    monkeypatch.setattr(sar_run, "elsewhere", here)
-    monkeypatch.setattr(sar_upload, "elsewhere", here)
-    monkeypatch.setattr(kept, "_kept", OrderedDict())
+def session(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> Session:
+    for part in (sar_run, sar_upload, picture_panel):
+        monkeypatch.setattr(part, "elsewhere", at_once)
     return Session(first_design())
 
 
@@ -59,11 +49,7 @@ def sar(session: Session) -> SarPage:
 
 
 def run(sar: SarPage) -> None:
-    async def until_done() -> None:
-        sar._begin()
-        await soon(lambda: not sar.run.running, "the end of the run")
-
-    asyncio.run(until_done())
+    when_done(sar._begin, sar.run)
 
 
 def said(sar: SarPage) -> str:
@@ -147,11 +133,7 @@ def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> N
 
     runner = Run()
     runner.param.watch(stop, "progress")
-
-    async def begin() -> None:
-        await runner.start(work)
-
-    asyncio.run(begin())
+    when_done(lambda: runner.start(work))
     assert said == ["0 of 1000 runs", "50 of 1000 runs"]
     assert runner.message == "Cancelled: 50 of 1000 runs."
     assert runner.result is None
@@ -221,11 +203,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     upload = sar._upload
 
     def form(**changes: Any) -> str:
-        async def change() -> None:
-            upload.param.update(**changes)
-            await soon(lambda: not upload.run.running, "the end of the forming")
-
-        asyncio.run(change())
+        when_done(lambda: upload.param.update(**changes), upload.run)
         return upload._bar.state.object
 
     assert "run the strategies first" in form(file=("mine.npz", b"junk"))
@@ -245,12 +223,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     assert not pictures._view.visible
     form(half_width="60")
     assert pictures._view.visible
-
-    async def study_again() -> None:
-        sar._begin()
-        await soon(lambda: not sar.run.running and not upload.run.running, "the end of both")
-
-    asyncio.run(study_again())
+    when_done(sar._begin, sar.run, upload.run)
     assert pictures._view.visible  # formed with the new study's error
     assert session.findings["sar"].uploaded is pictures.chart
     upload._refused("larger than 34 MB")
@@ -285,8 +258,7 @@ def test_sar_command_writes_the_study(tmp_path: Any, capsys: pytest.CaptureFixtu
     data = json.loads(out.read_text(encoding="utf-8"))
     assert (data["runs"], data["seed"], len(data["strategies"])) == (20, 3, 10)
     assert data["aperture_time_s"] == analyse(first_design()).sar.aperture_time
-    assert main(["sar", MEMS, "--runs", "20", "--seed", "3"]) == 0
-    assert json.loads(capsys.readouterr().out) == data
+    assert told(capsys, "sar", MEMS, "--runs", "20", "--seed", "3") == data
 
 
 def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPage, session: Session) -> None:
@@ -312,10 +284,7 @@ def content(link: Any) -> io.BytesIO:
     return asyncio.run(link.callback())
 
 
-def test_pictures_and_study_are_taken_away(sar: SarPage, monkeypatch: pytest.MonkeyPatch) -> None:
-    import app.subjects.sar.picture_panel as panels
-
-    monkeypatch.setattr(panels, "elsewhere", here)
+def test_pictures_and_study_are_taken_away(sar: SarPage) -> None:
     run(sar)
     shown = sar._result.points
     point, scene = PicturePanel("p", "p"), PicturePanel("s", "s")

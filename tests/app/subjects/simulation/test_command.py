@@ -4,20 +4,18 @@ import csv
 import io
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from commanded import told
+from known_designs import MEMS
 from waiting import refusing_port
 
-import app.cli
 from app.cli import main
 from nav_model.simulation.study_inputs import STUDY_KEYS
 
 pytestmark = pytest.mark.long
 
-ROOT = Path(app.cli.__file__).parent.parent
-MEMS = str(ROOT / "examples" / "mems_x_band.toml")
 SHORT = ["--runs", "6", "--seed", "4", "--duration", "40", "--outage", "30,40", "--every", "2", "--workers", "1"]
 
 
@@ -52,8 +50,7 @@ def test_standard_output_holds_the_contracts_document(capsys) -> None:
 def test_the_same_seed_gives_the_same_numbers_and_another_does_not(capsys) -> None:
     documents = []
     for extra in ([], ["--workers", "2"], ["--seed", "5"]):
-        assert _simulate(*extra) == 0
-        documents.append(json.loads(capsys.readouterr().out))
+        documents.append(told(capsys, "simulate", MEMS, *SHORT, *extra))
     same, also, other = (document["position"]["north"]["rms_m"] for document in documents)
     assert same == also
     assert same != other
@@ -81,16 +78,15 @@ def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
     lines += [f"{t},{45 + 9e-6 * 60 * t},7,2000,0,0,0" for t in range(0, 36)]
     flight.write_text("\n".join(lines))
     arguments = [MEMS, "--runs", "2", "--trajectory", str(flight), "--states", "15", "--workers", "1"]
-    assert main(["simulate", *arguments]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = told(capsys, "simulate", *arguments)
     assert document["nees"]["states"] == 15
     assert document["time_s"][-1] == 35.0  # the file's length, as none was given
     assert "The flight comes from the file" in document["conditions"][0]
 
 
 def test_what_is_added_to_the_design_is_flown_and_said(capsys) -> None:
-    assert _simulate("--set", "gyro.bias_instability=300 °/h", "gyro.correlation_time=2 min", "imu.rate=50 Hz") == 0
-    document = json.loads(capsys.readouterr().out)
+    added = ["gyro.bias_instability=300 °/h", "gyro.correlation_time=2 min", "imu.rate=50 Hz"]
+    document = told(capsys, "simulate", MEMS, *SHORT, "--set", *added)
     assert document["added"] == {"gyro.bias_instability": "300 °/h", "gyro.correlation_time": "120 s"}
     assert any("gyro bias instability 300 °/h" in sentence for sentence in document["conditions"])
     assert main(["simulate", "--inputs"]) == 0

@@ -1,11 +1,8 @@
 """The run behind the Simulate page, and the page's own logic, without a browser."""
 
-import asyncio
 import multiprocessing
 import re
-from collections import OrderedDict
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +11,7 @@ import numpy as np
 import panel as pn
 import param
 import pytest
-from waiting import soon
+from pages import when_done
 
 from app.charts.kinds import to_csv
 from app.charts.legend import legend_html
@@ -32,7 +29,7 @@ from app.subjects.simulation.page import SimulatePage
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import findings, verdict
 from app.ui.fields import outages_of
-from app.work import kept, simulator
+from app.work import simulator
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -58,25 +55,21 @@ def study() -> SimulationStudy:
 
 
 def _fly(spec_options: dict[str, object], during: Callable[[Run], None] = lambda run: None) -> tuple[Run, list[str]]:
-    """Run to the end in a loop of its own; `during` sees the run at every piece of progress, whose words are kept."""
+    """Run to the end; `during` sees the run at every piece of progress, whose words are kept."""
     said: list[str] = []
+    run = Run()
 
-    async def main() -> Run:
-        def told(event: param.parameterized.Event) -> None:
-            if event.new is not None:
-                said.append(event.new.what)
-                during(run)
+    def told(event: param.parameterized.Event) -> None:
+        if event.new is not None:
+            said.append(event.new.what)
+            during(run)
 
-        async def work(run: Run) -> Flown:
-            return await fly(run, DESIGN, specification(DESIGN, **spec_options))
+    async def work(run: Run) -> Flown:
+        return await fly(run, DESIGN, specification(DESIGN, **spec_options))
 
-        run = Run()
-        run.param.watch(told, "progress")
-        await run.start(work)
-        return run
-
-    with ThreadPoolExecutor(1) as thread:  # browser tests leave a loop running in the main one
-        return thread.submit(asyncio.run, main()).result(), said
+    run.param.watch(told, "progress")
+    when_done(lambda: run.start(work))
+    return run, said
 
 
 def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
@@ -222,9 +215,8 @@ def said_by(page: SimulatePage) -> str:
 
 
 def test_settings_travel_in_the_link_and_the_server_still_has_the_result(
-    study: SimulationStudy, monkeypatch: pytest.MonkeyPatch
+    study: SimulationStudy, nothing_kept: None
 ) -> None:
-    monkeypatch.setattr(kept, "_kept", OrderedDict())
     session = Session(DESIGN)
     page = SimulatePage(session)
     page.param.update(runs="12", outages="40,60", states=15)
@@ -325,12 +317,6 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
 def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
     page = SimulatePage(Session(DESIGN))
     page.outages = "later"
-
-    async def begin() -> None:
-        page._begin()
-        await soon(lambda: not page.run.running, "the end of the run")
-
-    with ThreadPoolExecutor(1) as thread:
-        thread.submit(asyncio.run, begin()).result()
+    when_done(page._begin, page.run)
     assert "later&#x27; is not start,stop in seconds" in page._bar.state.object
     assert page.run.result is None

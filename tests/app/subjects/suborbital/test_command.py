@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 from flight_files import format_flight
+from known_designs import MEMS
 
 from app.cli import main
 from nav_model.suborbital.flight import reference_flight
 
 pytestmark = pytest.mark.long
 
-EXAMPLES = Path(__file__).parents[4] / "examples"
 # star_tracker.md, GP-1 on the reference flight: north, east, up [m], accept 5 m.
 PRINTED = {
     ("final_m", "accelerometer bias"): (-125.14, -11226.05, 20252.26),
@@ -48,7 +48,7 @@ def test_without_a_design_it_gives_the_printed_table() -> None:
 
 def test_a_design_and_options_enter_and_are_named() -> None:
     code, answer, _ = run(
-        str(EXAMPLES / "mems_x_band.toml"), "--set", "imu.gyro_bias=5 °/h", "tracker.dropouts=150-160 s",
+        MEMS, "--set", "imu.gyro_bias=5 °/h", "tracker.dropouts=150-160 s",
         "--from-height", "80 km", "--star-images",
     )  # fmt: skip
     assert code == 0
@@ -65,11 +65,11 @@ def test_a_design_and_options_enter_and_are_named() -> None:
 def test_every_section_of_a_design_may_be_changed() -> None:
     changes = ("name=other", "flight.speed=120 m/s", "processing.mode=post-processed", "motion.delay=1 ms",
                "oscillator.bistatic=true", "flight.latitude=30°")  # fmt: skip
-    code, answer, said = run(str(EXAMPLES / "mems_x_band.toml"), "--set", *changes)
+    code, answer, said = run(MEMS, "--set", *changes)
     assert code == 0, said
     assert answer["design"] == "other"
     assert answer["inputs"]["flight.latitude"]["from"] == "command line"  # the study's own
-    code, _, said = run(str(EXAMPLES / "mems_x_band.toml"), "--set", "motion.wings=1")
+    code, _, said = run(MEMS, "--set", "motion.wings=1")
     assert code == 2
     assert said.startswith("navbudget: motion.wings: unknown key; [motion] has ")
 
@@ -79,12 +79,12 @@ def test_a_design_is_not_written_over(
     tmp_path: Path, command: str, option: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     design, link = tmp_path / "mine.toml", tmp_path / "link.toml"
-    design.write_bytes((EXAMPLES / "mems_x_band.toml").read_bytes())
+    design.write_bytes(Path(MEMS).read_bytes())
     link.symlink_to(design)
     for target in (design, link):
         assert main([command, str(design), option, str(target)]) == 2
         assert f"navbudget: {option}: '{target}' is the file that was read" in capsys.readouterr().err
-    assert design.read_bytes() == (EXAMPLES / "mems_x_band.toml").read_bytes()
+    assert design.read_bytes() == Path(MEMS).read_bytes()
 
 
 def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp_path: Path) -> None:

@@ -5,14 +5,13 @@ import csv
 import io
 import json
 import math
-from collections import OrderedDict
 
 import numpy as np
 import pytest
 from bokeh.document import Document
 from flight_files import format_flight
+from pages import when_done
 from panel.io.state import set_curdoc
-from waiting import soon
 
 from app.document.numbers import show
 from app.serving.server import first_design
@@ -25,7 +24,6 @@ from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
-from app.work import kept
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.camera_noise import CameraNoise
 from nav_model.suborbital.input_table import INPUTS
@@ -51,10 +49,9 @@ def here(survey: Survey) -> SuborbitalPage:
     return here
 
 
-async def flown(page: SuborbitalPage, trajectory: tuple[str, bytes] | None) -> None:
+def flown(page: SuborbitalPage, trajectory: tuple[str, bytes] | None) -> None:
     """Fly a file, up to its answer or its refusal."""
-    page.inputs.trajectory = trajectory
-    await soon(lambda: not page.exact.running, "the end of the run")
+    when_done(lambda: setattr(page.inputs, "trajectory", trajectory), page.exact)
 
 
 def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
@@ -175,11 +172,7 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     here.exact.param.watch(
         lambda event: told.append((here._session.running, event.new.words)) if event.new else None, "progress"
     )
-
-    async def exactly() -> None:
-        await here.run()
-
-    asyncio.run(exactly())
+    when_done(here.run)
     assert any(running and "error sources" in words for running, words in told)
     shown = here.study.shown
     assert shown.exact
@@ -189,9 +182,9 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     assert not here._session.running
 
 
-def test_who_asks_the_same_study_has_it_at_once(here: SuborbitalPage, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "_kept", OrderedDict())
-
+def test_who_asks_the_same_study_has_it_at_once(
+    here: SuborbitalPage, nothing_kept: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async def flies(*_: object, **__: object) -> Survey | None:
         return here.survey
 
@@ -205,9 +198,9 @@ def test_who_asks_the_same_study_has_it_at_once(here: SuborbitalPage, monkeypatc
         return other, running
 
     monkeypatch.setattr(studies, "run_alone", flies)
-    asyncio.run(flown(here, ("mine.csv", b"")))
+    flown(here, ("mine.csv", b""))
     assert asyncio.run(opened(to_link(DEFAULTS)))[1]  # what was flown from a file is another study
-    asyncio.run(flown(here, None))
+    flown(here, None)
     other, running = asyncio.run(opened(to_link(DEFAULTS)))
     assert not running
     assert other.survey is here.survey
@@ -218,7 +211,7 @@ def test_who_asks_the_same_study_has_it_at_once(here: SuborbitalPage, monkeypatc
 
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
     before = here.study.shown
-    asyncio.run(flown(here, ("mine.csv", b"a,b\n1,2\n")))
+    flown(here, ("mine.csv", b"a,b\n1,2\n"))
     assert "mine.csv: line 1: columns time_s" in here.inputs.notice.object
     assert here.inputs.trajectory is None
     assert here.survey is before.survey
@@ -266,12 +259,11 @@ def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPa
 def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_steps(here: SuborbitalPage) -> None:
     assert "whole number of steps" in str(here.inputs.put("tracker.frame_interval", 0.15))
 
-    async def slid() -> None:
+    def slid() -> None:
         here.inputs.sheet.slide("tracker.frame_interval", float(np.log10(0.34)))
         assert here.study.shown.exact  # other frames need other matrices first
-        await soon(lambda: not here.renewal.running, "the matrices")
 
-    asyncio.run(slid())
+    when_done(slid, here.renewal)
     assert here.inputs.settings["tracker.frame_interval"] == pytest.approx(0.3)
     assert here.renewal.message == ""
     assert not here.study.shown.exact
@@ -282,11 +274,7 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
     here.study.views.chosen = "White noise"
     assert np.all(np.isnan(sensors.noise_chart(here.study.shown, 2).lines[2].y))
     here.noise.runs = 50
-
-    async def fly() -> None:
-        await here.noise.start()
-
-    asyncio.run(fly())
+    when_done(here.noise.start)
     shown = here.study.shown
     flown = sensors.noise_chart(shown, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)

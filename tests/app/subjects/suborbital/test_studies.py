@@ -1,7 +1,6 @@
 """Studies that are kept, shared and flown ahead."""
 
 import asyncio
-from collections import OrderedDict
 from typing import Any
 
 import pytest
@@ -9,7 +8,6 @@ import pytest
 from app.serving.server import first_design
 from app.subjects.suborbital import studies
 from app.subjects.suborbital.studies import fly_ahead, fly_study, kept_study
-from app.work import kept
 from app.work.alone import RunLost
 from nav_model.suborbital.settings import DEFAULTS, from_design
 
@@ -38,10 +36,9 @@ class _Flights:
 
 
 @pytest.fixture
-def flights(monkeypatch: pytest.MonkeyPatch) -> _Flights:
+def flights(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> _Flights:
     made = _Flights()
     monkeypatch.setattr(studies, "run_alone", made)
-    monkeypatch.setattr(kept, "_kept", OrderedDict())
     return made
 
 

@@ -1,11 +1,9 @@
 """The Trajectory page without a browser: what it follows, what it says, what it refuses."""
 
-import asyncio
 import csv
 import io
 import json
 import math
-from collections import OrderedDict
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from bokeh.events import DoubleTap
-from waiting import soon
+from pages import at_once, when_done
 
 import app.subjects.trajectory.page as trajectory_page
 from app import cli
@@ -33,7 +31,6 @@ from app.subjects.trajectory.kml import NAMESPACE, as_kml
 from app.subjects.trajectory.page import TrajectoryPage, as_csv, as_json
 from app.subjects.trajectory.run import File, Followed, follow
 from app.subjects.trajectory.tables import line_table, verdict
-from app.work import kept
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design
@@ -53,17 +50,10 @@ def _places(*rows: tuple[float, float]) -> tuple[tuple[float, float, float, str]
     return tuple((math.radians(latitude), math.radians(longitude), 3000.0, "") for latitude, longitude in rows)
 
 
-async def here(function: Any, *arguments: Any) -> Any:
-    """Instead of a worker process."""
-    await asyncio.sleep(0)
-    return function(*arguments)
-
-
 @pytest.fixture
-def session(monkeypatch: pytest.MonkeyPatch) -> Session:
-    monkeypatch.setattr(trajectory_page, "elsewhere", here)
+def session(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> Session:
+    monkeypatch.setattr(trajectory_page, "elsewhere", at_once)
     monkeypatch.setattr(trajectory_page, "_SETTLE_SECONDS", 0.0)
-    monkeypatch.setattr(kept, "_kept", OrderedDict())
     return Session(first_design())
 
 
@@ -74,12 +64,7 @@ def followed() -> Followed:
 
 def after(page: TrajectoryPage, do: Any) -> str:
     """What the strip says once what was done has been followed."""
-
-    async def until_done() -> None:
-        do()
-        await soon(lambda: not page.run.running, "the end of the run")
-
-    asyncio.run(until_done())
+    when_done(do, page.run)
     return str(page._strip._text.object)
 
 
@@ -209,11 +194,7 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     page = TrajectoryPage(session)
 
     def opened(name: str, content: bytes) -> None:
-        async def until_done() -> None:
-            await page._uploaded(name, content)
-            await soon(lambda: not page.run.running, "the end of the run")
-
-        asyncio.run(until_done())
+        when_done(lambda: page._uploaded(name, content), page.run)
 
     opened("song.mp3", b"abc")
     assert "song.mp3 is not a GPX, KML, CSV or SBET" in page._bar.message

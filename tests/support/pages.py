@@ -1,0 +1,26 @@
+"""Parts of a page without a browser: what takes time is done here, and waited for."""
+
+import asyncio
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from waiting import soon
+
+
+async def at_once(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Instead of a worker process."""
+    await asyncio.sleep(0)
+    return function(*arguments)
+
+
+def when_done(do: Callable[[], Any], *runs: Any) -> None:
+    """Do it within an event loop, up to the end of what it gives to wait for and of these runs."""
+
+    async def to_the_end() -> None:
+        begun = do()
+        if inspect.isawaitable(begun):
+            await begun
+        await soon(lambda: not any(run.running for run in runs), "the end of the runs")
+
+    asyncio.run(to_the_end())
