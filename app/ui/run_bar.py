@@ -38,12 +38,16 @@ class RunBar(View):
                 await begun
 
         self.start.on_click(pressed)
-        self.cancel.on_click(lambda _: run.cancel())
+        self.cancel.on_click(self._cancel)
         self.state = html_pane("", margin=(2, 10))
         self._view = pn.FlexBox(
             *fields, self.start, self.cancel, pn.Column(self.state, styles={"flex": "1 1 180px", "min-width": "0"}),
             align_items="center", margin=(0, 4),
         )  # fmt: skip
+
+    def _cancel(self, _: Any) -> None:
+        self.run.cancel()
+        self.state.object = '<p role="status">Cancelling …</p>'  # what was found is still put together
 
     @param.depends("run.running", "run.progress", "run.message", watch=True)
     def _follow(self) -> None:

@@ -12,6 +12,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.charts.kinds import Chart
 from app.charts.legend import key_html, legend_html
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen, held
@@ -110,9 +111,6 @@ class SimulatePage(View):
         self._strip = AnswerStrip(_START)
         self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
         self._charts = (TIMELINES, CONSISTENCY)
-        named = CONSISTENCY[0](None)  # its curves are too near to one another for names at their ends
-        legend = legend_html(replace(named, lines=tuple(line for line in named.lines if line.style != "reference")))
-        self._keys = {TIMELINES: _KEY, CONSISTENCY: legend}
         self._stacks = [Timelines([draw(None) for draw in TIMELINES])]
         self._stacks.append(Timelines([draw(None) for draw in CONSISTENCY], self._stacks[0]))
         self._heads = [html_pane("", margin=_HEAD) for _ in self._charts]
@@ -188,8 +186,9 @@ class SimulatePage(View):
                 stack.feed(lines)
             said = "".join(map(described, lines))
             knowledge = " ".join(line.knowledge for line in lines) if study else _COMING
-            key = f'<span class="quiet fine">{_COMING}</span>' if study is None else self._keys[draws]
-            head.say(head_html(title, knowledge, said, key))
+            key = _KEY if draws is TIMELINES else _names(lines[0])
+            coming = f'<span class="quiet fine">{_COMING}</span>'
+            head.say(head_html(title, knowledge, said, coming if study is None else key))
         self._details.follow()
 
     def _answer(self) -> tuple[Answer, str]:
@@ -208,8 +207,9 @@ class SimulatePage(View):
         flown, said = self._result, verdict(self._result.study)
         notes = []
         if flown.partial:
-            done = f"{flown.study.result.spec.runs} of {flown.wanted} runs"
-            said = Answer(f"Partial: {done}", "open", (f"So far {said.word[2:].lower()}.", *said.sentences))
+            done = flown.study.result.spec.runs
+            word = "Running" if self.run.running else f"Partial: {done} of {flown.wanted} runs"
+            said = Answer(word, "open", (f"{said.word[2:]} after {done} runs.", *said.sentences))
             if not self.run.running:
                 notes.append(f"The rest was not flown. Press Start to fly all {flown.wanted}.")
         elif self.run.message.startswith("Cancelled"):
@@ -339,3 +339,8 @@ class SimulatePage(View):
 def _told(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[SimulationStudy], str]:
     """Blocks of a study as HTML."""
     return lambda study: html_of(*(one(study, "page") for one in tell))
+
+
+def _names(chart: Chart) -> str:
+    """The legend of curves that are too near to one another for names at their ends."""
+    return legend_html(replace(chart, lines=tuple(line for line in chart.lines if line.style != "reference")))
