@@ -18,9 +18,11 @@ from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
 from nav_model.design.own import Own
 from nav_model.design.parts import INPUTS, declaration_of
+from nav_model.design.several import with_unit
 from nav_model.design.table import Table
 
 WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
@@ -171,6 +173,23 @@ class Session(param.Parameterized):
         return self._adopt(
             lambda: self.design.replace(changes, written, origins, own), frozenset(changes), self.lineage
         )
+
+    def enter(self, key: str, given: Any) -> InputError | None:
+        """Apply a text as a person types it, or the rows of a table; returns the error message, if any.
+
+        A bare number takes the unit in force, an empty text leaves out what may be left out.
+        """
+        declared, unit = declaration_of(key), ""
+        try:
+            if not isinstance(declared, BaseQuantity):
+                value = declared.read(given)
+            elif not given.strip() and declared.allow_None:
+                value = None
+            else:
+                value, unit = declared.read(with_unit(given.strip(), self.design.unit(key)))
+        except InputError as refused:
+            return refused
+        return self.change({key: value}, {key: unit} if unit else None)
 
     def adopt(self, design: Design) -> InputError | None:
         """Replace the whole design, which begins a lineage: an opened file, an example, a link."""

@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from app.document.numbers import number, show_in
 from nav_model.base.units import format_quantity
 from nav_model.design import Design
+from nav_model.design.parts import declaration_of
 from nav_model.design.presets import deviations, preset_of
+from nav_model.design.table import Table
 from nav_model.explore.margins import quantity
 
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
 """What is removed from the phase before its residual is measured, by the order of the autofocus."""
+
+_TYPED = 12  # digits of a text: what a sum of floats adds beyond is nothing that anybody typed
 
 
 def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
@@ -34,6 +38,14 @@ def box_text(design: Design, key: str, value: float, digits: int = 4) -> str:
     """A value [SI] of an input as a person types it, in the unit that the design has it in."""
     dimension = quantity(key).dimension
     return format_quantity(value, design.unit(key), dimension, digits) if dimension else f"{value:.{digits}g}"
+
+
+def entered(design: Design, key: str) -> str:
+    """An input as a person types it, in the unit in force; empty where it is not given."""
+    declared, value = declaration_of(key), design[key]
+    if isinstance(declared, Table):
+        return declared.show(value)
+    return "" if value is None else box_text(design, key, value, _TYPED)  # type: ignore[arg-type]
 
 
 def preset_name(design: Design, section: str) -> str:

@@ -15,6 +15,7 @@ from nav_model.base.units import (
     format_quantity,
     join_quantity,
     parse_quantity,
+    with_point,
 )
 from nav_model.design.declaration import Declared, Quantity, sentence_label
 
@@ -161,7 +162,7 @@ class Intervals(_Several):
 
 def with_unit(text: str, unit: str) -> str:
     """A quantity as text, with `unit` where it gives none."""
-    return text if not unit or _unit_of(text) else f"{text} {unit}"
+    return f"{text} {unit}" if text and unit and not _unit_of(with_point(text)) else text
 
 
 def _unit_of(part: str) -> str:

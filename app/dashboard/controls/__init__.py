@@ -3,11 +3,9 @@
 from collections.abc import Iterable
 from typing import Any
 
-from app.dashboard.controls.choice import ChoiceInput
-from app.dashboard.controls.design_input import DesignInput
+from app.dashboard.controls.design_input import ChoiceInput, DesignInput, TableInput
 from app.dashboard.controls.preset import PresetInput
 from app.dashboard.controls.quantity import QuantityInput
-from app.dashboard.controls.table import TableInput
 from app.session import Session
 from app.ui.input_sheet import Group
 from nav_model.design.declaration import Choice

@@ -3,16 +3,14 @@
 from typing import Any
 
 from app.dashboard.controls.design_input import DesignInput
+from app.document.wording import entered
 from app.session import Session
 from app.ui.input_sheet import Row, text_row
 from app.ui.log_scale import scale_of
 from nav_model.base.errors import InputError
-from nav_model.base.units import format_quantity, with_point
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.presets import entry_of, preset_of
-
-_DIGITS = 12  # of a text: what a sum of floats adds beyond is nothing that anybody typed
 
 
 class QuantityInput(DesignInput[BaseQuantity[Any]]):
@@ -40,21 +38,10 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         value, unit = design[self.key], design.unit(self.key)
         assert value is None or isinstance(value, float | int)
         mark, note = _source(design, self.key)
-        told: Row = {"text": "", "size": value, "unit": unit, "mark": mark, "note": note}
-        if value is not None:
-            dimension = self._declared.dimension
-            told["text"] = format_quantity(value, unit, dimension, _DIGITS) if dimension else f"{value:g}"
+        told: Row = {"text": entered(design, self.key), "size": value, "unit": unit, "mark": mark, "note": note}
         if self._scale is not None:
             told["place"] = self._scale.ends[1] if value is None else self._scale.place(value)
         return told
-
-    def take(self, text: str) -> InputError | None:
-        """Apply a text; a bare number takes the unit in force."""
-        text = text.strip()
-        if not text and self._declared.allow_None:
-            return self._change(None, "")
-        unit = self.session.design.unit(self.key) if self._declared.dimension else ""
-        return self._change(*self._declared.read(_with_unit(text, unit)))
 
     def slide(self, place: float) -> InputError | None:
         """Apply a place of the slider, in the current unit."""
@@ -68,15 +55,6 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
 
     def _change(self, value: Value, unit: str) -> InputError | None:
         return self.session.change({self.key: value}, {self.key: unit} if unit else None)
-
-
-def _with_unit(text: str, unit: str) -> str:
-    """A bare number takes the unit in force."""
-    try:
-        float(with_point(text).replace("−", "-"))
-    except ValueError:
-        return text
-    return f"{text} {unit}".strip()
 
 
 def _source(design: Design, key: str) -> tuple[str, str]:

@@ -6,16 +6,12 @@ from typing import Any
 
 import panel_material_ui as pmui
 
+from app.document.wording import entered
 from app.session import Session
 from app.ui.row_editor import Field, RowEditor, Rows
 from nav_model.base.errors import InputError
-from nav_model.base.units import format_quantity
-from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
-from nav_model.design.several import with_unit
 from nav_model.design.table import Table
-
-_DIGITS = 12  # of a text: what a sum of floats adds beyond is nothing that anybody typed
 
 
 class PlanFields:
@@ -81,44 +77,25 @@ class PlanFields:
 
     def _show(self, name: str) -> None:
         design, key = self._session.design, f"trajectory.{name}"
-        declared, value = declaration_of(key), self._session.design[key]
-        if isinstance(declared, Table):
-            text = declared.show(value)
-            if name in self._tables:
-                rows = [dict(zip(declared.columns, row, strict=True)) for row in declared.cells(value)]
-                self._tables[name].param.update(rows=rows, refused=str(self._refused.get(name, "")))
-        else:
-            assert isinstance(declared, BaseQuantity)
-            text = ""
-            if isinstance(value, float | int):
-                dimension = declared.dimension
-                text = format_quantity(value, design.unit(key), dimension, _DIGITS) if dimension else f"{value:g}"
+        text = entered(design, key)
         if text != self._told.get(name):
             self._told[name] = text
             self._refused.pop(name, None)
-            if name in self._tables:
-                self._tables[name].refused = ""
             if name in self._boxes:
                 self._boxes[name].value = text
+        if name in self._tables:
+            declared = declaration_of(key)
+            assert isinstance(declared, Table)
+            rows = [dict(zip(declared.columns, row, strict=True)) for row in declared.cells(design[key])]
+            self._tables[name].param.update(rows=rows, refused=str(self._refused.get(name, "")))
 
     def _take(self, name: str, given: Any) -> None:
         key = f"trajectory.{name}"
-        declared, unit = declaration_of(key), ""
         self._refused.pop(name, None)
-        try:
-            if not isinstance(declared, BaseQuantity):
-                value = declared.read(given)
-            elif not given.strip() and declared.allow_None:
-                value = None
-            else:
-                unit = self._session.design.unit(key) if declared.dimension else ""
-                value, unit = declared.read(with_unit(given.strip(), unit))
-            problem = self._session.change({key: value}, {key: unit} if unit else None)
-        except InputError as error:
-            problem = error
+        problem = self._session.enter(key, given)
         if problem is not None:
             row = re.search(r"\[(\d+)\](?:\.(\w+))?$", problem.key)
             where = f", row {row[1]}" + (f", {row[2]}" if row[2] else "") if row else ""
-            self._refused[name] = problem.under(f"{declared.label}{where}")
+            self._refused[name] = problem.under(f"{declaration_of(key).label}{where}")
         self._show(name)
         self._changed()
