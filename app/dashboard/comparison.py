@@ -1,6 +1,7 @@
 """The choice of comparison: the value before the last change, a saved design, a file, or nothing."""
 
 import asyncio
+from functools import partial
 from typing import Any, ClassVar
 
 import panel as pn
@@ -47,8 +48,7 @@ class ComparisonChoice(PlainScript):
             case "list":
                 pn.state.execute(self._list)
             case "saved":
-                self._key = str(msg.get("key"))
-                pn.state.execute(self._take_saved)
+                pn.state.execute(partial(self._take_saved, str(msg.get("key"))))
             case "file":
                 self._take_file(msg.get("data"), str(msg.get("name", "file")))
 
@@ -62,10 +62,9 @@ class ComparisonChoice(PlainScript):
             return
         self.saved = [(design.key, design.name) for design in designs[:_MOST]]
 
-    async def _take_saved(self) -> None:
+    async def _take_saved(self, key: str) -> None:
         from app.library.place import library
 
-        key = self._key
         try:
             revision = await asyncio.to_thread(lambda: library().revision(key))
             self._session.compare(Compared(revision.name, revision.budget()))

@@ -24,7 +24,7 @@ from app.ui.paper import fit_to_paper
 from app.ui.remembered import DISPLAY_COOKIE, Remembered
 from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
-from app.ui.turns import in_turns, once_quiet
+from app.ui.turns import next_turn, once_quiet
 from app.upstream.browser import Repairs
 from app.upstream.busy_line import follow_own_work
 from nav_model.base.errors import InputError
@@ -182,7 +182,7 @@ class Frame(pn.viewable.Viewer):
         # The address that opened this page stays as it is: a new one would clear the browser's Forward history.
         if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
-        in_turns([functools.partial(self._fill, event.new)])
+        next_turn(functools.partial(self._fill, event.new))
 
     def _begin(self, subject: Subject) -> None:
         """Have a worker begin with what the page will ask for, while the page is made; a study from a link is another
@@ -280,10 +280,9 @@ class Frame(pn.viewable.Viewer):
         page.param.watch(lambda event: setattr(self._lifeline, "dark", event.new), "dark_theme")
         return page
 
-    def _say(self, text: str, severity: str = "error", *, markup: bool = False) -> None:
+    def _say(self, text: str, severity: str = "error") -> None:
         """Show a message above the page; an empty text removes the last one."""
-        said = text if markup else html.escape(text)
-        self._notice.param.update(object=said, severity=severity, visible=bool(said), closed=False)
+        self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
 
     def _unsay(self) -> None:
         """Take back a message that was of an earlier action."""

@@ -52,7 +52,7 @@ class Sidebar(pn.viewable.Viewer):
     def _begin(self, event: param.parameterized.Event) -> None:
         """Show the inputs that the first question takes, and turn to the page that answers it."""
         start = STARTS[event.new]
-        self._sheet.unfold()
+        self._sheet.fold()
         if event.old != event.new:
             inputs = [input_of(self.session, key) for key in start.keys]
             pictured = any(key.startswith("radar.") for key in start.keys)

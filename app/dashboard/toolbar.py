@@ -1,9 +1,9 @@
 """The actions of the bar's buttons: undo, files, link, reports, examples."""
 
 import asyncio
-import re
+from collections.abc import Callable
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import panel as pn
 import param
@@ -12,7 +12,7 @@ from app.dashboard.bar import Bar
 from app.dashboard.report_choice import ReportChoice
 from app.declared import held
 from app.document.display import display_of
-from app.document.wording import chapter_key
+from app.document.wording import chapter_key, slug
 from app.report import report_bytes
 from app.report.studies import study_sections
 from app.session import Session
@@ -25,26 +25,20 @@ from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
 
 
-class Say(Protocol):
-    """Shows a message above the page; it is plain text unless ``markup`` says otherwise."""
-
-    def __call__(self, text: str, severity: str = "error", *, markup: bool = False) -> None: ...
-
-
 class Toolbar(View):
     """Actions on the design as a whole.
 
     Parameters
     ----------
-    say : Say
-        Where messages go.
+    say : callable
+        Shows a message above the page; its second argument, "error" unless given, is how grave it is.
     examples : pn.Column
         Where the examples appear when they are asked for.
     """
 
     session = held(Session)
 
-    def __init__(self, session: Session, say: Say, examples: pn.Column) -> None:
+    def __init__(self, session: Session, say: Callable[..., None], examples: pn.Column) -> None:
         super().__init__(session=session)
         self._say, self._examples = say, examples
         self._choice = ReportChoice(session)
@@ -99,7 +93,7 @@ class Toolbar(View):
                 self.session.shown = display_of(str(deed.get("word", ""))).word
             case "save":
                 text = format_design(self.session.design)
-                self.bar.give(f"{_slug(self.session.design.name)}.toml", text.encode("utf-8"))
+                self.bar.give(f"{slug(self.session.design.name)}.toml", text.encode("utf-8"))
             case "open":
                 self._open(deed.get("data"), str(deed.get("name", "file")))
             case "tick":
@@ -145,7 +139,7 @@ class Toolbar(View):
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
             return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
 
-        name = f"{_slug(self.session.design.name)}.{suffix}"
+        name = f"{slug(self.session.design.name)}.{suffix}"
         self.bar.writing = "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report"
         self._report.result = None
         try:
@@ -157,8 +151,3 @@ class Toolbar(View):
         elif self._report.result:
             self.bar.give(name, self._report.result)
         self._offer()
-
-
-def _slug(name: str) -> str:
-    """A design's name as the stem of a file."""
-    return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()[:60] or "design"

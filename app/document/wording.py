@@ -1,5 +1,6 @@
 """Names of designs, chapters and shares."""
 
+import re
 import unicodedata
 from collections.abc import Mapping
 
@@ -54,6 +55,11 @@ def preset_name(design: Design, section: str) -> str:
     if name is None:
         return "own values"
     return f"Custom, based on {name}" if deviations(design, section) else name
+
+
+def slug(name: str) -> str:
+    """A name as the stem of a file, in letters every file system takes."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()[:60] or "design"
 
 
 def identified(design: Design) -> str:

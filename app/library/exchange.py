@@ -15,6 +15,7 @@ from typing import IO, Any
 
 from sqlalchemy import text
 
+from app.document.wording import slug
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
 from nav_model.base.errors import InputError
@@ -104,11 +105,6 @@ def import_archive(library: Library, data: bytes, author: str) -> Imported:
             put_tags(connection, design, tags)
             added, revisions = added + 1, revisions + len(history)
     return Imported(added, revisions, len(histories) - added)
-
-
-def slug(name: str) -> str:
-    """A name as the stem of a file, in letters every file system takes."""
-    return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()[:60] or "design"
 
 
 def _fingerprints(rows: Any) -> set[tuple[str, ...]]:

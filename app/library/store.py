@@ -147,9 +147,7 @@ class Library:
 
     # --- saving ----------------------------------------------------------------------------------------
 
-    def save(
-        self, budget: Budget, author: str, note: str = "", *, design: str = "", base: int = 0, name: str = ""
-    ) -> Revision:
+    def save(self, budget: Budget, author: str, note: str = "", *, design: str = "", base: int = 0) -> Revision:
         """Save a design: a new one, or the revision after `base` of the one with the id `design`.
 
         Returns when the revision is on the disk.
@@ -161,7 +159,7 @@ class Library:
         InputError
             For a text too long or an author missing, or an unknown design.
         """
-        revision = _revision(budget, author, note, name=name, product=version("navbudget"), saved=now())
+        revision = _revision(budget, author, note, saved=now())
         with self.write() as connection:
             return _append(connection, revision, design, base)
 
@@ -297,14 +295,10 @@ def revision_from_file(data: bytes | str, where: str, author: str, note: str, sa
         If the text is not a design, or a text is too long.
     """
     budget = analyse(parse_design(data, where))
-    return _revision(
-        budget, author or "not stated", note, name=name, product=version("navbudget"), saved=saved, origin="import"
-    )
+    return _revision(budget, author or "not stated", note, name=name, saved=saved, origin="import")
 
 
-def _revision(
-    budget: Budget, author: str, note: str, *, name: str, product: str, saved: str, origin: str = ""
-) -> Revision:
+def _revision(budget: Budget, author: str, note: str, *, saved: str, name: str = "", origin: str = "") -> Revision:
     answer = verdict_of(budget)
     return Revision(
         design="",
@@ -317,7 +311,7 @@ def _revision(
         content_hash=budget.design.content_hash,
         closes=budget.verdict.closes if budget.verdict.checks else None,
         verdict=" ".join((f"{answer.word}.", *answer.sentences)),
-        product=product,
+        product=version("navbudget"),
         origin=origin,
     )
 

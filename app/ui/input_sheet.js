@@ -220,6 +220,6 @@ export function render({ model }) {
     if (answered) answered.shown = null  // what was told may be what there was, in other words
     showAll()
   })
-  model.on("msg:custom", ({ open }) => folds.forEach((fold, index) => fold(open.includes(index))))
+  model.on("msg:custom", () => folds.forEach((fold) => fold(false)))
   return place
 }

@@ -144,9 +144,9 @@ class InputSheet(PlainScript):
             each.error = ""
         self.follow()
 
-    def unfold(self, *places: int) -> None:
-        """Open the groups at these places, and close the others."""
-        self._send_msg({"open": list(places)})
+    def fold(self) -> None:
+        """Close every group."""
+        self._send_msg({"do": "fold"})
 
     def enter(self, key: str, text: str) -> None:
         """A person has typed or chosen something."""

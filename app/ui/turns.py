@@ -1,17 +1,14 @@
-"""Deferred work of a page: large parts built piece by piece, so that others' sliders keep moving, parts below the
-first screen, and parts that need not follow every slider step."""
+"""Deferred work of a page: large parts once their place is in view, parts below the first screen, and parts that need
+not follow every slider step."""
 
 import asyncio
 import time
-from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 import panel as pn
 from bokeh.document import Document
 
-_LONGEST = 0.1  # seconds of a turn in which another piece is begun; what a turn costs besides is about as much
 _SEEN = 0.02  # seconds in which what was changed reaches the browser
-_BETWEEN = 0.01  # seconds: the dozen frames of a slider step come in, and it is answered
 _QUIET = 0.4  # seconds: a key held down repeats ten times faster, one pressed again and again as fast
 
 
@@ -19,26 +16,22 @@ def _is_open(document: Document) -> bool:
     return document.session_context is not None and not document.session_context.destroyed
 
 
-def in_turns(pieces: Iterable[Callable[[], None]]) -> None:
-    """Do the pieces in order, a few in each turn of the server, until all are done or the page is closed.
+def next_turn(work: Callable[[], object]) -> None:
+    """Do the work in another turn of the server, when what was changed before has reached the browser, unless the
+    page is closed by then.
 
-    What was changed before reaches the browser before the first begins. In a script or a test, where there is no
-    server: all at once.
+    In a script or a test, where there is no server: at once.
     """
-    document, waiting = pn.state.curdoc, deque(pieces)
+    document = pn.state.curdoc
     if document is None or document.session_context is None:
-        for piece in waiting:
-            piece()
+        work()
         return
 
     async def run() -> None:
         await asyncio.sleep(_SEEN)
-        while waiting and _is_open(document):
-            until = time.monotonic() + _LONGEST
+        if _is_open(document):
             with pn.io.hold():
-                while waiting and time.monotonic() < until:
-                    waiting.popleft()()
-            await asyncio.sleep(_BETWEEN)
+                work()
 
     pn.state.execute(run)
 

@@ -23,7 +23,7 @@ from app.ui.answer_strip import AnswerStrip
 from app.ui.first_screen import screen_of_views
 from app.ui.named_views import NamedViews
 from app.ui.study_settings import StudySettings
-from app.ui.turns import in_turns
+from app.ui.turns import next_turn
 from app.ui.view import View
 from nav_model.budget import Budget
 
@@ -74,7 +74,7 @@ class ExplorePage(View):
         if location and "-" in str(location.hash):  # the name of the last question, which would come back
             location.hash = "#explore"
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
-        in_turns([lambda: self.show(self.session.budget)])
+        next_turn(lambda: self.show(self.session.budget))
 
     def _tell(self) -> None:
         answer, verdict = self.question.answer, self.session.budget.verdict

@@ -11,7 +11,7 @@ import pytest
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.store import Library
 from nav_model.base.errors import InputError
-from nav_model.budget import Budget
+from nav_model.budget import Budget, analyse
 from nav_model.design.file import format_design, parse_design
 
 
@@ -33,7 +33,7 @@ def test_an_exported_library_comes_back_the_same(
 ) -> None:
     first = library.save(mems, "Ann", "a <b>note</b>")
     library.save(tactical, "Bob", design=first.design, base=1)
-    library.save(tactical, "Eve", name="../../Ω/con.toml")
+    library.save(analyse(tactical.design.replace({"name": "../../Ω/con.toml"})), "Eve")
     library.retag(first.design, "alpha, beta")
     data = export_archive(library, [saved.design for saved in library.designs()])
     with zipfile.ZipFile(io.BytesIO(data)) as archive:

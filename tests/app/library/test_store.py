@@ -9,7 +9,7 @@ import pytest
 from waiting import PATIENCE
 
 from app.library.schema import STEPS
-from app.library.store import Conflict, Library
+from app.library.store import Conflict, Library, now, revision_from_file
 from app.library.texts import LIMITS
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
@@ -72,7 +72,7 @@ def test_search_tags_and_archive(library: Library, mems: Budget, tactical: Budge
 @pytest.mark.parametrize("text", [HOSTILE, "\x00\x07\x1b[31mred", "\u202egnp.exe", "🛰️ Ω" * 20, "%s %(x)s :design"])
 def test_hostile_texts_are_kept_as_text(library: Library, mems: Budget, text: str) -> None:
     design = analyse(mems.design.replace({"name": text}))
-    saved = library.save(design, text[:100], text + "\nline two", name=text)
+    saved = library.save(design, text[:100], text + "\nline two")
     library.retag(saved.design, text[:40].replace(",", ""))
     back = library.revision(saved.key)
     assert parse_design(back.text).name == text  # the design file escapes: exact
@@ -84,15 +84,17 @@ def test_hostile_texts_are_kept_as_text(library: Library, mems: Budget, text: st
     assert len(library.designs()) == 1
 
 
-@pytest.mark.parametrize("field", ["author", "note", "name"])
+@pytest.mark.parametrize("field", ["author", "note"])
 def test_huge_or_broken_texts_are_refused(library: Library, mems: Budget, field: str) -> None:
-    texts = {"author": "Ann", "note": "", "name": ""}
+    texts = {"author": "Ann", "note": ""}
     with pytest.raises(InputError, match=rf"{field}: {LIMITS[field] + 1} characters"):
         library.save(mems, **{**texts, field: "x" * (LIMITS[field] + 1)})
     with pytest.raises(InputError, match="not Unicode"):
         library.save(mems, **{**texts, field: "\ud800"})
     with pytest.raises(InputError, match="author: Enter your name"):
         library.save(mems, " \n")
+    with pytest.raises(InputError, match=rf"name: {LIMITS['name'] + 1} characters"):
+        revision_from_file(format_design(mems.design), "a file", "Ann", "", now(), "x" * (LIMITS["name"] + 1))
     assert library.designs() == ()
 
 

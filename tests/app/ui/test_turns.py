@@ -1,4 +1,4 @@
-"""Large parts of a page are made in turns: in order, with room for others in between, and not for a closed page."""
+"""Parts of a page that are made later: in another turn, once it is loaded, once a slider rests."""
 
 import asyncio
 from collections.abc import Callable
@@ -15,11 +15,11 @@ from tornado.ioloop import IOLoop
 from waiting import soon
 
 from app.ui import turns
-from app.ui.turns import in_turns, once_loaded, once_quiet
+from app.ui.turns import next_turn, once_loaded, once_quiet
 
 
 class _Clock:
-    """The time that `in_turns` sees; it passes when told to."""
+    """The time that `once_quiet` sees; it passes when told to."""
 
     now = 0.0
 
@@ -34,10 +34,8 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> _Clock:
     return made
 
 
-def _in_a_session(
-    work: Callable[[Document, SimpleNamespace], None], begun: list[Any], other: Callable[[], None] = lambda: None
-) -> None:
-    """Call it in a session; from when something has `begun`, do another's work in each turn of the loop."""
+def _in_a_session(work: Callable[[Document, SimpleNamespace], None], begun: list[Any]) -> None:
+    """Call it in a session; from when something has `begun`, wait for all of it."""
 
     async def run() -> None:
         document, context = Document(), SimpleNamespace(destroyed=False)
@@ -47,41 +45,24 @@ def _in_a_session(
             work(document, context)
         await soon(lambda: begun, "the first piece")
         while len(asyncio.all_tasks()) > 1:
-            other()
             await asyncio.sleep(0)
         session.destroy()
 
     asyncio.run(run())
 
 
-def test_others_come_in_between(clock: _Clock) -> None:
+@pytest.mark.parametrize("closed", [False, True])
+def test_the_work_is_done_in_another_turn_unless_the_page_is_closed(closed: bool) -> None:
     done: list[str] = []
 
-    def piece(number: int) -> None:
-        clock.now += 0.06
-        done.append(str(number))
-
-    def other() -> None:
-        if done and done[-1] != "other":
-            done.append("other")
-
-    _in_a_session(lambda *_: in_turns([lambda n=n: piece(n) for n in range(6)]), done, other)
-    assert done == ["0", "1", "other", "2", "3", "other", "4", "5", "other"]  # a turn is 0.1 s and what was begun
-
-
-def test_nothing_is_made_for_a_closed_page(clock: _Clock) -> None:
-    done: list[int] = []
-
     def work(_: Document, context: SimpleNamespace) -> None:
-        def piece() -> None:
-            clock.now += 0.12
-            done.append(1)
-            context.destroyed = True
-
-        in_turns([piece] * 5)
+        next_turn(lambda: done.append("worked"))
+        assert done == []
+        context.destroyed = closed
+        done.append("begun")
 
     _in_a_session(work, done)
-    assert done == [1]
+    assert done == ["begun"] if closed else ["begun", "worked"]
 
 
 def test_a_fault_is_told_and_leaves_the_document_able_to_change(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,7 +75,7 @@ def test_a_fault_is_told_and_leaves_the_document_able_to_change(monkeypatch: pyt
 
     def work(document: Document, _: SimpleNamespace) -> None:
         kept.append(document)
-        in_turns([fail])
+        next_turn(fail)
 
     _in_a_session(work, told)
     assert kept[0].models._freeze_count == 0
@@ -123,8 +104,8 @@ def test_what_waits_for_a_slider_to_rest_is_done_at_once_and_when_it_rests(clock
 
 def test_without_a_server_all_is_done_at_once() -> None:
     done: list[int] = []
-    in_turns([lambda n=n: done.append(n) for n in range(3)])
-    assert done == [0, 1, 2]
+    next_turn(lambda: done.append(1))
+    assert done == [1]
 
 
 def test_what_waits_for_the_first_screen_is_one_change(monkeypatch: pytest.MonkeyPatch) -> None:
