@@ -1,96 +1,18 @@
-"""The worked design against solvers written by others, and the record that the Theory page shows."""
+"""The record of comparisons that the Theory page shows is that of the tests."""
 
 import ast
-import math
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
-from scipy.linalg import expm, solve_continuous_are, solve_discrete_are
 
 from app.subjects.theory.record import OURS, record
-from nav_model.budget import analyse
-from nav_model.design import Design
 from nav_model.equations import ALL_EQUATIONS
 
 pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[2]
 SUPPORT = ROOT / "tests" / "support"
-SIGMA_A, SIGMA_W, G = 0.05 / 60, math.radians(0.5) / 60, 9.80665
-F = np.array([[0, 1, 0], [0, 0, G], [0, 0, 0.0]])
-Q = np.diag([0, SIGMA_A**2, SIGMA_W**2])
-H = np.array([[1.0, 0, 0]])
-TABLE_1 = Design(
-    {
-        "imu.velocity_random_walk": SIGMA_A,
-        "imu.angle_random_walk": SIGMA_W,
-        "gnss.position_noise": 1.0,
-        "gnss.interval": 1.0,
-        "flight.gravity": G,
-    }
-)
-
-
-@pytest.fixture(scope="module")
-def budget():
-    return analyse(TABLE_1, [0.0, 10.0, 100.0])
-
-
-def process_noise(t):
-    """Van Loan's integral of the noise over t."""
-    block = expm(np.block([[-F, Q], [np.zeros((3, 3)), F.T]]) * t)
-    return block[3:, 3:].T @ block[:3, 3:]
-
-
-def sigmas(moment):
-    return np.array([moment.position_horizontal, moment.velocity_horizontal, moment.tilt])
-
-
-def test_steady_state(budget, compared):
-    exact = np.sqrt(np.diag(solve_continuous_are(F.T, H.T, Q, np.eye(1))))
-    off = np.max(np.abs(sigmas(budget.steady_state.closed) / exact - 1))
-    compared(
-        "Steady-state sigmas, horizontal",
-        "T-3",
-        "solver written by others",
-        "SciPy's continuous Riccati solver on [T-1], written out in the test",
-        off,
-        1e-7,
-        "largest ratio − 1",
-    )
-
-
-def test_sawtooth(budget, compared):
-    prior = solve_discrete_are(expm(F).T, H.T, process_noise(1.0), np.eye(1))
-    off = np.max(np.abs(sigmas(budget.steady_state.prior) / np.sqrt(np.diag(prior)) - 1))
-    compared(
-        "Sigmas just before a fix",
-        "T-8",
-        "solver written by others",
-        "SciPy's discrete Riccati solver on [T-1], written out in the test",
-        off,
-        1e-6,
-        "largest ratio − 1",
-    )
-
-
-def test_outage(budget, compared):
-    start = solve_continuous_are(F.T, H.T, Q, np.eye(1))
-    worst = 0.0
-    for t, sigma in zip(budget.coast.time, budget.coast.position_horizontal, strict=True):
-        phi = expm(F * t)
-        worst = max(worst, abs(sigma / math.sqrt((phi @ start @ phi.T + process_noise(t))[0, 0]) - 1))
-    compared(
-        "Horizontal position after the fixes stop",
-        "T-9",
-        "solver written by others",
-        "SciPy's matrix exponential (Van Loan) of [T-1], written out in the test",
-        worst,
-        1e-6,
-        "largest ratio − 1",
-    )
 
 
 def test_every_equation_cited_is_on_the_theory_page():

@@ -5,19 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import riccati
 from mpmath import mp
-from scipy.linalg import expm, solve_continuous_are, solve_discrete_are
+from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 CHAIN = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])  # position, velocity, g x tilt
-
-
-def van_loan(f, q, time):
-    """Transition over `time` and covariance added, from one matrix exponential."""
-    n = len(f)
-    block = np.block([[-f, q], [np.zeros((n, n)), f.T]]) * time
-    e = expm(block)
-    phi = e[n:, n:].T
-    return phi, phi @ e[:n, n:]
 
 
 def _units(sigma_a, sigma_w, s, g):
@@ -45,7 +37,7 @@ def continuous(sigma_a, sigma_w, s, g, order=3):
 def discrete(sigma_a, sigma_w, sigma, interval, g, order=3, slow=None):
     """Prior and posterior of one channel, SI: SciPy's discrete solver, then Newton steps in 40 digits."""
     tau, state, f, q, h = _channel(sigma_a, sigma_w, sigma * np.sqrt(interval), g, order)
-    phi, added = van_loan(f, q, interval / tau)
+    phi, added = riccati.van_loan(f, q, interval / tau)
     r = (sigma / state[0]) ** 2
     if slow is not None:
         slow_sigma, correlation = slow
@@ -93,7 +85,8 @@ def newton(phi, q, h, r, guess):
         return tuple(np.array(m.tolist(), dtype=float) for m in (p, posterior))
 
 
-def _exact_noise(a, w, g, h):
+def _exact_channel(a, w, g, h):
+    """Process noise and transition, from the integrals of [T-1]."""
     qa, qw = a**2, (g * w) ** 2
     rows = [
         [qa * h**3 / 3 + qw * h**5 / 20, qa * h**2 / 2 + qw * h**4 / 8, qw * h**3 / (6 * g)],
@@ -110,7 +103,7 @@ def doubled(sigma_a, sigma_w, g, interval, sigma, slow=None, digits=60, velocity
     """
     with mp.workdps(digits):
         a, w, g, h, r = (mp.mpf(x) for x in (sigma_a, sigma_w, g, interval, sigma))
-        noise, step = _exact_noise(a, w, g, h)
+        noise, step = _exact_channel(a, w, g, h)
         n = 3 if slow is None else 4
         phi, x, row = mp.zeros(n), mp.zeros(n), mp.zeros(1, n)
         row[0] = 1
@@ -137,7 +130,7 @@ def doubled(sigma_a, sigma_w, g, interval, sigma, slow=None, digits=60, velocity
 
 @pytest.fixture(scope="session")
 def reference():
-    """The independent solvers: continuous, discrete, doubled, van_loan, channel units."""
+    """The independent solvers: continuous, discrete, doubled, with what they are given."""
     return SimpleNamespace(
-        continuous=continuous, discrete=discrete, doubled=doubled, van_loan=van_loan, channel=_channel, chain=CHAIN
+        continuous=continuous, discrete=discrete, doubled=doubled, channel=_channel, exact_channel=_exact_channel
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import riccati
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,7 +22,7 @@ TIMES = (0.0, 0.3, 7.0, 50.0, 400.0)
 def _grow(reference, start, a, w, s, g, t, order):
     """P(t) = Phi P Phi' + Q(t) by Van Loan, in the units of the channel; `start` and result in SI."""
     tau, state, f, q, _ = reference.channel(a, w, s, g, order)
-    phi, added = reference.van_loan(f, q, t / tau)
+    phi, added = riccati.van_loan(f, q, t / tau)
     unit = np.outer(state, state)
     return (phi @ (start / unit) @ phi.T + added) * unit
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import riccati
 
 from nav_model.analytic.coast import horizontal_growth, vertical_growth
 from nav_model.analytic.discrete import cycle
@@ -69,7 +70,7 @@ def test_against_the_matrix_exponential(seed, reference, compared, ratio_off):
     for i, t in enumerate(times):
         phi, added = np.eye(8), np.zeros((8, 8))
         if t:
-            small_phi, small_q = reference.van_loan(f_scaled, q_scaled, t / 100)
+            small_phi, small_q = riccati.van_loan(f_scaled, q_scaled, t / 100)
             for _ in range(100):
                 phi, added = small_phi @ phi, small_phi @ added @ small_phi.T + small_q
         p = (phi @ start @ phi.T + added) * np.outer(scale, scale)

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.linalg import solve_discrete_are
+import riccati
 
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -135,24 +135,15 @@ def test_vertical_noise_touches_the_vertical_only():
 def test_slow_error_through_the_whole_budget():
     """Prior from SciPy's discrete solver on the augmented system; the aperture starts with what that adds."""
     slow = BASE.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.5, "gnss.correlation_time": 60.0})
-    a, w, g = 0.05 / 60, 0.5 * DEGREE / 60, BASE.flight.gravity
-    decay = math.exp(-1 / 60)
-    phi = np.array([[1, 1, g / 2, 0], [0, 1, g, 0], [0, 0, 1, 0], [0, 0, 0, decay]])
-    q = np.zeros((4, 4))
-    q[:3, :3] = [
-        [a**2 / 3 + (g * w) ** 2 / 20, a**2 / 2 + (g * w) ** 2 / 8, g * w**2 / 6],
-        [a**2 / 2 + (g * w) ** 2 / 8, a**2 + (g * w) ** 2 / 3, g * w**2 / 2],
-        [g * w**2 / 6, g * w**2 / 2, w**2],
-    ]
-    q[3, 3] = 1.5**2 * (1 - decay**2)
-    h = np.array([[1.0, 0, 0, 1]])
-    unit = np.array([1, 1, g, 1.0])
+    g, decay = BASE.flight.gravity, math.exp(-1 / 60)
+    phi, q = (
+        np.pad(part, (0, 1)) for part in riccati.van_loan(*riccati.channel(0.05 / 60, 0.5 * DEGREE / 60, g), 1.0)
+    )
+    phi[3, 3], q[3, 3] = decay, 1.5**2 * (1 - decay**2)
+    row, unit = np.array([[1.0, 0, 0, 1]]), np.array([1, 1, g, 1.0])
 
     def settled(n):
-        each, seen = np.outer(unit[:n], unit[:n]), h[:, :n]
-        own = phi[:n, :n] * unit[:n, None] / unit[:n]
-        prior = solve_discrete_are(own.T, seen.T, q[:n, :n] * each, [[1.0]]) / each
-        return prior, prior - prior @ seen.T @ seen @ prior / float((seen @ prior @ seen.T)[0, 0] + 1)
+        return riccati.settled(phi[:n, :n], q[:n, :n], row[:, :n], 1.0, unit[:n])
 
     (prior, posterior), (_, white) = settled(4), settled(3)
     budget = analyse(slow)

@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 import pytest
+import riccati
 from mpmath import mp
 from scipy.integrate import quad
-from scipy.linalg import expm, solve_discrete_are
 from scipy.optimize import brentq
 from scipy.stats import lognorm
 
@@ -40,13 +40,10 @@ def design():
 
 
 def before_a_fix(changes):
-    """Position sigma [m] just before a fix: states position, velocity and the acceleration that the tilt causes."""
+    """Position sigma [m] just before a fix."""
     x = {**OWN, **changes}
-    f = np.diag([1.0, 1.0], 1)
-    noise = np.diag([0.0, x[VRW] ** 2, (G * x[ARW]) ** 2])
-    block = expm(np.block([[-f, noise], [np.zeros((3, 3)), f.T]]) * x[INTERVAL])
-    phi = block[3:, 3:].T
-    prior = solve_discrete_are(phi.T, np.eye(3)[:, :1], phi @ block[:3, 3:], [[x[FIX] ** 2]])
+    moved = riccati.van_loan(*riccati.channel(x[VRW], x[ARW], G), x[INTERVAL])
+    prior, _ = riccati.settled(*moved, np.eye(3)[:1], x[FIX] ** 2, (1.0, 1.0, G))
     return math.sqrt(prior[0, 0])
 
 

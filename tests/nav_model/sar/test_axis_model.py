@@ -3,7 +3,7 @@
 import batch
 import numpy as np
 import pytest
-from scipy.linalg import expm
+import riccati
 
 from nav_model.processing.flight import Channel
 from nav_model.sar.axis_model import (
@@ -15,22 +15,14 @@ from nav_model.sar.axis_model import (
 from nav_model.sar.smoother import rts_smooth
 
 
-def van_loan(model, step):
-    """Transition and noise covariance by the exponential of the doubled matrix."""
-    drift = np.diag([1.0, 1.0], 1)
-    noise = np.diag([0.0, model.accelerometer_noise**2, model.tilt_noise**2])
-    block = expm(np.block([[-drift, noise], [np.zeros((3, 3)), drift.T]]) * step)
-    phi = block[3:, 3:].T
-    return phi, phi @ block[:3, 3:]
-
-
 def test_noise_path_has_the_covariance_of_integrated_noise(table_designs):
     model, _ = table_designs["GNSS 1 m"]
     time = np.sort(np.concatenate([np.linspace(0, 5, 26), [3.33]]))
+    noise = np.diag([0.0, model.accelerometer_noise**2, model.tilt_noise**2])
     path = noise_path(model, time, 20_000, np.random.default_rng(3))
     for index in (np.searchsorted(time, 3.33), -1):
         sample = np.cov(path[:, :, index])
-        expected = van_loan(model, time[index])[1]
+        expected = riccati.van_loan(np.diag([1.0, 1.0], 1), noise, time[index])[1]
         error = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / 20_000)
         assert np.all(np.abs(sample - expected) < 4.5 * error)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import expm, solve_discrete_are
+import riccati
 
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -51,16 +51,13 @@ def root(values):
 
 def test_the_filter_is_the_settled_one(case, flown):
     """At the fixes: SciPy's solution of the channel's Riccati equation; jumps, and errors of the fixes themselves."""
-    sigma_a, sigma_w, g = 0.07 / 60, 0.15 * DEG / 60, 9.80665
-    f = np.array([[0, 1, 0], [0, 0, g], [0, 0, 0.0]])
-    block = expm(np.block([[-f, np.diag([0, sigma_a**2, sigma_w**2])], [np.zeros((3, 3)), f.T]]))
-    prior = solve_discrete_are(expm(f).T, np.eye(3)[:, :1], block[3:, 3:].T @ block[:3, 3:], np.array([[0.05**2]]))
+    channel = riccati.channel(0.07 / 60, 0.15 * DEG / 60, 9.80665)
+    prior, posterior = riccati.settled(*riccati.van_loan(*channel, 1.0), np.eye(3)[:1], 0.05**2)
     innovation = prior[0, 0] + 0.05**2
-    after = prior[0, 0] - prior[0, 0] ** 2 / innovation
     for axis in flown[:2]:
         assert len(axis.fix_time) == 7
         at = np.searchsorted(axis.time, axis.fix_time - 1e-9)
-        assert root(axis.filter_position[:, at]) == pytest.approx(np.sqrt(after), rel=0.12)
+        assert root(axis.filter_position[:, at]) == pytest.approx(np.sqrt(posterior[0, 0]), rel=0.12)
         assert root(axis.filter_correction[:, 1:]) == pytest.approx(prior[0, 0] / np.sqrt(innovation), rel=0.12)
         assert root(axis.gnss_error) == pytest.approx(0.05, rel=0.12)
         assert not axis.filter_correction[:, 0].any()

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import riccati
 from scipy.integrate import solve_ivp
-from scipy.linalg import solve_discrete_are
 
-from nav_model.sar.axis_model import inertial_drift, steady_covariance
+from nav_model.sar.axis_model import steady_covariance
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.strategies import (
@@ -156,14 +156,12 @@ def test_a_slow_gnss_error_is_estimated_and_what_is_left_is_the_riccati_solvers(
     model = replace(table_designs["GNSS 1 m"][0], slow_sigma=2.0, slow_time=30.0)
     histories = simulate_histories(model, 20.0, 25.5, 4000, seed=6, rate=20.0)
     decay = np.exp(-1 / 30.0)
-    phi = np.eye(4)
-    phi[:3, :3], phi[3, 3] = [[1, 1, 0.5], [0, 1, 1], [0, 0, 1]], decay
-    grown = np.zeros((4, 4))
-    grown[:3, :3], grown[3, 3] = inertial_drift(model, 1.0)[1], 4 * (1 - decay**2)
+    channel = riccati.channel(model.accelerometer_noise, model.tilt_noise, 1.0)  # of the acceleration by tilt
+    phi, grown = (np.pad(part, (0, 1)) for part in riccati.van_loan(*channel, 1.0))
+    phi[3, 3], grown[3, 3] = decay, 4 * (1 - decay**2)
     row = np.array([[1.0, 0, 0, 1]]).T
-    prior = solve_discrete_are(phi.T, row, grown, np.eye(1))
+    prior, posterior = riccati.settled(phi, grown, row.T, 1.0)
     gain = prior @ row / (row.T @ prior @ row + 1)
-    posterior = prior - gain @ row.T @ prior
     np.testing.assert_allclose(steady_covariance(model).posterior, posterior, rtol=1e-5)
     last = histories.filter_position[:, -1]  # a fix falls on the end
     assert_mean(last**2, posterior[0, 0])

@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.linalg import block_diag, expm, solve_discrete_are
+import riccati
+from scipy.linalg import block_diag
 
 from nav_model.design import Design
 from nav_model.simulation.departures import CAUSES, Departure, chain
@@ -19,6 +20,7 @@ pytestmark = pytest.mark.long
 
 PAPER = Design({"flight.speed": 50.0})
 G, SIGMA_A, SIGMA_W = 9.80665, 0.05 / 60, math.radians(0.5) / 60
+CHANNEL = riccati.channel(SIGMA_A, SIGMA_W, G)
 SETTLED = 150.0
 
 
@@ -46,13 +48,10 @@ def of(found: SimulationStudy, group: str, axis: str, at: float) -> Departure | 
     return None
 
 
-def channel_after(seconds: float, start: np.ndarray, sigma_w: float = SIGMA_W) -> np.ndarray:
-    """Covariance of position, velocity, tilt of one flat channel, by Van Loan."""
-    f = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, G], [0.0, 0.0, 0.0]])
-    block = np.block([[-f, np.diag([0.0, SIGMA_A**2, sigma_w**2])], [np.zeros((3, 3)), f.T]])
-    van_loan = expm(block * seconds)
-    phi = van_loan[3:, 3:].T
-    return phi @ start @ phi.T + phi @ van_loan[:3, 3:]
+def channel_after(seconds: float, start: np.ndarray) -> np.ndarray:
+    """Covariance of position, velocity, tilt of one flat channel."""
+    phi, added = riccati.van_loan(*CHANNEL, seconds)
+    return phi @ start @ phi.T + added
 
 
 def after_fix(prior: np.ndarray) -> np.ndarray:
@@ -61,10 +60,9 @@ def after_fix(prior: np.ndarray) -> np.ndarray:
 
 
 def settled_channel(states: int = 3) -> np.ndarray:
-    """Covariance just after a fix of the settled filter, by SciPy; two states are a channel without tilt."""
-    phi = expm(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, G], [0.0, 0.0, 0.0]]))[:states, :states]
-    q = channel_after(1.0, np.zeros((3, 3)), SIGMA_W if states == 3 else 0.0)[:states, :states]
-    return after_fix(solve_discrete_are(phi.T, np.eye(states)[:, :1], q, np.eye(1)))
+    """Covariance just after a fix of the settled filter; two states are a channel without tilt."""
+    each_second = riccati.van_loan(*(part[:states, :states] for part in CHANNEL), 1.0)
+    return riccati.settled(*each_second, np.eye(states)[:1], 1.0)[1]
 
 
 def test_the_flat_links_of_the_chain_match_solvers_of_others() -> None:
@@ -159,9 +157,8 @@ def test_the_step_of_the_earth_is_what_schuler_gravity_and_coriolis_make_of_a_fl
     noise = np.diag([*[0.0, SIGMA_A**2, SIGMA_W**2] * 2, 0.0, SIGMA_A**2])
     down = []
     for f in (flat, earth):
-        block = expm(np.block([[-f, noise], [np.zeros((8, 8)), f.T]]) * 100.0)
-        phi = block[8:, 8:].T
-        down.append(math.sqrt((phi @ start @ phi.T + phi @ block[:8, 8:])[7, 7]))
+        phi, added = riccati.van_loan(f, noise, 100.0)
+        down.append(math.sqrt((phi @ start @ phi.T + added)[7, 7]))
     departure = of(plain(), "velocity", "down", 299.0)
     assert dict(departure.steps) == {"earth": pytest.approx(down[1] / down[0], rel=0.01)}
 

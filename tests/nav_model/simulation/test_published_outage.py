@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
+import riccati
 
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import closed_form, specification
@@ -34,9 +34,7 @@ def channel(with_biases: bool) -> np.ndarray:
     f[0, 1], f[1, 2], f[1, 3], f[2, 4] = 1.0, G, 1.0, 1.0
     f[3, 3], f[4, 4] = -1.0 / 14_400.0, -1.0 / 1000.0
     drive = [0.0, SIGMA_A**2, SIGMA_W**2, 2 * (share * BIAS_A) ** 2 / 14_400.0, 2 * (share * BIAS_W) ** 2 / 1000.0]
-    van_loan = expm(np.block([[-f, np.diag(drive)], [np.zeros((5, 5)), f.T]]))
-    phi = van_loan[5:, 5:].T
-    noise = phi @ van_loan[:5, 5:]
+    phi, noise = riccati.van_loan(f, np.diag(drive), 1.0)
     p = np.diag([1.0, 0.1**2, math.radians(0.05) ** 2, (share * BIAS_A) ** 2, (share * BIAS_W) ** 2])
     h = np.eye(5)[:1]
     for _ in range(600):
