@@ -6,17 +6,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
-from app.document.blocks import (
-    MARK,
-    Approval,
-    Bullets,
-    Chapter,
-    ChartBlock,
-    Equations,
-    Report,
-    Section,
-    Symbols,
-)
+from app.document.blocks import MARK, Approval, Bullets, Chapter, ChartBlock, Equations, Report, Section, Symbols
 from app.document.display import ONE_SIGMA, Display
 from app.document.verdict import verdict_of
 from app.document.wording import chapter_key, design_labels, labelled, printable, shortened, title_of

@@ -52,17 +52,13 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
 
 def doubtful_inputs(design: Design) -> list[str]:
     """Inputs in force whose catalogue value is not confirmed, with their status."""
-    doubtful = []
-    for section, names in INPUTS.items():
-        entry = entry_of(design, section)
-        if entry is not None:
-            changed = deviations(design, section)
-            doubtful += [
-                f"{str(names[name].label).lower()} ({sourced.status})"
-                for name in names
-                if (sourced := entry.values.get(name)) is not None and not sourced.confirmed and name not in changed
-            ]
-    return doubtful
+    return [
+        f"{str(declaration.label).lower()} ({sourced.status})"
+        for section, names in INPUTS.items()
+        if entry_of(design, section) is not None
+        for name, declaration in names.items()
+        if (sourced := sourced_value(design, section, name)) is not None and not sourced.confirmed
+    ]
 
 
 def sourced_value(design: Design, section: str, name: str) -> SourcedValue | None:

@@ -10,7 +10,7 @@ import numpy as np
 from app.charts.kinds import TOTAL, Array, Bar, BarChart, Chart, Line, Points
 from app.document.numbers import decibels, number, percent, show
 from app.document.wording import DETRENDED
-from app.subjects.budget.tables import ALONG_TRACK
+from app.subjects.budget.tables import ALONG_TRACK, phase_lines
 from app.subjects.budget.timelines import DEGREES, attitude_chart, limit_at_sigma, position_chart, velocity_chart
 from nav_model.analytic import regime
 from nav_model.aperture.geometry import phase_to_metres
@@ -51,8 +51,12 @@ def phase_chart(budget: Budget) -> BarChart:
         limited, parts = label in (TOTAL, ALONG_TRACK), tilt if label == "initial tilt" else ()
         return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source, limited, parts)
 
+    def known(source: str) -> str:
+        if smoothed is None:
+            return _LINE_EQUATIONS.get(source, _GIVEN)
+        return _GIVEN if source in {each.name for each in budget.design.contributors} else "[P-4], [P-5]"
+
     if smoothed is None:
-        bars = [bar(x.source, x.quadratic, x.detrended, _LINE_EQUATIONS.get(x.source, _GIVEN)) for x in sar.lines]
         marks, along = "[S-5], [T-15]", "πVT²δV/(λR) [S-2]"
         slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
         knowledge = (
@@ -61,17 +65,6 @@ def phase_chart(budget: Budget) -> BarChart:
             f"tilt comes from {', '.join(f'{name} {percent(share)}' for name, share in tilt)} [T-18].{slow}"
         )
     else:
-        one, other = smoothed.sizes["quadratic_phase"], smoothed.sizes["detrended_phase"]
-        own = {each.name for each in budget.design.contributors}
-        bars = [
-            bar(
-                source,
-                one.get(source, 0.0),
-                other.get(source, 0.0),
-                _GIVEN if source in own else "[P-4], [P-5]",
-            )
-            for source in dict.fromkeys((*one, *other))
-        ]
         marks = along = "[P-5]"
         knowledge = (
             "Smoothed with every fix [P-3]; shares [P-4]; over the aperture [P-5]. "
@@ -85,7 +78,7 @@ def phase_chart(budget: Budget) -> BarChart:
         first_label="quadratic phase",
         second_label="detrended phase",
         bars=(
-            *bars,
+            *(bar(source, first, second, known(source)) for source, first, _, second, _ in phase_lines(budget)),
             bar(TOTAL, image.quadratic, image.detrended, marks),
             bar(ALONG_TRACK, image.along_track_quadratic, math.nan, along),
         ),

@@ -158,20 +158,25 @@ def outage_table(budget: Budget, key: str) -> Table:
     )
 
 
+def phase_lines(budget: Budget) -> list[tuple[str, float, float, float, float]]:
+    """Each source of phase over the aperture, of the design's processing: its quadratic phase and its share of that,
+    its detrended phase and its share of that."""
+    smoothed = budget.smoothed
+    if smoothed is None:
+        return [(x.source, x.quadratic, x.share, x.detrended, x.detrended_share) for x in budget.sar.lines]
+    (quadratic, first), (detrended, second) = (
+        (smoothed.sizes[name], smoothed.shares[name]) for name in ("quadratic_phase", "detrended_phase")
+    )
+    return [
+        (x, quadratic.get(x, 0.0), first.get(x, 0.0), detrended.get(x, 0.0), second.get(x, 0.0))
+        for x in dict.fromkeys((*quadratic, *detrended))
+    ]
+
+
 def phase_table(budget: Budget, key: str) -> Table:
     """The phase budget of the aperture by source, of the design's processing."""
     sar, smoothed = budget.sar, budget.smoothed
     image = smoothed or sar
-    if smoothed is None:
-        lines = [(x.source, x.quadratic, x.share, x.detrended, x.detrended_share) for x in sar.lines]
-    else:
-        one, other = (
-            (smoothed.sizes[name], smoothed.shares[name]) for name in ("quadratic_phase", "detrended_phase")
-        )
-        lines = [
-            (x, one[0].get(x, 0.0), one[1].get(x, 0.0), other[0].get(x, 0.0), other[1].get(x, 0.0))
-            for x in dict.fromkeys((*one[0], *other[0]))
-        ]
 
     def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> Row:
         given = not math.isnan(detrended)
@@ -200,7 +205,7 @@ def phase_table(budget: Budget, key: str) -> Table:
         (
             *(
                 row(source, quadratic, percent(share), left, percent(left_share))
-                for source, quadratic, share, left, left_share in lines
+                for source, quadratic, share, left, left_share in phase_lines(budget)
                 if quadratic > 0 or left > 0
             ),
             row("total in quadrature", image.quadratic, "100 %", image.detrended, "100 %"),

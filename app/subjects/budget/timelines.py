@@ -1,7 +1,7 @@
 """Sigmas over the time since the last fix, as plain data: three charts, each alone and together on one axis."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance, steady_marks
 
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 _BEFORE = 12  # times there
+_TIME = "time since the last fix [s]"
 DEGREES = 180 / math.pi
 """Of a radian."""
 
@@ -56,6 +57,13 @@ def _cycle_band(budget: Budget, key: str, label: str, field: str, style: str, sc
     return Band(key, label, x, np.full(2, posterior), np.full(2, prior), style, source)
 
 
+def _cycle_bands(budget: Budget, quantity: str) -> tuple[Band, Band]:
+    return (
+        _cycle_band(budget, "bh", "horizontal, before/after fix", f"{quantity}_horizontal", "horizontal"),
+        _cycle_band(budget, "bv", "vertical, before/after fix", f"{quantity}_vertical", "vertical"),
+    )
+
+
 def _cycle_method(budget: Budget) -> str:
     return provenance(budget)["steady_state.discrete.prior"].method
 
@@ -75,11 +83,6 @@ def _validity(budget: Budget) -> str:
     value = budget.steady_state.lambda_dt
     word = "wide sawtooth: read the band" if value > WIDE_SAWTOOTH else "narrow sawtooth"
     return f"λ·dt = {number(value)} ({word})"
-
-
-def _titled(quantity: str, budget: Budget) -> str:
-    """The title of a chart of formulas, which are of real time whatever the design's processing."""
-    return f"{quantity} sigma in real time" if budget.smoothed else f"{quantity} sigma"
 
 
 def _settled_limits(budget: Budget, *names: str, scale: float = 1.0) -> tuple[Limit, ...]:
@@ -112,12 +115,37 @@ def position_knowledge(budget: Budget) -> str:
     )
 
 
+_Curve = tuple[str, str, Array, str, str]
+"""Key, label, values, style and source of a line."""
+
+
+def _chart(
+    budget: Budget, key: str, unit: str, curves: Sequence[_Curve], bands: tuple[Band, ...], limits: tuple[Limit, ...],
+    knowledge: str, y_range: tuple[float, float] | None = None,
+) -> Chart:  # fmt: skip
+    """One quantity against time by formulas, which are of real time whatever the design's processing."""
+    x = _grid(budget)
+    return Chart(
+        key=key,
+        title=f"{key.capitalize()} sigma{' in real time' if budget.smoothed else ''}",
+        x_label=_TIME,
+        y_label=f"{key}, 1σ [{unit}]",
+        lines=tuple(Line(name, label, x, y, style, source) for name, label, y, style, source in curves),
+        bands=bands,
+        limits=limits,
+        spans=(_aperture_span(budget),),
+        y_log=True,
+        named_at_ends=True,
+        y_range=y_range,
+        knowledge=knowledge,
+    )
+
+
 def position_chart(budget: Budget) -> Chart:
     """Position sigma against time: steady state, then outage."""
     steady, coast = budget.steady_state, budget.coast
     level, upright = steady_marks(budget.design)
     end = coast.duration
-    x = _grid(budget)
     curves = (
         ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
          "horizontal", f"formula {level}, [T-9]"),
@@ -132,7 +160,6 @@ def position_chart(budget: Budget) -> Chart:
         ("th", "horizontal, initial tilt alone", _after(coast.initial_tilt),
          "initial tilt", "formula [T-12]"),
     )  # fmt: skip
-    lines = tuple(Line(key, label, x, y, style, source) for key, label, y, style, source in curves)
     limits = (
         *_settled_limits(budget, "horizontal_position", "vertical_position"),
         *_limits(budget, (("coast_horizontal_position", 0.0, end), ("coast_vertical_position", 0.0, end))),
@@ -140,79 +167,43 @@ def position_chart(budget: Budget) -> Chart:
     floor = 0.3 * min(
         steady.posterior.position_horizontal, steady.posterior.position_vertical, steady.closed.position_vertical
     )
-    top = max(*(np.nanmax(line.y) for line in lines[:4]), *(0 if math.isnan(x.level) else x.level for x in limits))
-    return Chart(
-        key="position",
-        title=_titled("Position", budget),
-        x_label="time since the last fix [s]",
-        y_label="position, 1σ [m]",
-        lines=lines,
-        bands=(
-            _cycle_band(budget, "bh", "horizontal, before/after fix", "position_horizontal", "horizontal"),
-            _cycle_band(budget, "bv", "vertical, before/after fix", "position_vertical", "vertical"),
-        ),
-        limits=limits,
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        named_at_ends=True,
-        y_range=(floor, 2 * top),
-        knowledge=position_knowledge(budget),
-    )
+    top = max(*(np.nanmax(y) for _, _, y, *_ in curves[:4]), *(0 if math.isnan(x.level) else x.level for x in limits))
+    return _chart(
+        budget, "position", "m", curves, _cycle_bands(budget, "position"), limits, position_knowledge(budget),
+        (floor, 2 * top),
+    )  # fmt: skip
 
 
 def velocity_chart(budget: Budget) -> Chart:
     """Velocity sigma against time."""
     steady, coast = budget.steady_state, budget.coast
     level, upright = steady_marks(budget.design)
-    x = _grid(budget)
-    return Chart(
-        key="velocity",
-        title=_titled("Velocity", budget),
-        x_label="time since the last fix [s]",
-        y_label="velocity, 1σ [m/s]",
-        lines=(
-            Line("ch", "horizontal", x, _held(steady.closed.velocity_horizontal, coast.velocity_horizontal),
-                 "horizontal", f"formula {level}, [T-9]"),
-            Line("cv", "vertical", x, _held(steady.closed.velocity_vertical, coast.velocity_vertical),
-                 "vertical", f"formula {upright}, [T-10]"),
-        ),
-        bands=(
-            _cycle_band(budget, "bh", "horizontal, before/after fix", "velocity_horizontal", "horizontal"),
-            _cycle_band(budget, "bv", "vertical, before/after fix", "velocity_vertical", "vertical"),
-        ),
-        limits=_settled_limits(budget, "horizontal_velocity", "vertical_velocity"),
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        named_at_ends=True,
-        knowledge=f"Formulas {_cited(budget)}, [T-9], [T-10]; band [T-8], {_validity(budget)}.",
+    curves = (
+        ("ch", "horizontal", _held(steady.closed.velocity_horizontal, coast.velocity_horizontal),
+         "horizontal", f"formula {level}, [T-9]"),
+        ("cv", "vertical", _held(steady.closed.velocity_vertical, coast.velocity_vertical),
+         "vertical", f"formula {upright}, [T-10]"),
     )  # fmt: skip
+    limits = _settled_limits(budget, "horizontal_velocity", "vertical_velocity")
+    knowledge = f"Formulas {_cited(budget)}, [T-9], [T-10]; band [T-8], {_validity(budget)}."
+    return _chart(budget, "velocity", "m/s", curves, _cycle_bands(budget, "velocity"), limits, knowledge)
 
 
 def attitude_chart(budget: Budget) -> Chart:
     """Tilt sigma and yaw growth against time."""
     steady, coast = budget.steady_state, budget.coast
     level, _ = steady_marks(budget.design)
-    x = _grid(budget)
-    return Chart(
-        key="attitude",
-        title=_titled("Attitude", budget),
-        x_label="time since the last fix [s]",
-        y_label="attitude, 1σ [°]",
-        lines=(
-            Line("tilt", "roll and pitch, each", x, _held(steady.closed.tilt * DEGREES, coast.tilt * DEGREES),
-                 "tilt", f"formula {level}, [T-9]"),
-            Line("yaw", "yaw, growth alone", x, _after(coast.yaw_growth * DEGREES), "yaw", "formula [T-5]"),
-        ),
-        bands=(_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", DEGREES),),
-        limits=_settled_limits(budget, "tilt", scale=DEGREES),
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        named_at_ends=True,
-        knowledge=(
-            f"Tilt {level}, formula [T-9], band [T-8], {_validity(budget)}. "
-            "Yaw is unobservable on a straight path: only its growth [T-5] is shown."
-        ),
+    curves = (
+        ("tilt", "roll and pitch, each", _held(steady.closed.tilt * DEGREES, coast.tilt * DEGREES),
+         "tilt", f"formula {level}, [T-9]"),
+        ("yaw", "yaw, growth alone", _after(coast.yaw_growth * DEGREES), "yaw", "formula [T-5]"),
     )  # fmt: skip
+    bands = (_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", DEGREES),)
+    knowledge = (
+        f"Tilt {level}, formula [T-9], band [T-8], {_validity(budget)}. "
+        "Yaw is unobservable on a straight path: only its growth [T-5] is shown."
+    )
+    return _chart(budget, "attitude", "°", curves, bands, _settled_limits(budget, "tilt", scale=DEGREES), knowledge)
 
 
 def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
@@ -237,50 +228,32 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
             return (label, style, scale * _held(level, curve)), (beside, free_style, np.full(len(x), np.nan))
         return (label, style, scale * through[name]), (beside, free_style, scale * _after(curve))
 
-    def chart(
-        key: str, quantity: str, unit: str, curves: tuple[tuple[str, str, Array], ...], *limits: Limit
-    ) -> Chart:
-        lines = tuple(Line(label, label, x, y, style) for label, style, y in curves)
-        return Chart(
-            key, f"{quantity} sigma", "time since the last fix [s]", f"{quantity}, 1σ [{unit}]", lines,
-            limits=limits, spans=span, y_log=True,
+    def both(quantity: str, after: str = "refined") -> tuple[tuple[str, str, Array], ...]:
+        """Horizontal and vertical: while fixes come in, then the curve of the outage that is named so."""
+        return tuple(
+            curve
+            for axis in ("horizontal", "vertical")
+            for curve in pair(axis, axis, f"{axis} refined", f"{axis}_{quantity}",
+                              getattr(settled, f"{quantity}_{axis}"), getattr(coast, f"{after}_{axis}"))
         )  # fmt: skip
 
+    def chart(
+        key: str, unit: str, curves: tuple[tuple[str, str, Array], ...], limited: Iterable[str], scale: float = 1.0
+    ) -> Chart:
+        lines = tuple(Line(label, label, x, y, style) for label, style, y in curves)
+        spans = ((name, 0.0, end) if name.startswith("coast") else (name, lead, 0.0) for name in limited)
+        return Chart(
+            key, f"{key} sigma", _TIME, f"{key}, 1σ [{unit}]", lines, limits=_limits(budget, spans, scale),
+            spans=span, y_log=True,
+        )  # fmt: skip
+
+    positions = ("horizontal_position", "vertical_position", "coast_horizontal_position", "coast_vertical_position")
+    attitude = (
+        *pair("roll, pitch", "tilt", "tilt, real time", "tilt", settled.tilt, coast.tilt, DEGREES),
+        ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
+    )
     return (
-        chart(
-            "position", "position", "m",
-            (
-                *pair("horizontal", "horizontal", "horizontal refined", "horizontal_position",
-                      settled.position_horizontal, coast.refined_horizontal),
-                *pair("vertical", "vertical", "vertical refined", "vertical_position",
-                      settled.position_vertical, coast.refined_vertical),
-            ),
-            *_limits(
-                budget,
-                (
-                    ("horizontal_position", lead, 0.0),
-                    ("vertical_position", lead, 0.0),
-                    ("coast_horizontal_position", 0.0, end),
-                    ("coast_vertical_position", 0.0, end),
-                ),
-            ),
-        ),
-        chart(
-            "velocity", "velocity", "m/s",
-            (
-                *pair("horizontal", "horizontal", "horizontal refined", "horizontal_velocity",
-                      settled.velocity_horizontal, coast.velocity_horizontal),
-                *pair("vertical", "vertical", "vertical refined", "vertical_velocity",
-                      settled.velocity_vertical, coast.velocity_vertical),
-            ),
-            *_limits(budget, (("horizontal_velocity", lead, 0.0), ("vertical_velocity", lead, 0.0))),
-        ),
-        chart(
-            "attitude", "attitude", "°",
-            (
-                *pair("roll, pitch", "tilt", "tilt, real time", "tilt", settled.tilt, coast.tilt, DEGREES),
-                ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
-            ),
-            *_limits(budget, (("tilt", lead, 0.0),), DEGREES),
-        ),
-    )  # fmt: skip
+        chart("position", "m", both("position"), positions),
+        chart("velocity", "m/s", both("velocity", "velocity"), ("horizontal_velocity", "vertical_velocity")),
+        chart("attitude", "°", attitude, ("tilt",), DEGREES),
+    )

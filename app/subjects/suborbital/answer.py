@@ -4,7 +4,6 @@ from app.charts.kinds import Array
 from app.document.blocks import Answer, KeyFigure, KeyFigures, Text
 from app.document.numbers import percent, show
 from app.subjects.suborbital.charts.shown import Shown
-from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.summary import explain, final_total
 
 WAITING = Answer(
@@ -22,8 +21,8 @@ _CARDS = {
 }
 
 
-def answer(shown: Shown, settings: Settings) -> tuple[Answer, KeyFigures]:
-    """What the tracker repairs at the current settings, in a line and in figures."""
+def answer(shown: Shown) -> tuple[Answer, KeyFigures]:
+    """What the tracker repairs, in a line and in figures."""
     study = shown.study
     before, after = map(_size, final_total(study))
     what = f"from {_metres(before)} to {_metres(after)}"
@@ -38,7 +37,7 @@ def answer(shown: Shown, settings: Settings) -> tuple[Answer, KeyFigures]:
     largest = max(left, key=lambda label: left[label])
     cancel = ", more than the total: signed errors partly cancel" if left[largest] > after else ""
     said = f"Largest remaining source: {largest.lower()}, {_metres(left[largest])}{cancel}."
-    return Answer(word, tone, (said, _exactness(shown))), _figures(shown, settings)
+    return Answer(word, tone, (said, _exactness(shown))), _figures(shown)
 
 
 def explained(shown: Shown) -> Text:
@@ -65,7 +64,7 @@ def _exactness(shown: Shown) -> str:
     return f"From the full simulation. The linear answer before was off by {was}."
 
 
-def _figures(shown: Shown, settings: Settings) -> KeyFigures:
+def _figures(shown: Shown) -> KeyFigures:
     study = shown.study
     pure, aided = final_total(study)
     signed = f"signed errors, which partly cancel, and white noise; INS: {_channels(pure)}"
@@ -74,7 +73,7 @@ def _figures(shown: Shown, settings: Settings) -> KeyFigures:
         k = study.case(case)
         pure, aided = study.pure.position_m[k, -1], study.aided.position_m[k, -1]
         figures.append(_figure(label, pure, aided, f"INS: {_channels(pure)}; with tracker: {_channels(aided)}"))
-    images = "star images" if settings["camera.frames"] == "star images" else "a perfect camera"
+    images = "star images" if shown.settings["camera.frames"] == "star images" else "a perfect camera"
     frames = f"part of everything; {int(study.used.sum())} frames from {images}"
     spreads = (study.pure_noise.position_sigma_m[-1], study.aided_noise.position_sigma_m[-1])
     figures.append(_figure("White noise, 1σ", *spreads, frames))

@@ -37,8 +37,9 @@ class CameraNoisePanel(pn.viewable.Viewer):
     def __panel__(self) -> pn.Column:
         return first_screen(self._said, left=[self._place], height="100%")
 
-    def show(self, shown: Shown, settings: Settings) -> None:
-        """Sweep for these settings, unless that was done."""
+    def show(self, shown: Shown) -> None:
+        """Sweep for its settings, unless that was done."""
+        settings = shown.settings
         if settings is not self._settings:
             self._settings = settings
             self._said.object = progress_html(Progress("Sweeping the centroid noise: 13 values"))

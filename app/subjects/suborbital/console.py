@@ -1,19 +1,22 @@
 """`navbudget suborbital`: the study from a design or a study file and options, JSON out, progress on standard
 error."""
 
-from collections.abc import Mapping, Sequence
+import argparse
 from pathlib import Path
 
-from app.console.arguments import put_json
+from app.console.arguments import content_of, paths_of, put_json
 from app.console.files import put_file, spare
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
+from nav_model.design import Design
 from nav_model.design.declaration import Choice
 from nav_model.design.file import parse_design, read_bytes
+from nav_model.design.parts import INPUTS, TOP_KEYS, all_keys
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.noise_ensemble import MOST_RUNS, fly_noise
-from nav_model.suborbital.settings import DEFAULTS, from_design, read_changes
+from nav_model.suborbital.settings import DEFAULTS, Settings, from_design, read_changes
+from nav_model.suborbital.study_file import MAX_BYTES as MAX_STUDY
 from nav_model.suborbital.study_file import format_study, is_study, parse_study
 from nav_model.suborbital.survey import run_survey
 from nav_model.suborbital.survey_json import noise_json, survey_json
@@ -30,22 +33,63 @@ def list_inputs() -> int:
     return 0
 
 
-def run(
-    data: bytes | None,
-    where: str,
-    of_design: Sequence[str],
-    changes: Mapping[str, str],
-    trajectory: str | None,
-    noise_runs: int,
-    save: Path | None,
-) -> int:
-    """Run the study and write its JSON; InputError for bad input.
+def run(options: argparse.Namespace) -> int:
+    """Run the study and write its JSON.
 
-    data, where: a design or a study file and its name, or None; of_design: assignments to keys of the design;
-    changes: inputs of the study that come on top; save: where to write the study as a file.
+    Raises
+    ------
+    InputError
+        For an option, a file or an input that cannot be used.
     """
-    if not 0 <= noise_runs <= MOST_RUNS:
-        raise InputError("--noise-runs", f"{noise_runs} is not allowed. Enter 0 to {MOST_RUNS}.")
+    if not 0 <= options.noise_runs <= MOST_RUNS:
+        raise InputError("--noise-runs", f"{options.noise_runs} is not allowed. Enter 0 to {MOST_RUNS}.")
+    settings, design, flown = _asked(options)
+    if options.trajectory is not None:
+        flown = (Path(options.trajectory).name, read_bytes(options.trajectory, BOUNDS.most_bytes))
+    if options.save is not None:
+        try:
+            put_file(options.save, format_study(settings, flown).encode("utf-8"))
+        except InputError as error:
+            raise error.under("--save") from error
+    try:
+        with show_progress() as show:
+            survey = run_survey(settings, flown, progress=lambda share, what: show(what, share))
+            answer = survey_json(survey)
+            answer["design"] = None if design is None else design.name
+            if options.noise_runs:
+                covariance = None if survey.track is None else survey.track.covariance
+                answer["white_noise_monte_carlo"] = noise_json(
+                    fly_noise(survey.study, options.noise_runs, int(settings["seed"]), covariance,
+                              progress=lambda share, what: show(what, share))
+                )  # fmt: skip
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError("suborbital", str(error)) from error
+    return put_json(lambda: answer)
+
+
+def _asked(options: argparse.Namespace) -> tuple[Settings, Design | None, tuple[str, bytes] | None]:
+    """The settings of a design or a study file and of the options, the design, and the flight of the study file."""
+    designs, changes = list(options.designs), list(options.changes)
+    if designs or any("=" not in change for change in changes):
+        designs = paths_of(options)
+        changes = list(options.changes)
+    of_design = [change for change in changes if _is_of_design(change.partition("=")[0].strip())]
+    asked = dict(part.split("=", 1) for part in changes if part not in of_design)
+    asked |= {
+        key: text
+        for key, text in (
+            ("tracker.from_height", options.from_height),
+            ("tracker.latency", options.latency),
+            ("tracker.misalignment", options.misalignment),
+            ("camera.frames", "star images" if options.star_images else None),
+            ("camera.method", options.method),
+            ("seed", options.seed),
+        )
+        if text is not None
+    }
+    data, where = content_of(designs[0], MAX_STUDY) if designs else (None, "")
     settings, design, flown = DEFAULTS, None, None
     if of_design and (data is None or is_study(data)):
         key = of_design[0].partition("=")[0]
@@ -54,30 +98,14 @@ def run(
         study = parse_study(data, where)
         settings, flown = study.settings, study.trajectory
     elif data is not None:
-        spare(where, save, "--save")
+        spare(where, options.save, "--save")
         design = parse_design(data, where, of_design)
         settings = from_design(DEFAULTS, design)
-    settings = read_changes(settings, changes, "command line")
-    if trajectory is not None:
-        flown = (Path(trajectory).name, read_bytes(trajectory, BOUNDS.most_bytes))
-    if save is not None:
-        try:
-            put_file(save, format_study(settings, flown).encode("utf-8"))
-        except InputError as error:
-            raise error.under("--save") from error
-    try:
-        with show_progress() as show:
-            survey = run_survey(settings, flown, progress=lambda share, what: show(what, share))
-            answer = survey_json(survey)
-            answer["design"] = None if design is None else design.name
-            if noise_runs:
-                covariance = None if survey.track is None else survey.track.covariance
-                answer["white_noise_monte_carlo"] = noise_json(
-                    fly_noise(survey.study, noise_runs, int(settings["seed"]), covariance,
-                              progress=lambda share, what: show(what, share))
-                )  # fmt: skip
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError("suborbital", str(error)) from error
-    return put_json(lambda: answer)
+    return read_changes(settings, asked, "command line"), design, flown
+
+
+def _is_of_design(key: str) -> bool:
+    """Whether a key is one of a design, or of a section that only designs have; what both have is the study's."""
+    ours = {name.partition(".")[0] for name in DEFAULTS.values}
+    section = key.partition(".")[0]
+    return key not in DEFAULTS.values and (key in (*TOP_KEYS, *all_keys()) or section in INPUTS.keys() - ours)

@@ -15,7 +15,7 @@ from app.document.tiles import tiles_html
 from app.session import Session
 from app.subjects.suborbital.answer import WAITING, answer
 from app.subjects.suborbital.camera import CameraNoisePanel
-from app.subjects.suborbital.charts import Finding, Shown
+from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
 from app.subjects.suborbital.noise import NoisePanel
 from app.subjects.suborbital.studies import fly_study, kept_study
@@ -167,10 +167,10 @@ class SuborbitalPage(View):
 
     def _put_on_screen(self, survey: Survey, study: Study) -> None:
         ensemble = self.noise.ensemble_of(study)
-        shown = Shown(survey, study, **self.study.looks, ensemble=ensemble, gap=self._gap)
-        self._session.keep("suborbital", Finding(shown, self.inputs.settings))
+        shown = Shown(survey, study, self.inputs.settings, **self.study.looks, ensemble=ensemble, gap=self._gap)
+        self._session.keep("suborbital", shown)
         with pn.io.hold():
-            word, figures = answer(shown, self.inputs.settings)
+            word, figures = answer(shown)
             self._strip.show(word)
             self._tiles.object = tiles_html(figures)
             self.noise.note(study)
@@ -180,13 +180,13 @@ class SuborbitalPage(View):
     def _sweep_camera(self) -> None:
         shown = self.study.shown
         if shown is not None and self.study.views.chosen == CAMERA_NOISE:
-            self.camera.show(shown, self.inputs.settings)
+            self.camera.show(shown)
 
     def _json(self) -> str:
         shown = self.study.shown
         if shown is None:
             return "{}"
-        content = survey_json(shown.survey, shown.study, self.inputs.settings)
+        content = survey_json(shown.survey, shown.study, shown.settings)
         if shown.gap is not None:
             content["linear_gap"] = gap_json(shown.gap)
         if shown.ensemble is not None:

@@ -10,7 +10,7 @@ from app.console.progress import show_progress
 from app.document.blocks import Block, Row, Section, Table, Text, chart_block, table
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer, explained
-from app.subjects.suborbital.charts import Finding, Shown, attitude, errors, flight, sensors
+from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
@@ -29,7 +29,7 @@ REFERENCES = (
 )
 
 
-def study(design: Design, options: argparse.Namespace) -> Finding:
+def study(design: Design, options: argparse.Namespace) -> Shown:
     """The study that `navbudget report --with suborbital` asks for, progress on standard error.
 
     Raises
@@ -45,23 +45,24 @@ def study(design: Design, options: argparse.Namespace) -> Finding:
         raise
     except ValueError as error:
         raise InputError("suborbital", str(error)) from error
-    return Finding(Shown(survey, survey.study, "all"), settings)
+    return Shown(survey, survey.study, settings, "all")
 
 
-def belongs(finding: Finding, design: Design) -> bool:
+def belongs(shown: Shown, design: Design) -> bool:
     """Whether no input of the study comes from another design than this one, as it is now."""
-    return not follows_design(finding.settings) or _has_unit_of(finding.settings, design)
+    settings = shown.settings
+    return not follows_design(settings) or dict(from_design(settings, design).values) == dict(settings.values)
 
 
-def of_design(finding: Finding) -> str:
+def of_design(shown: Shown) -> str:
     """The design whose inertial unit it took."""
-    origins = finding.settings.origin.values()
+    origins = shown.settings.origin.values()
     return next((origin for origin in origins if origin.startswith(OF_DESIGN)), "none")
 
 
-def sections(finding: Finding, key: str) -> tuple[Section, ...]:
+def sections(shown: Shown, key: str) -> tuple[Section, ...]:
     """The answer, the tables, the charts, every input with its origin."""
-    shown, own = finding.shown, f"{key}-suborbital"
+    own = f"{key}-suborbital"
 
     def section(part: str, title: str, *blocks: Block) -> Section:
         return Section(f"{own}-{part}", f"Suborbital flight: {title}", blocks)
@@ -78,7 +79,7 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
         Section(
             own,
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*answer(shown, finding.settings), explained(shown), Text(_sensors(finding.settings)),
+            (*answer(shown), explained(shown), Text(_sensors(shown.settings)),
              *_paper_tables(shown, own)),
             REFERENCES,
         ),
@@ -90,12 +91,8 @@ def sections(finding: Finding, key: str) -> tuple[Section, ...]:
                 table(tables.method_table),
                 *drawn(attitude.star_chart, attitude.star_count_chart)),
         section("flight", "trajectory and gravity", *drawn(*_FLIGHT), table(tables.gravity_table)),
-        section("inputs", "inputs of the study", _inputs(finding.settings, own)),
+        section("inputs", "inputs of the study", _inputs(shown.settings, own)),
     )  # fmt: skip
-
-
-def _has_unit_of(settings: Settings, design: Design) -> bool:
-    return dict(from_design(settings, design).values) == dict(settings.values)
 
 
 def _sensors(settings: Settings) -> str:

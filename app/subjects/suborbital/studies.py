@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
 
 from app.subjects.suborbital.inputs import Trajectory
 from app.work.alone import RunLost, run_alone
@@ -17,15 +16,8 @@ _KEPT = 4  # studies of 12 MB each
 _Told = Callable[[float, str], None]
 
 
-@dataclass
-class _Begun:
-    """A study under way that nobody had asked for yet when it began."""
-
-    task: asyncio.Task[Survey]
-    told: list[_Told] = field(default_factory=list)
-
-
-_begun: dict[str, _Begun] = {}
+_begun: dict[str, tuple[asyncio.Task[Survey], list[_Told]]] = {}
+"""Studies under way that nobody had asked for yet when they began, and who is told how far they are."""
 
 
 def kept_study(settings: Settings) -> Survey | None:
@@ -44,8 +36,9 @@ async def fly_study(settings: Settings, trajectory: Trajectory, progress: _Told)
     """
     begun = _begun.get(_asked(settings)) if trajectory is None else None
     if begun is not None:
-        begun.told.append(progress)
-        return await asyncio.shield(begun.task)
+        task, told = begun
+        told.append(progress)
+        return await asyncio.shield(task)
     return await _flown(settings, trajectory, progress)
 
 
@@ -63,14 +56,15 @@ async def fly_ahead(design: Design) -> None:
         for progress in told:
             progress(share, what)
 
-    begun = _begun[asked] = _Begun(asyncio.ensure_future(_flown(settings, None, tell)), told)
-    begun.task.add_done_callback(lambda _: _begun.pop(asked))
+    task = asyncio.ensure_future(_flown(settings, None, tell))
+    _begun[asked] = task, told
+    task.add_done_callback(lambda _: _begun.pop(asked))
     try:
         with suppress(ValueError, RunLost):  # whoever asks runs it again, and is told
-            await asyncio.shield(begun.task)
+            await asyncio.shield(task)
     except asyncio.CancelledError:
         if not told:
-            begun.task.cancel()
+            task.cancel()
         raise
 
 

@@ -1,12 +1,11 @@
 """The tables of the suborbital study, told once for page, report and CSV: the paper's four for these sensors, every
 source, methods, gravity."""
 
-import csv
-import io
 from dataclasses import dataclass
 
 import numpy as np
 
+from app.charts.csv_text import csv_text
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import DIGITS, NONE, number, percent
 from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown, called
@@ -31,11 +30,7 @@ class NumberTable:
 
     def csv(self) -> str:
         """The table as CSV text, full precision."""
-        text = io.StringIO()
-        writer = csv.writer(text)
-        writer.writerow(self.heads)
-        writer.writerows(["" if entry is None else entry for entry in row] for row in self.rows)
-        return text.getvalue()
+        return csv_text((self.heads, *(("" if entry is None else entry for entry in row) for row in self.rows)))
 
     def block(self, before: str = "", *, sortable: bool = False) -> Table:
         """The table as a block, its key after `before`; sorted, numbers go by their size, whatever their sign."""

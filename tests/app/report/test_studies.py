@@ -3,6 +3,7 @@
 import math
 import pickle
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -15,7 +16,7 @@ from app.report.content import report_of
 from app.report.studies import belonging, study_sections
 from app.session import Session
 from app.subjects.sar.run import SarResult
-from app.subjects.suborbital.charts import Finding, Shown
+from app.subjects.suborbital.charts import Shown
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.equations import SYMBOLS
@@ -50,7 +51,7 @@ def findings(design) -> dict[str, Any]:
     return {
         "simulation": simulation,
         "sar": SarResult(design_case(study.budget), study, points),
-        "suborbital": Finding(Shown(survey, survey.study, "all"), settings),
+        "suborbital": Shown(survey, survey.study, settings, "all"),
     }
 
 
@@ -185,7 +186,7 @@ def test_the_sar_answer_says_which_why_and_what_would_change_it(told, findings):
 
 
 def test_the_four_suborbital_tables_are_the_studys_json_beside_the_paper(told, findings):
-    document = survey_json(findings["suborbital"].shown.survey)
+    document = survey_json(findings["suborbital"].survey)
     seen = 0
     for key in ("accelerometers", "gyros", "initial"):
         for row in table(told, f"suborbital-{key}").rows:
@@ -279,7 +280,7 @@ def test_a_study_of_another_design_is_left_out_and_that_is_said(findings, design
 
 
 def test_a_suborbital_study_with_inputs_of_its_own_goes_with_any_design_and_says_so(findings, design):
-    own = Finding(findings["suborbital"].shown, DEFAULTS)
+    own = replace(findings["suborbital"], settings=DEFAULTS)
     for any_design in (design, Design()):
         sections = study_sections({"suborbital": own}, any_design, "d")
         texts = [b.text for b in sections[0].blocks if isinstance(b, Text)]

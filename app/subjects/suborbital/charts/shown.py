@@ -34,12 +34,14 @@ TIME = "time since lift-off [s]"
 class Shown:
     """The content of the page: the last run, the study at the sliders' positions, and the chosen view.
 
+    settings: of the study, which its survey was run at unless the curves were moved;
     along_track: down-range and cross-range in place of north and east; ensemble: white noise flown at these
     inputs; gap: of the moved curves that the last exact run replaced.
     """
 
     survey: Survey
     study: Study
+    settings: Settings
     case: str = "gyro total"
     channel: int = 2
     aided_sources: bool = False
@@ -95,14 +97,6 @@ class Shown:
     def star_frame(self) -> StarFrame:
         """The star image looked at."""
         return self.survey.star_frames[self.star_index]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A study for the report: `shown` at `settings`, which its survey was run at unless the curves were moved."""
-
-    shown: Shown
-    settings: Settings
 
 
 def boost(study: Study) -> tuple[Span, ...]:

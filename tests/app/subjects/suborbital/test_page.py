@@ -105,7 +105,7 @@ def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: Su
 
 def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> None:
     """star_tracker.md: gyro total in height 36.8 km by the channel, 13.6 km by the INS."""
-    chart = errors.growth_chart(Shown(survey, survey.study, case="gyro total"))
+    chart = errors.growth_chart(Shown(survey, survey.study, survey.settings, case="gyro total"))
     lines = {line.key: line for line in chart.lines}
     assert lines["fails"].y[-1] == pytest.approx(36.8e3, rel=0.01)
     assert lines["ins"].y[-1] == pytest.approx(13.6e3, rel=0.01)
@@ -121,7 +121,7 @@ def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> Non
 
 def test_star_chart_shows_the_stars_inside_the_square(survey: Survey) -> None:
     for index in (50, 250, 500):
-        chart = attitude.star_chart(Shown(survey, survey.study, star_index=index))
+        chart = attitude.star_chart(Shown(survey, survey.study, survey.settings, star_index=index))
         places, measured = chart.points
         assert len(places.x) >= 3
         assert np.all((places.x > -0.5) & (places.x < 1023.5) & (places.y > -0.5) & (places.y < 1023.5))
@@ -289,7 +289,7 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
 
 
 def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
-    shown = Shown(survey, survey.study)
+    shown = Shown(survey, survey.study, survey.settings)
     lines = {line.key: line for line in sensors.sensor_chart(shown, 1, 1).lines}
     assert list(lines) == ["bias", "instability", "total"]
     np.testing.assert_allclose(lines["bias"].y + lines["instability"].y, lines["total"].y)
@@ -302,19 +302,19 @@ def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Sur
     study = survey.study
     k = study.case("all")
     along, across = (
-        errors.aided_chart(Shown(survey, study, "all", along_track=True), c).lines[0].y[-1] for c in (0, 1)
+        errors.aided_chart(Shown(survey, study, DEFAULTS, "all", along_track=True), c).lines[0].y[-1] for c in (0, 1)
     )
     assert (along, across) == pytest.approx(
         (study.pure.down_range_m[k, -1] / 1e3, study.pure.cross_range_m[k, -1] / 1e3)
     )
     assert np.hypot(along, across) == pytest.approx(np.hypot(*study.pure.position_m[k, -1, :2]) / 1e3)
-    named = errors.source_chart(Shown(survey, study, along_track=True), 1)
+    named = errors.source_chart(Shown(survey, study, DEFAULTS, along_track=True), 1)
     assert named.title == "Cross-range error by source, INS alone"
 
 
 def test_everything_has_white_noise_and_says_that_signed_errors_cancel(survey: Survey) -> None:
     study = survey.study
-    word, figures = answer(Shown(survey, study), DEFAULTS)
+    word, figures = answer(Shown(survey, study, DEFAULTS))
     first, noise = figures.items[0], figures.items[-1]
     assert (first.label, noise.label) == ("Everything", "White noise, 1σ")
     k = study.names.index("all")
@@ -333,7 +333,7 @@ def test_everything_has_white_noise_and_says_that_signed_errors_cancel(survey: S
 
 
 def test_linear_gap_names_the_row_that_is_beyond_the_promise(survey: Survey) -> None:
-    table = gap_table(Shown(survey, survey.study))
+    table = gap_table(Shown(survey, survey.study, survey.settings))
     assert "sum of signed errors is off by 0.6 %" in table.note
     assert len(table.rows) == len(survey.study.names) - 1
 
