@@ -247,11 +247,12 @@ class _Making:
         for state in ("prior", "posterior"):
             moment, marked = getattr(both, state), ("[T-8]", "[T-8]")
             saw[state] = self._channels(moment, state, marked, taken=not closed_form)
-        if self.plain.slow is None:
+        start, closed = begun(self.plain), settled(self.plain)
+        if np.allclose(np.hstack(start), np.hstack(closed), rtol=1e-12, atol=0):
             saw["start"] = saw["closed"]
         else:
-            head("At the last fix before the aperture, with what the slow GNSS error adds")
-            saw["start"] = self._channels(begun(self.plain, both.posterior), "start", marks, taken=True)
+            head("At the last fix before the aperture: no less than just after a fix, and with a slow GNSS error")
+            saw["start"] = self._channels(start, "start", marks, taken=True)
         head("Steady state, 1σ")
         for state, when in STATES.items():
             for figure, sigma in sigmas(saw["start" if state == "closed" else state]).items():

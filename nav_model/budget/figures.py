@@ -155,18 +155,17 @@ def along_track_phase(x: Inputs, start: Horizontal) -> Array:
 
 
 def begun(x: Inputs, posterior: Sawtooth | None = None) -> Sawtooth:
-    """The filter at the last fix before the aperture: its cycle rms, [T-3] and [T-4] or [P-6].
+    """The filter at the last fix before the aperture: its cycle rms, [T-3] and [T-4] or [P-6], but no less than the
+    covariance just after a fix [T-8], which is larger where the fixes are far apart.
 
-    No closed form has a slow GNSS error. It adds here what it adds to the covariance just after a fix [T-8], so that
-    a small one changes little and none improves a figure. `posterior` is that covariance, where it is known.
+    No closed form has a slow GNSS error. It adds here what it adds to the covariance just after a fix. So no error
+    improves a figure, and a smoother, which starts from that covariance, is no worse. `posterior` is it, where known.
     """
-    closed = settled(x)
-    if x.slow is None:
-        return closed
-    slow, white = posterior or sampled(x).posterior, sampled(replace(x, slow=None)).posterior
+    closed, after = settled(x), posterior or sampled(x).posterior
+    white = after if x.slow is None else sampled(replace(x, slow=None)).posterior
     level, upright = (
-        [mean + (more - less) for mean, more, less in zip(*channel, strict=True)]
-        for channel in zip(closed, slow, white, strict=True)
+        [least + np.where(mean.real > less.real, mean - less, 0) for mean, less, least in zip(*channel, strict=True)]
+        for channel in zip(closed, white, after, strict=True)
     )
     return Sawtooth(Horizontal(*level), Vertical(*upright))
 

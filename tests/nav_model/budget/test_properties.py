@@ -24,7 +24,7 @@ def random_values(rng):
         "imu.velocity_random_walk": between(rng, 0.003, 0.3) / 60,
         "imu.angle_random_walk": math.radians(between(rng, 0.001, 1)) / 60,
         "imu.accelerometer_bias": 1e-4, "imu.gyro_bias": 1e-6, "gnss.position_noise": between(rng, 0.01, 5),
-        "gnss.interval": between(rng, 0.05, 10), "gnss.vertical_position_noise": between(rng, 0.01, 8),
+        "gnss.interval": between(rng, 0.05, 60), "gnss.vertical_position_noise": between(rng, 0.01, 8),
         "radar.aperture_time": between(rng, 0.3, 40), "radar.slant_range": between(rng, 1e3, 3e4),
         "flight.speed": between(rng, 20, 300), "radar.autofocus_order": int(rng.integers(1, 4)),
         "processing.leg_after": float(rng.choice([0, 1]) * between(rng, 1, 300)),
@@ -44,18 +44,19 @@ def random_values(rng):
 
 
 def test_post_processed_is_never_worse_than_real_time():
-    """300 designs. Where fixes are missing before the aperture, the settled filter has not missed them.
-
-    Real time starts from the closed form, which with a gyro's rate times the fix interval above two is too small.
+    """300 designs, but for what real time leaves out and says: that velocity fixes are rarer than those of position,
+    the growth of the along-track velocity in the aperture, and, in steady state, fixes missing before the aperture.
     """
     rng, count = np.random.default_rng(1), 0
     while count < 300:
         values = random_values(rng)
-        x = replace(inputs_of(Design(values)), steady_state="prior")
-        if np.cbrt(x.g * x.sigma_w / x.s) * x.interval > 2:
+        if values.get("gnss.velocity_interval", 0) > values["gnss.interval"]:
             continue
         count += 1
+        x = replace(inputs_of(Design(values)), steady_state="prior")
         names = [name for name in SMOOTHED if name not in SETTLED or "coast.before_aperture" not in values]
+        if np.cbrt(x.g * x.sigma_w / x.s) * x.interval > 0.5:
+            names.remove("along_track_quadratic_phase")
         now, later = (figures(replace(x, post_processed=smoothed), names) for smoothed in (False, True))
         for name in names:
             assert later[name] <= 1.02 * now[name], (name, values)
