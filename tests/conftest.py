@@ -57,14 +57,14 @@ def compared(request):
 
     ``compared(result, equation, kind, oracle, figure, limit, measure)``: the result in words, the equation's mark or
     nothing, the kind of comparison (see `app.subjects.theory.record`), what the result is compared with in words,
-    the largest deviation found (an array: its largest), what it may be, and what is measured. Calls of one result
-    from several cases of a test make one row, of the worst.
+    the largest deviation found (an array: its largest), what it may be, and what is measured, unless that is the
+    usual ratio. Calls of one result from several cases of a test make one row, of the worst.
     """
     from app.subjects.theory.record import INDEPENDENT, OURS, record
 
     writing = request.config.getoption("--write-validation")
 
-    def hold(result, equation, kind, oracle, figure, limit, measure):
+    def hold(result, equation, kind, oracle, figure, limit, measure="largest ratio − 1"):
         assert kind in {*INDEPENDENT, OURS}, f"{result}: {kind!r} is no kind of comparison"
         figure = float(np.max(np.abs(figure)))
         assert figure <= limit, f"{result}: {figure:g} beyond {limit:g} ({measure}) against {oracle}"

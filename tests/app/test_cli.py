@@ -56,7 +56,7 @@ def test_evaluate_imports_neither_screens_nor_scipy():
     code = (
         "import sys\nfrom app.cli import main\n"
         f"assert main(['evaluate', {MEMS!r}]) == 0\n"
-        "names = {'panel', 'bokeh', 'matplotlib', 'scipy', 'numba', 'typst', 'panel_material_ui'}\n"
+        "names = {'panel', 'bokeh', 'matplotlib', 'scipy', 'numba', 'typst', 'panel_material_ui', 'IPython'}\n"
         "print(sorted(names & set(sys.modules)), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

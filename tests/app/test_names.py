@@ -9,12 +9,7 @@ import pytest
 
 import app
 import nav_model
-from app.subjects.budget.key_figures import key_figures
-from nav_model.budget import analyse
-from nav_model.budget.verdict import label_of
-from nav_model.design.file import read_design
 
-_EXAMPLE = Path(str(app.__file__)).parent / "examples" / "mems_x_band.toml"
 _SECOND_NAMES = {
     "Detrended phase": r"(?i)residual (phase|rms)|detrended(, rms| residual)",
     "Along-track quadratic phase": r"(?i)along track quadratic",
@@ -45,10 +40,3 @@ def _texts() -> list[tuple[str, str]]:
 def test_no_text_has_a_second_name_for_a_quantity(name: str) -> None:
     wrong = [said for said in _texts() if re.search(_SECOND_NAMES[name], said[1])]
     assert not wrong, f"say {name!r}"
-
-
-def test_a_tile_has_the_name_of_its_requirement() -> None:
-    budget = analyse(read_design(_EXAMPLE))
-    names = [check.name for check in budget.verdict.checks]
-    labels = {figure.label for figure in key_figures(budget).items if figure.met is not None}
-    assert labels <= {label_of(name) for name in names}

@@ -79,6 +79,7 @@ def test_pages_report_and_command_give_one_verdict() -> None:
         short = next(text for text, mode in verdicts_in_short(budget).items() if mode == verdict.processing)
         assert ("✓" in short) is verdict.closes
         tiles = {tile.label: tile for tile in key_figures(budget).items}
+        assert {label for label, tile in tiles.items() if tile.met is not None} <= {c.label for c in verdict.checks}
         explored = ratios(design)
         for check, told, row, line in zip(verdict.checks, document["requirements"], table.rows, lines, strict=False):
             words = check_words(design, check)

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-import numpy as np
+import bench_log
 from on_page import Check, Visit
 from playwright.sync_api import expect
 
@@ -16,11 +16,8 @@ _CURVE = """() => {
 
 
 def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: Check, fits: Check) -> None:
-    noise = np.random.default_rng(7).standard_normal((6000, 6)) * 10.0
-    walks = np.repeat([np.radians(0.9) / 60.0, 0.05 / 60.0], 3)
     log = tmp_path / "bench.csv"
-    names = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
-    np.savetxt(log, noise * walks + [0, 0, 0, 0, 0, 9.8], delimiter=",", header=names, comments="", fmt="%.8g")
+    log.write_bytes(bench_log.log(6000, 3.0))  # 0.9 °/√h
 
     page = visit()
     before = page.get_by_label("Key figures").inner_text()

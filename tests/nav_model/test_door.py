@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import nav_model
+import nav_model.base.errors
 import nav_model.base.frozen
 import nav_model.budget
 from nav_model.budget import Budget
@@ -31,9 +32,10 @@ def test_the_door_loads_nothing_before_it_is_asked():
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize(
-    "module", [nav_model, nav_model.budget, nav_model.base.frozen], ids=lambda module: module.__name__
-)
+MODULES = [nav_model, nav_model.budget, nav_model.base.errors, nav_model.base.frozen]
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)
 def test_the_examples_in_docstrings_are_true(module):
     found = doctest.testmod(module)
     assert found.attempted > 0

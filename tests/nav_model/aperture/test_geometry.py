@@ -51,7 +51,6 @@ def test_window_widths_are_roots_of_the_transforms(window, pattern, printed, com
         "SciPy's root finder on each window's transform, written out in the test from Taylor 1955",
         ratio_off(WINDOW_WIDTH[window], _width(pattern)),
         1e-12,
-        "largest ratio − 1",
     )
     assert WINDOW_WIDTH[window] == pytest.approx(printed, abs=5e-5)
 

@@ -26,10 +26,8 @@ QUANTITIES = [
 
 
 @pytest.mark.parametrize("key", QUANTITIES)
-def test_every_input_is_documented_and_has_bounds_around_its_default(key):
+def test_every_input_has_bounds_around_its_default(key):
     declaration = declaration_of(key)
-    assert declaration.doc
-    assert declaration.label
     low, high = declaration.limits
     assert low < high
     soft_low, soft_high = declaration.softbounds

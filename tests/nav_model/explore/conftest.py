@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from nav_model.design.file import format_design
+
 _KILLED = """
 import os, signal, sys, threading, time
 from nav_model.explore.sweep import run_sweep
@@ -35,3 +37,16 @@ def kill_during_sweep():
         assert done.returncode == -signal.SIGKILL
 
     return kill
+
+
+@pytest.fixture
+def write_plan(tmp_path, open_design):
+    """A function that writes the plan of a sweep beside its design and gives its path."""
+
+    def write(text):
+        (tmp_path / "design.toml").write_text(format_design(open_design), encoding="utf-8")
+        path = tmp_path / "sweep.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write

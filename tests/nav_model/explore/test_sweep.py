@@ -7,7 +7,6 @@ import pytest
 
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.design.file import format_design
 from nav_model.design.presets import preset_fill
 from nav_model.explore import sweep
 from nav_model.explore.sweep import run_sweep
@@ -29,11 +28,8 @@ requirements.quadratic_phase = ["45°", "90°"]
 
 
 @pytest.fixture
-def plan_file(tmp_path, open_design):
-    (tmp_path / "design.toml").write_text(format_design(open_design), encoding="utf-8")
-    path = tmp_path / "sweep.toml"
-    path.write_text(VARY, encoding="utf-8")
-    return path
+def plan_file(write_plan):
+    return write_plan(VARY)
 
 
 def test_rows_are_analysed_designs(plan_file, tmp_path, open_design):

@@ -33,11 +33,8 @@ gnss.position_noise = ["5 cm", "1 m"]
 
 
 @pytest.fixture
-def plan_file(tmp_path, open_design):
-    (tmp_path / "design.toml").write_text(format_design(open_design), encoding="utf-8")
-    path = tmp_path / "flown.toml"
-    path.write_text(FLOWN, encoding="utf-8")
-    return path
+def plan_file(write_plan):
+    return write_plan(FLOWN)
 
 
 def _rows(path):

@@ -164,7 +164,7 @@ def test_sampled_filter_with_velocity(slow, compared):
             worst = max(worst, *(abs(ratio - 1) for ratio in off))
     said = "with" if slow else "without"
     compared(f"Sampled filter with velocity fixes, {said} slow GNSS error", "T-8", "solver written by others",
-             "SciPy's solve_discrete_are", worst, 1e-6, "largest ratio − 1")  # fmt: skip
+             "SciPy's solve_discrete_are", worst, 1e-6)  # fmt: skip
 
 
 @pytest.mark.parametrize("across", [True, False])

@@ -31,7 +31,6 @@ def test_circular_error_of_a_circle_and_of_a_line(compared):
             "SciPy's chi2",
             off,
             1e-4,
-            "largest ratio − 1",
         )
 
 

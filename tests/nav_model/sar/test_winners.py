@@ -39,7 +39,6 @@ def test_break_even_is_where_t15_equals_t16(sigma, compared, ratio_off):
         "SciPy's root finder on the difference of the product's own [T-15] and [T-16]",
         ratio_off(break_even_aperture(replace(PLAIN, gnss_sigma=sigma)), root),
         1e-9,
-        "largest ratio − 1",
     )
     assert break_even_aperture(replace(PLAIN, gnss_sigma=np.array([sigma, sigma]))).shape == (2,)
 

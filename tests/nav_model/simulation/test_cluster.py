@@ -5,7 +5,6 @@ import signal
 
 import numpy as np
 import pytest
-from waiting import refusing_port
 
 from nav_model.simulation.cluster import cluster_pool
 from nav_model.simulation.monte_carlo import simulate
@@ -41,13 +40,3 @@ def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
     found = to_arrays(result)
     for name, values in expected.items():
         assert np.array_equal(values, found[name]), name
-
-
-def test_a_scheduler_that_is_not_there_is_named():
-    pytest.importorskip("distributed", reason="needs the cluster extra")
-    with (
-        refusing_port() as port,
-        pytest.raises(ValueError, match=rf"scheduler: no Dask scheduler answers at 'tcp://127\.0\.0\.1:{port}'"),
-        cluster_pool(f"tcp://127.0.0.1:{port}", 1.0),
-    ):
-        pass

@@ -155,7 +155,6 @@ def test_the_filter_follows_the_refined_curve_in_the_outage(study, compared) -> 
         "filter covariance of our own simulator",
         ratio - 1,
         0.02,
-        "largest ratio − 1",
     )
     assert result.consistent, result.verdict
 

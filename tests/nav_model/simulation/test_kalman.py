@@ -120,7 +120,6 @@ def test_the_filter_settles_on_the_discrete_riccati_solution(paper_imu, fix, kin
             "SciPy's discrete Riccati solver on [T-1], written out in the test",
             ratio_off(sigma[phase, [0, 1, 3, 4, 6, 7]], np.repeat(expected, 2)),
             0.01,
-            "largest ratio − 1",
         )
     for phase, expected in zip((PRIOR, POSTERIOR), riccati_sigmas(f[:2, :2], q[:2, :2], fix), strict=True):
         assert sigma[phase, [2, 5]] == pytest.approx(expected, rel=0.01)

@@ -68,7 +68,6 @@ def test_each_second_of_the_outage_with_biases_and_with_noise_alone(make_imu, co
         "SciPy's matrix exponential of a five-state channel on a flat Earth, written out in the test",
         off,
         0.02,
-        "largest ratio − 1",
     )
     assert biased[-1] == pytest.approx(1.58, abs=0.03)
     assert noise_only[-1] == pytest.approx(0.406, abs=0.008)

@@ -1,5 +1,4 @@
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -74,11 +73,6 @@ def test_trajectory_file_round_trip(flight):
     # Away from burn-out, which a spline smears over a few rows.
     assert np.abs(loaded.specific_force_b[:1900] - flight.specific_force_b[:1900]).max() < 2e-3
     assert np.abs(loaded.specific_force_b[2000:]).max() < 2e-3
-
-
-def test_an_unknown_gravity_is_refused():
-    with pytest.raises(ValueError, match="gravity"):
-        reference_flight(replace(FlightParameters(), gravity="EGM"))
 
 
 def test_the_same_flight_in_another_field_is_that_flown_there(flight):

@@ -6,30 +6,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bench_log import log, table
+from commanded import told
 
 from app.cli import main
 
 pytestmark = pytest.mark.long
 
-# Known noise at 100 Hz: 0.3 °/√h and 0.05 m/s/√h.
-ARW, VRW = np.radians(0.3) / 60.0, 0.05 / 60.0
-HEADER = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
-
-
-def table(samples: int = 8000, factor: float = 1.0) -> np.ndarray:
-    noise = np.random.default_rng(7).standard_normal((samples, 6)) * 10.0 * factor
-    return noise * [ARW, ARW, ARW, VRW, VRW, VRW] + [0.0, 0.0, 0.0, 0.0, 0.0, 9.8]
-
 
 @pytest.fixture(scope="module")
-def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("logs") / "bench.csv"
-    np.savetxt(path, table(), delimiter=",", header=HEADER, comments="", fmt="%.9g")
+    path.write_bytes(log())
     return path
 
 
-def test_static_log_gives_the_contract(log: Path, capsys: pytest.CaptureFixture[str]):
-    assert main(["allan", str(log), "--rate", "100"]) == 0
+def test_static_log_gives_the_contract(bench: Path, capsys: pytest.CaptureFixture[str]):
+    assert main(["allan", str(bench), "--rate", "100"]) == 0
     out, err = capsys.readouterr()
     data = json.loads(out)
     assert [axis["name"] for axis in data["axes"]] == [f"{s}_{a}" for s in ("gyro", "accelerometer") for a in "xyz"]
@@ -48,12 +41,12 @@ def test_static_log_gives_the_contract(log: Path, capsys: pytest.CaptureFixture[
     assert err.rstrip().endswith("done")
 
 
-def test_output_goes_to_a_file(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_output_goes_to_a_file(bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     target = tmp_path / "noise.json"
-    assert main(["allan", str(log), "--rate", "100", "-o", str(target)]) == 0
+    assert main(["allan", str(bench), "--rate", "100", "-o", str(target)]) == 0
     assert capsys.readouterr().out == ""
     assert len(json.loads(target.read_text(encoding="utf-8"))["axes"]) == 6
-    assert main(["allan", str(log), "--rate", "100", "-o", str(tmp_path / "no" / "such.json")]) == 2
+    assert main(["allan", str(bench), "--rate", "100", "-o", str(tmp_path / "no" / "such.json")]) == 2
     assert "cannot be written" in capsys.readouterr().err
 
 
@@ -61,8 +54,7 @@ def test_archive_of_counts_with_named_arrays(tmp_path: Path, capsys: pytest.Capt
     path = tmp_path / "counts.npz"
     np.savez(path, first=np.round(table()[:, :3] / 1e-6), second=table()[:, 3:])
     command = ["allan", str(path), "--rate", "100", "--arrays", "gyro=first,accelerometer=second"]
-    assert main([*command, "--gyro-unit", "1e-6 rad/s", "--accelerometer-unit", "m/s2"]) == 0
-    gyro = json.loads(capsys.readouterr().out)["axes"][0]
+    gyro = told(capsys, *command, "--gyro-unit", "1e-6 rad/s", "--accelerometer-unit", "m/s2")["axes"][0]
     assert gyro["random_walk"]["value"] == pytest.approx(0.3, rel=0.04)
     assert main([*command, "--accelerometer-unit", "m/s2"]) == 2
     assert "gyro_unit: The file does not give the gyro unit" in capsys.readouterr().err
@@ -70,18 +62,17 @@ def test_archive_of_counts_with_named_arrays(tmp_path: Path, capsys: pytest.Capt
 
 def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / "flight.csv"
-    np.savetxt(path, table(factor=4.0), delimiter=",", header=HEADER, comments="", fmt="%.9g")
-    bench = ["--bench-arw", "0.3 °/√h", "--bench-vrw", "0.05 m/s/√h"]
-    assert main(["allan", str(path), "--rate", "100", "--motion", *bench]) == 0
-    data = json.loads(capsys.readouterr().out)
+    path.write_bytes(log(8000, 4.0, 4.0))
+    sheet = ["--bench-arw", "0.3 °/√h", "--bench-vrw", "0.05 m/s/√h"]
+    data = told(capsys, "allan", str(path), "--rate", "100", "--motion", *sheet)
     assert data["vibration_factor"] == pytest.approx(4.0, rel=0.05)
     assert "as white noise" in data["qualification"]
 
 
 def test_standard_input_and_its_bad_row(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     class Standard:
-        buffer = io.BytesIO(f"{HEADER}\n1,2,3,4,5,6\n1,2,nan,4,5,6\n".encode())
+        buffer = io.BytesIO(log(1) + b"1,2,3,4,5,6\n1,2,nan,4,5,6\n")
 
     monkeypatch.setattr("sys.stdin", Standard)
     assert main(["allan", "-", "--rate", "100"]) == 2
-    assert "navbudget: standard input: line 3, column 3: 'nan'" in capsys.readouterr().err
+    assert "navbudget: standard input: line 4, column 3: 'nan'" in capsys.readouterr().err

@@ -5,11 +5,11 @@ import math
 import re
 from collections.abc import Iterator
 from html import unescape
-from pathlib import Path
 
 import numpy as np
 import panel as pn
 import pytest
+from bench_log import ANGLE_WALK, VELOCITY_WALK, log
 from bokeh.models import ColumnDataSource
 
 from app.document.pane import html_of
@@ -17,10 +17,8 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.charts import axis_chart, triad_chart
-from app.subjects.sensors.log_study import study_log
 from app.subjects.sensors.page import SensorsPage
 from app.subjects.sensors.tables import coefficient_tables, origin_table
-from app.work.alone import RunLost, run_alone
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_names import scale_of
 from nav_model.allan.static_log import analyse_log
@@ -28,15 +26,6 @@ from nav_model.base.errors import InputError
 from nav_model.design.catalogue import catalogue
 
 pytestmark = pytest.mark.long
-
-ARW, VRW = np.radians(0.3) / 60.0, 0.05 / 60.0
-HEADER = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
-
-
-def log(samples: int = 6000, factor: float = 1.0) -> bytes:
-    noise = np.random.default_rng(7).standard_normal((samples, 6)) * 10.0 * factor
-    rows = noise * [ARW, ARW, ARW, VRW, VRW, VRW] + [0.0, 0.0, 0.0, 0.0, 0.0, 9.8]
-    return (HEADER + "\n" + "\n".join(",".join(f"{x:.8g}" for x in row) for row in rows)).encode()
 
 
 @pytest.fixture
@@ -49,7 +38,7 @@ def sensors() -> Iterator[SensorsPage]:
 def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     panel = sensors.log
     session = panel.session
-    asyncio.run(panel.take("bench.csv", log()))
+    asyncio.run(panel.take("bench.csv", log(6000)))
     assert "does not give the rate" in panel.run.message  # asked for, the upload is kept
     assert panel.boxes["rate"].error_state  # where it is to be mended
     assert "does not give the rate" in panel.boxes["rate"].helper_text
@@ -69,8 +58,8 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert "Which log would resolve the rest" in panel.static.tables.object
     before = session.budget
     panel.static.use.clicks += 1
-    assert session.design.imu.angle_random_walk == pytest.approx(ARW, rel=0.03)
-    assert session.design.imu.velocity_random_walk == pytest.approx(VRW, rel=0.03)
+    assert session.design.imu.angle_random_walk == pytest.approx(ANGLE_WALK, rel=0.03)
+    assert session.design.imu.velocity_random_walk == pytest.approx(VELOCITY_WALK, rel=0.03)
     assert session.budget.sar.quadratic != before.sar.quadratic
     sensors.show(session.budget)
     assert "from static log bench.csv" in sensors._origins.object
@@ -80,7 +69,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
 
 def test_the_unit_of_a_log_is_chosen_and_may_be_of_counts(sensors: SensorsPage):
     panel = sensors.log
-    asyncio.run(panel.take("bench.csv", log()))
+    asyncio.run(panel.take("bench.csv", log(6000)))
     panel.counts["gyro_unit"].value = "0.05"
     with pytest.raises(InputError, match="choose the unit"):
         panel._options()
@@ -94,9 +83,9 @@ def test_the_unit_of_a_log_is_chosen_and_may_be_of_counts(sensors: SensorsPage):
 def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
-    asyncio.run(panel.take("good.csv", log()))
+    asyncio.run(panel.take("good.csv", log(6000)))
     shown = panel.static.head.object
-    asyncio.run(panel.take("bad.csv", log().replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2)))
+    asyncio.run(panel.take("bad.csv", log(6000).replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2)))
     assert "bad.csv" in panel.run.message
     assert "&lt;script&gt;" not in panel.static.head.object
     assert "&lt;script&gt;" in panel.bar.state.object
@@ -107,12 +96,12 @@ def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
 def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
-    asyncio.run(panel.take("one.csv", log()))
+    asyncio.run(panel.take("one.csv", log(6000)))
     plots = [pane.object for pane in panel.static._view.select(pn.pane.Bokeh)]
     assert len(plots) == 3
     curves = [curve for plot in plots for curve in plot.select({"type": ColumnDataSource})]
     old = [dict(curve.data) for curve in curves]
-    asyncio.run(panel.take("two.csv", log(9000, 2.0)))
+    asyncio.run(panel.take("two.csv", log(9000, 2.0, 2.0)))
     assert [pane.object for pane in panel.static._view.select(pn.pane.Bokeh)] == plots
     assert all(not np.array_equal(curve.data["x"], was["x"]) for curve, was in zip(curves, old, strict=True))
 
@@ -120,15 +109,15 @@ def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
 def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
     panel = sensors.log
     session = panel.session
-    session.change({"imu.angle_random_walk": ARW, "imu.velocity_random_walk": VRW})
+    session.change({"imu.angle_random_walk": ANGLE_WALK, "imu.velocity_random_walk": VELOCITY_WALK})
     panel.boxes["rate"].value, panel.motion.value = "100", "motion"
-    asyncio.run(panel.take("drive.csv", log(factor=3.0)))
+    asyncio.run(panel.take("drive.csv", log(6000, 3.0, 3.0)))
     assert "as white noise" in panel.moving.head.object
     panel.moving.use.clicks += 1
     assert session.design.imu.vibration_factor == pytest.approx(3.0, rel=0.05)
     panel.moving.spectrum.clicks += 1
     assert session.design.motion.spectrum == panel.moving.analysis.spectrum != ()
-    session.change({"imu.angle_random_walk": 0.5 * ARW})
+    session.change({"imu.angle_random_walk": 0.5 * ANGLE_WALK})
     sensors.show(session.budget)
     found = panel.moving.analysis
     assert found.gyro_factor == pytest.approx(6.0, rel=0.05)
@@ -136,22 +125,6 @@ def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
     assert f"{found.axes[0].factor:.3g}</td>" in panel.moving.table.object
     panel.moving.use.clicks += 1
     assert session.design.imu.vibration_factor == pytest.approx(6.0, rel=0.05)
-
-
-def test_a_refusal_comes_back_with_its_key(tmp_path: Path):
-    for path, reason in ((tmp_path / "none.csv", "No such file"), (tmp_path / "bad.csv", "No numbers found")):
-        (tmp_path / "bad.csv").write_text("a,b\nx,y\n")
-        with pytest.raises(InputError) as caught:
-            asyncio.run(run_alone(study_log, path, progress=lambda fraction, what: None))
-        assert path.name in caught.value.key
-        assert reason in caught.value.reason
-
-
-def test_a_process_that_dies_is_an_answer(caplog: pytest.LogCaptureFixture):
-    """A source of no known kind raises in the process, as running out of memory would."""
-    with pytest.raises(RunLost, match="without an answer"):
-        asyncio.run(run_alone(study_log, 1.5, progress=lambda fraction, what: None))
-    assert "fault in a worker" in caplog.text
 
 
 def test_catalogue_marks_what_is_not_confirmed():
@@ -176,9 +149,9 @@ def test_origin_says_catalogue_hand_or_log():
 def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
-    asyncio.run(panel.take("bench.csv", log()))
+    asyncio.run(panel.take("bench.csv", log(6000)))
     analysis = panel.static.analysis
-    for quantity, truth in (("gyro", 0.3 * 60.0), ("accelerometer", VRW / 9.80665e-6)):
+    for quantity, truth in (("gyro", 0.3 * 60.0), ("accelerometer", VELOCITY_WALK / 9.80665e-6)):
         chart = triad_chart(analysis, quantity)
         assert len(chart.bands) == 3
         fitted = next(line for line in chart.lines if line.key == "fx")
