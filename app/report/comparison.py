@@ -14,9 +14,9 @@ from app.report.inputs import shown_value, sourced_value
 from nav_model.budget import Budget
 from nav_model.budget.figures import SETTLED, figures
 from nav_model.budget.inputs import inputs_of
-from nav_model.budget.verdict import label_of, limit_on
+from nav_model.budget.verdict import limit_on
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING
+from nav_model.design.contributors import COASTING, label_of
 from nav_model.design.parts import INPUTS
 
 _COLUMNS = 5  # designs that fit side by side on a page

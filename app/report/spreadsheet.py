@@ -28,9 +28,9 @@ from nav_model.budget.contributors import Part
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.result import Check
-from nav_model.budget.verdict import label_of, limit_on
+from nav_model.budget.verdict import limit_on
 from nav_model.design import Design
-from nav_model.design.contributors import UNSCALED
+from nav_model.design.contributors import UNSCALED, label_of
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME

@@ -41,9 +41,9 @@ from nav_model.budget.figures import (
 )
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.provenance import steady_marks
-from nav_model.budget.verdict import label_of, limit_on, outage_mark
+from nav_model.budget.verdict import limit_on, outage_mark
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING, IN_OUTAGE, RESPONSE
+from nav_model.design.contributors import COASTING, IN_OUTAGE, RESPONSE, label_of
 from nav_model.processing.geolocation import circular_error, ground_covariance
 
 _PLAIN = {

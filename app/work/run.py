@@ -13,6 +13,8 @@ import param
 
 from app.declared import declared, perhaps
 from app.work.alone import RunLost
+from nav_model.base.errors import InputError
+from nav_model.design.parts import labelled
 
 _LEAST_SHARE = 0.01  # below it the time spent says little about the time left
 
@@ -131,7 +133,7 @@ class Run(param.Parameterized):
             reached = self.progress
             end = {"message": "Cancelled." if reached is None else f"Cancelled: {reached.what}."}
         except (ValueError, ArithmeticError) as error:
-            end = {"message": str(error)}
+            end = {"message": str(labelled(error) if isinstance(error, InputError) else error)}
         except (BrokenProcessPool, RunLost):
             end = {"message": "The process that did the work ended without an answer. Start again."}
         finally:

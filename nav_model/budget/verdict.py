@@ -13,7 +13,7 @@ from nav_model.budget.response import NO_IMAGE, limited_of
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING, ENTERED, EXTRA, IN_OUTAGE, RESPONSE, UNSCALED
+from nav_model.design.contributors import COASTING, ENTERED, IN_OUTAGE, RESPONSE, UNSCALED, label_of
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -76,15 +76,6 @@ def limit_on(name: str) -> BaseQuantity[float | None]:
     declaration = declaration_of(f"requirements.{FIGURES[name]}")
     assert isinstance(declaration, BaseQuantity)
     return declaration
-
-
-def label_of(name: str) -> str:
-    """A figure's label: that of its requirement, but for one that limits two figures; a name of the user's own."""
-    if name == "along_track_quadratic_phase":
-        return "Along-track quadratic phase"
-    if name in EXTRA:
-        return EXTRA[name][1]
-    return str(limit_on(name).label) if name in FIGURES else name
 
 
 def judge(

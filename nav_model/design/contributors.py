@@ -66,6 +66,16 @@ UNSCALED = ("ce90", "le90", "cep", "paired_echo", "islr", *RESPONSE)
 ALIKE = (*COASTING, *IN_OUTAGE, "paired_echo", "islr")
 """Figures that are the same in both processings."""
 
+
+def label_of(name: str) -> str:
+    """A figure's label: that of its requirement, but for one that limits two figures; a name of the user's own."""
+    if name == "along_track_quadratic_phase":
+        return "Along-track quadratic phase"
+    if name in EXTRA:
+        return EXTRA[name][1]
+    return str(INPUTS["requirements"][name].label) if name in ENTERED else name
+
+
 _SOURCES = frozenset(
     declaration.source
     for names in INPUTS.values()
@@ -166,7 +176,7 @@ class Contributor(Sized):
                 raise InputError(f"{self.where}.{key}", f"{number:g} is not allowed. Give zero or more.", number)
         if self.enters in ALIKE and self.processing != BOTH:
             raise InputError(
-                f"{self.where}.processing", f'{self.enters} is the same in both processings. Write "both".'
+                f"{self.where}.processing", f'{label_of(self.enters)} is the same in both processings. Write "both".'
             )
 
     @property

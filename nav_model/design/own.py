@@ -18,6 +18,7 @@ from nav_model.design.contributors import (
     checked,
     dimensions_of,
     given_tables,
+    label_of,
     read_contributors,
     read_ratio,
     read_size,
@@ -71,9 +72,11 @@ class Limit(Sized):
         if not 0 < self.value < math.inf:
             raise InputError(f"{self.where}.limit", "must be more than zero.", self.value)
         if self.at is not None and self.on not in (*COASTING, *IN_OUTAGE):
-            raise InputError(f"{self.where}.at", f"{self.on} is no value of the outage, so it has no time.", self.at)
+            raise InputError(
+                f"{self.where}.at", f"{label_of(self.on)} is no value of the outage, so it has no time.", self.at
+            )
         if self.confidence is not None and self.on in UNSCALED:
-            raise InputError(f"{self.where}.confidence", f"does not multiply {self.on}. Leave it out.")
+            raise InputError(f"{self.where}.confidence", f"does not multiply {label_of(self.on)}. Leave it out.")
 
     def record(self) -> dict[str, str]:
         """The limit as a design file has it."""

@@ -4,6 +4,9 @@ Inputs that must be positive have a lower bound far below any hardware, so that 
 floats.
 """
 
+import re
+
+from nav_model.base.errors import InputError
 from nav_model.design.flight import Coast, Flight
 from nav_model.design.motion import Motion, Oscillator
 from nav_model.design.part import Input, Part
@@ -16,7 +19,7 @@ from nav_model.design.trajectory import Trajectory
 __all__ = [
     "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
     "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar", "Requirements", "Trajectory",
-    "all_keys", "declaration_of",
+    "all_keys", "declaration_of", "labelled",
 ]  # fmt: skip
 
 PARTS: tuple[type[Part], ...] = (
@@ -55,6 +58,16 @@ def declaration_of(key: str) -> Input:
     """
     section, _, name = key.rpartition(".")
     return INPUTS[section][name]
+
+
+def labelled(error: InputError) -> InputError:
+    """The error under the label of its input, as a page names it, with the row and the column of a table."""
+    key, *place = re.split(r"\[(\d+)\]\.?", error.key)
+    section, _, name = key.rpartition(".")
+    if name not in INPUTS.get(section, {}):
+        return error
+    row = [f"row {place[0]}", *filter(None, place[1:])] if place else []
+    return error.under(", ".join([str(INPUTS[section][name].label), *row]))
 
 
 def all_keys() -> list[str]:

@@ -18,8 +18,7 @@ from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.allocation import allocate, check_of
-from nav_model.budget.verdict import label_of
-from nav_model.design.contributors import ENTERED, KINDS, PROCESSINGS
+from nav_model.design.contributors import ENTERED, KINDS, PROCESSINGS, label_of
 from nav_model.design.own import Allotment, read_own
 from nav_model.design.ready_made import READY_MADE, ready_made
 

@@ -13,7 +13,7 @@ from app.document.wording import best_of, printable
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import provenance, steady_marks
 from nav_model.budget.result import Check
-from nav_model.budget.verdict import label_of
+from nav_model.design.contributors import label_of
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING

@@ -80,7 +80,8 @@ class ExplorePage(View):
         answer, verdict = self.question.answer, self.session.budget.verdict
         said: tuple[str, ...] = ()
         if verdict.checks and self.question.of_design:
-            said = biases_said(self.session.design, self.question.biases), f"{SAID[verdict.processing].capitalize()}."
+            assumed = biases_said(self.session.design, self.question.biases)
+            said = (f"{assumed}, {SAID[verdict.processing]}.",)
         self._strip.show(replace(answer, sentences=(*answer.sentences, *said)))
 
     def go_to(self, place: str) -> None:

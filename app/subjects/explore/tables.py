@@ -114,12 +114,12 @@ def map_answer(chart: TradeMapChart, here: float) -> Answer:
 def biases_said(design: Design, biases: Biases = "design") -> str:
     """The residual biases that an answer assumes."""
     if biases == "in-run":
-        return "Residual biases: each data sheet's in-run biases."
+        return "Residual biases: each data sheet's in-run biases"
     sizes = {"imu.accelerometer_bias": design.imu.accelerometer_bias, "imu.gyro_bias": design.imu.gyro_bias}
     given = [input_in_words(design, key, size) for key, size in sizes.items() if size]
     if biases == "zero" or not given:
-        return "Residual biases 0 assumed."
-    return f"Residual biases as in your design: {' and '.join(given)}."
+        return "Residual biases 0 assumed"
+    return f"Residual biases as in your design: {' and '.join(given)}"
 
 
 def search_answer(rows: Sequence[Candidate], own: bool, unbiased: int) -> Answer:

@@ -57,7 +57,7 @@ _EXAMPLE = f"An example: every noise typical ×/÷ {_ASSUMED}. Choose a distribu
 _COMPUTING = Answer("Probability", "open", ("Computing …",))
 _KNOWLEDGE = (
     "10 × 1024 quasi-random samples (scrambled Sobol points) through the formulas of the budget, inputs independent; "
-    "95 % confidence interval from the ten, never narrower than three designs in all."
+    "95 % confidence interval from the ten, at least ± 3 of the 10240 designs (rule of three)."
 )
 _HELP = (
     "<p class='quiet fine'><b>Typical ×/÷</b>: a typical data-sheet value; half of the units are worse (log-normal, "

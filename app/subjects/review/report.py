@@ -12,7 +12,7 @@ from app.library.texts import counted, moment
 from app.report.comparison import own_differences
 from nav_model.budget import Budget
 from nav_model.budget.result import Check
-from nav_model.budget.verdict import label_of
+from nav_model.design.contributors import label_of
 from nav_model.design.parts import INPUTS
 
 

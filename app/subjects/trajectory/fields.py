@@ -1,6 +1,5 @@
 """The design's flight plan on the page: boxes and tables that follow it and change it."""
 
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +9,7 @@ from app.document.wording import entered
 from app.session import Session
 from app.ui.row_editor import Field, RowEditor, Rows
 from nav_model.base.errors import InputError
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import declaration_of, labelled
 from nav_model.design.table import Table
 
 
@@ -94,8 +93,6 @@ class PlanFields:
         self._refused.pop(name, None)
         problem = self._session.enter(key, given)
         if problem is not None:
-            row = re.search(r"\[(\d+)\](?:\.(\w+))?$", problem.key)
-            where = f", row {row[1]}" + (f", {row[2]}" if row[2] else "") if row else ""
-            self._refused[name] = problem.under(f"{declaration_of(key).label}{where}")
+            self._refused[name] = labelled(problem)
         self._show(name)
         self._changed()

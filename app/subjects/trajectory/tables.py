@@ -8,6 +8,7 @@ import numpy as np
 
 from app.document.blocks import Answer, Cell, Row, Table, numbers, table
 from app.document.numbers import NONE, number, percent
+from app.document.verdict import SAID
 from app.subjects.trajectory.figures import FIGURES, cause_at
 from app.subjects.trajectory.run import Followed
 
@@ -37,9 +38,9 @@ def verdict(followed: Followed, name: str) -> Answer:
     more = f"; {len(failing) - _MOST_TOLD} more fail" if len(failing) > _MOST_TOLD else ""
     sentences = (f"{told[0].upper()}{told[1:]}{more}.",) if told else ()
     return Answer(
-        f"{'✗' if failing else '✓'} {word}",
+        f"{'✗' if failing else '✓'} {word} {SAID[processing]}",
         "bad" if failing else "good",
-        (*sentences, f"{processing.capitalize()}.", heading),
+        (*sentences, heading),
     )
 
 

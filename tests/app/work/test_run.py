@@ -55,16 +55,23 @@ def test_a_run_tells_shows_and_ends_with_its_result():
 
 
 @pytest.mark.parametrize(
-    "error", [InputError("gyro", "is not there"), ValueError("wrong"), ZeroDivisionError("none")]
+    ("error", "said"),
+    [
+        (InputError("gyro", "is not there"), "gyro: is not there"),
+        (InputError("trajectory.waypoints", "are too near"), "Waypoints: are too near"),  # as the page names them
+        (InputError("trajectory.waypoints[2].latitude", "is wrong"), "Waypoints, row 2, latitude: is wrong"),
+        (ValueError("wrong"), "wrong"),
+        (ZeroDivisionError("none"), "none"),
+    ],
 )
-def test_what_is_refused_becomes_the_message_and_keeps_the_last_result(error: Exception):
+def test_what_is_refused_becomes_the_message_and_keeps_the_last_result(error: Exception, said: str):
     run = Run(result="last")
 
     async def work(_: Run) -> None:
         raise error
 
     to_the_end(run, work)
-    assert (run.running, run.progress, run.result, run.message) == (False, None, "last", str(error))
+    assert (run.running, run.progress, run.result, run.message) == (False, None, "last", said)
 
 
 def test_a_fault_of_ours_ends_the_run_and_is_not_swallowed():

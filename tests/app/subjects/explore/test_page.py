@@ -265,12 +265,12 @@ def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePag
 
 def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(explore: ExplorePage) -> None:
     search = _search(explore)
-    assert "Residual biases 0 assumed." in explore._strip._text.object
+    assert "Residual biases 0 assumed, in real time." in explore._strip._text.object
     passing = {row.imu for row in search._found if row.closes}
     explore.session.change({"imu.accelerometer_bias": 1e-3})
     said = explore._strip._text.object
     assert "None of 15" in said
-    assert "Residual biases as in your design: 0.102 mg." in said
+    assert "Residual biases as in your design: 0.102 mg, in real time." in said
     assert f"With residual biases of zero, {len(passing)} would" in said
     search.biases = "zero"
     assert {row.imu for row in search._found if row.closes} == passing

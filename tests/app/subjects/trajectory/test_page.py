@@ -77,7 +77,7 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
         half = followed.result.spec.aperture.duration / 2
         good += bool((values[(time >= line.start + half) & (time <= line.stop - half)] <= limit).all())
     assert good == 0
-    assert said.word == "✗ 0 of 2 lines within the limits"
+    assert said.word == "✗ 0 of 2 lines within the limits in real time"
     assert said.sentences[0].startswith("Line 1 fails ")
     assert "most of it from" in said.sentences[0]
     assert followed.result.heading.text in said.sentences
@@ -87,7 +87,8 @@ def test_a_design_that_is_good_enough_says_so_and_one_without_limits_too() -> No
     strict = first_design()
     given = [f"requirements.{name}" for name in FIGURES if strict[f"requirements.{name}"] is not None]
     loose = strict.replace(dict.fromkeys(given, 30.0))
-    assert verdict(follow(loose.replace(TWO_LINES), 9), "ce90").word == "✓ 2 of 2 lines within the limits"
+    kept = verdict(follow(loose.replace(TWO_LINES), 9), "ce90")
+    assert kept.word == "✓ 2 of 2 lines within the limits in real time"
     free = Design({"flight.speed": 60.0})
     said = verdict(follow(free.replace(TWO_LINES), 9), "ce90")
     assert (said.word, said.tone) == ("No limit", "open")
@@ -258,7 +259,7 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     session.change({"trajectory.flight": "lines"})
     assert "belong to another design: Trajectory" in chosen.lacking()
     told, drawn = study_sections({"trajectory": followed}, followed.design, "d1")
-    assert told.blocks[0].word == "✗ 0 of 2 lines within the limits"
+    assert told.blocks[0].word == "✗ 0 of 2 lines within the limits in real time"
     assert [block.chart.title for block in drawn.blocks if isinstance(block, ChartBlock)][:2] == [
         "Map", FIGURES[main_figure(followed.result)].label,
     ]  # fmt: skip
@@ -266,7 +267,7 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     design.write_text(format_design(followed.design), encoding="utf-8")
     assert cli.main(["report", str(design), "--with", "trajectory", "-o", str(target)]) == 0
     html = target.read_text(encoding="utf-8")
-    assert "0 of 2 lines within the limits" in html
+    assert "0 of 2 lines within the limits in real time" in html
     assert "Flight: parallel lines, 2 lines, " in html
     assert "outages: 100 s to 130 s" in html
     assert "wrote" in capsys.readouterr().err
