@@ -3,6 +3,7 @@
 import asyncio
 import http.client
 import re
+import ssl
 import subprocess
 import urllib.parse
 from collections.abc import Callable, Iterator
@@ -26,17 +27,32 @@ _XSRF = re.compile(r'name="_xsrf" value="([^"]+)"')
 
 @dataclass
 class Served:
-    """A running server and the cookies of one visitor."""
+    """A running server and the cookies of one visitor, who may come through a proxy: over TLS, to a name."""
 
     process: subprocess.Popen[str]
     port: int
     cookies: dict[str, str] = field(default_factory=dict)
+    trusting: ssl.SSLContext | None = None
+    name: str = ""
+
+    @property
+    def address(self) -> str:
+        return f"http{'s' if self.trusting else ''}://{self.name or f'127.0.0.1:{self.port}'}"
+
+    @property
+    def sent(self) -> dict[str, str]:
+        """Headers of every request."""
+        cookies = "; ".join(f"{key}={value}" for key, value in self.cookies.items())
+        return {"Cookie": cookies, **({"Host": self.name} if self.name else {})}
 
     def ask(
         self, path: str, body: dict[str, str] | None = None, **headers: str
     ) -> tuple[int, str, http.client.HTTPMessage]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
-        sent = {"Cookie": "; ".join(f"{k}={v}" for k, v in self.cookies.items()), **headers}
+        if self.trusting:
+            connection = http.client.HTTPSConnection("127.0.0.1", self.port, context=self.trusting, timeout=PATIENCE)
+        else:
+            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
+        sent = self.sent | headers
         if body is not None:
             sent["Content-Type"] = "application/x-www-form-urlencoded"
         connection.request(
@@ -55,21 +71,17 @@ class Served:
     ) -> tuple[int, str, http.client.HTTPMessage]:
         """By the form of the path, or of another one."""
         found = _XSRF.search(self.ask(form or path)[1])
-        assert found
         return self.ask(path, {"_xsrf": found[1], "username": name, "password": password}, **headers)
 
     def log_out(self) -> tuple[int, str, http.client.HTTPMessage]:
         found = _XSRF.search(self.ask("/logout")[1])
-        assert found
         return self.ask("/logout", {"_xsrf": found[1]})
 
     def token(self, path: str = "/") -> str:
         """Of a newly opened page."""
         status, text, _ = self.ask(path)
         assert status == 200
-        found = _TOKEN.search(text)
-        assert found
-        return found[1]
+        return _TOKEN.search(text)[1]
 
     async def connect(
         self, token: str, origin: str | None = None, search: str = "", **headers: str
@@ -77,23 +89,28 @@ class Served:
         """As a page does, whose address goes on like this behind its path."""
         return await websocket_connect(
             HTTPRequest(
-                f"ws://127.0.0.1:{self.port}/ws{search}",
-                headers={
-                    "Origin": origin or f"http://127.0.0.1:{self.port}",
-                    "Cookie": "; ".join(f"{k}={v}" for k, v in self.cookies.items()),
-                    **headers,
-                },
+                f"ws{'s' if self.trusting else ''}://127.0.0.1:{self.port}/ws{search}",
+                headers=self.sent | {"Origin": origin or self.address} | headers,
+                validate_cert=False,
+                ssl_options=self.trusting,
             ),
             subprotocols=["bokeh", token],
         )
 
+    async def enter(self, token: str = "", **headers: str) -> WebSocketClientConnection:
+        """A connection that is let in, of a newly opened page or that of a token."""
+        connection = await self.connect(token or await asyncio.to_thread(self.token), **headers)
+        assert "ACK" in str(await connection.read_message())
+        return connection
+
     @staticmethod
-    async def hang_up(connection: WebSocketClientConnection) -> None:
+    async def hang_up(*connections: WebSocketClientConnection) -> None:
         """Close and let the server know."""
-        connection.close()
-        async with asyncio.timeout(PATIENCE):
-            while await connection.read_message() is not None:
-                pass
+        for connection in connections:
+            connection.close()
+            async with asyncio.timeout(PATIENCE):
+                while await connection.read_message() is not None:
+                    pass
 
     def hello(self, token: str, origin: str | None = None, search: str = "", **headers: str) -> str | None:
         """The first thing the server says to a connection; None if it hangs up instead."""

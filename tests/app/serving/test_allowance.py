@@ -128,10 +128,9 @@ async def _deep(tab: Tab) -> None:
 @pytest.mark.parametrize("flood", [_endless, _roots, _values, _faults, _deep])
 def test_a_flood_ends_its_own_page_alone_and_is_a_few_lines_of_log(served: tuple[Any, Path], flood: Any) -> None:
     server, log = served
-    address = f"http://127.0.0.1:{server.port}"
 
     async def run() -> tuple[list[str], list[str]]:
-        bystander, flooding = await Tab.open(address), await Tab.open(address)
+        bystander, flooding = await Tab.open(server.address), await Tab.open(server.address)
         with suppress(WebSocketClosedError):
             await flood(flooding)
         async with asyncio.timeout(PATIENCE):

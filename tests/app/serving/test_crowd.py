@@ -35,13 +35,13 @@ def test_more_half_sent_headers_than_files_keep_nobody_out(serving: Any, tmp_pat
     with serving(log=log, program=("-c", _CODE.format(files=128, slowest=3600))) as served:
 
         async def crowd() -> None:
-            page = await Tab.open(f"http://127.0.0.1:{served.port}")
+            page = await Tab.open(served.address)
             with ExitStack() as held:
                 for _ in range(300):
                     held.enter_context(_half(served))
                 await page.pull()  # who is in goes on
                 assert (await asyncio.to_thread(served.ask, "/liveness"))[0] == 200
-                await (await Tab.open(f"http://127.0.0.1:{served.port}")).close()  # who comes gets in
+                await (await Tab.open(served.address)).close()  # who comes gets in
                 await page.pull()
             await page.close()
             assert not page.errors

@@ -1,6 +1,5 @@
 """What deploy/ and the Dockerfile say is what the program takes; nginx's file is what nginx takes."""
 
-import asyncio
 import http.client
 import json
 import os
@@ -13,15 +12,14 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 from known_designs import ROOT
-from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.web import create_signed_value
-from tornado.websocket import websocket_connect
 from waiting import PATIENCE
 
 from app.cli import main
@@ -29,7 +27,6 @@ from app.cli import main
 pytestmark = pytest.mark.long
 
 _NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
-_TOKEN = re.compile(r'"token":"([^"]+)"')
 
 
 def test_the_bill_of_materials_has_every_package_of_the_lock_file() -> None:
@@ -127,10 +124,6 @@ def _proxy(
             process.terminate()
 
 
-def _cookies(jar: dict[str, str]) -> str:
-    return "; ".join(f"{name}={value}" for name, value in jar.items())
-
-
 def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> None:
     assert _NGINX, "no nginx: `make test` installs it (`make nginx`)"
     trusting = ssl.create_default_context()
@@ -146,64 +139,31 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
         socket.create_server(("127.0.0.1", 0)) as two,
         _proxy(tmp_path, served.port, (one, two), "127.0.0.1", "127.0.0.2") as (port, plain),
     ):
-        jar: dict[str, str] = {}
-
-        def ask(path: str, body: str | None = None) -> tuple[int, str, Any]:
-            connection = http.client.HTTPSConnection("127.0.0.1", port, context=trusting, timeout=PATIENCE)
-            headers = {"Cookie": _cookies(jar), "Host": "localhost"}
-            if body is not None:
-                headers["Content-Type"] = "application/x-www-form-urlencoded"
-            connection.request("GET" if body is None else "POST", path, body, headers)
-            answer = connection.getresponse()
-            text = answer.read().decode()
-            for line in answer.headers.get_all("Set-Cookie") or []:
-                name, _, rest = line.partition("=")
-                jar[name] = rest.split(";")[0]
-                if name == "user":
-                    assert "Secure" in line
-            connection.close()
-            return answer.status, text, answer.headers
-
+        visitor = replace(served, port=port, cookies={}, trusting=trusting, name="localhost")
         redirect = http.client.HTTPConnection("127.0.0.1", plain, timeout=PATIENCE)
         redirect.request("GET", "/?f=9GHz", headers={"Host": "localhost"})
         assert redirect.getresponse().headers["Location"] == "https://localhost/?f=9GHz"
         redirect.close()
-        assert ask("/metrics")[0] == 403
-        found = re.search(r'name="_xsrf" value="([^"]+)"', ask("/login")[1])
-        assert found
-        status, _, _ = ask("/login", f"_xsrf={found[1]}&username=ada&password=correct+horse+battery")
+        assert visitor.ask("/metrics")[0] == 403
+        status, _, headers = visitor.log_in("ada", "correct horse battery")
         assert status == 302
-        assert ask("/login", "x" * 70_000)[0] == 413
-        status, text, headers = ask("/")
+        (user,) = (line for line in headers.get_all("Set-Cookie") if line.startswith("user="))
+        assert "Secure" in user
+        assert visitor.ask("/login", {"x": "x" * 70_000})[0] == 413
+        status, _, headers = visitor.ask("/")
         assert status == 200
         assert "max-age" in headers["Strict-Transport-Security"]
-        token = _TOKEN.search(text)
-        assert token
-
-        async def hello(origin: str) -> str:
-            request = HTTPRequest(
-                f"wss://127.0.0.1:{port}/ws", validate_cert=False, ssl_options=trusting,
-                headers={"Origin": origin, "Host": "localhost", "Cookie": _cookies(jar)},
-            )  # fmt: skip
-            connection = await websocket_connect(request, subprotocols=["bokeh", token[1]])
-            said = str(await asyncio.wait_for(connection.read_message(), PATIENCE))
-            await served.hang_up(connection)
-            return said
-
-        with pytest.raises(HTTPClientError) as refused:
-            asyncio.run(hello("https://example.org"))
-        assert refused.value.code == 403
+        assert visitor.refused(visitor.token(), "https://example.org") == 403
         # A session stays with the server that opened it, whichever of the two that is.
         logins = [
             create_signed_value("c" * 48, "user", "ada", clock=lambda age=age: time.time() - age).decode()
             for age in range(24)
         ]
-        for number, jar["user"] in enumerate(logins):
-            assert ask(f"/try-{number}")[0] == 404
+        for number, visitor.cookies["user"] in enumerate(logins):
+            assert visitor.ask(f"/try-{number}")[0] == 404
         for log in ("one", "two"):
             tried = re.search(r"/try-(\d+)", (tmp_path / log).read_text())
             assert tried, "the proxy never chose this server"
-            jar["user"] = logins[int(tried[1])]
+            visitor.cookies["user"] = logins[int(tried[1])]
             for _ in range(2):
-                token = _TOKEN.search(ask("/")[1])
-                assert "ACK" in asyncio.run(hello("https://localhost"))
+                assert "ACK" in str(visitor.hello(visitor.token()))

@@ -169,8 +169,7 @@ def test_logging_out_closes_the_pages_of_this_login_and_no_others(visitor: Any) 
         one.log_in("ada", PASSWORD)
 
     async def run() -> None:
-        leaving, staying = await visitor.connect(visitor.token()), await other.connect(other.token())
-        assert "ACK" in str(await leaving.read_message())
+        leaving, staying = await visitor.enter(), await other.connect(other.token())
         await asyncio.to_thread(visitor.log_out)
         async with asyncio.timeout(PATIENCE):
             while await leaving.read_message() is not None:

@@ -21,18 +21,14 @@ def test_session_limit(serving: Any) -> None:
     with serving("--max-sessions", "2", "--session-lifetime", "1") as served:
 
         async def crowd() -> None:
-            loop = asyncio.get_running_loop()
-            tokens = [await loop.run_in_executor(None, served.token) for _ in range(2)]
-            connections = [await served.connect(token) for token in tokens]
-            for connection in connections:
-                assert "ACK" in str(await connection.read_message())
-            status, text, headers = await loop.run_in_executor(None, served.ask, "/?f=9GHz")
+            tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
+            connections = [await served.enter(token) for token in tokens]
+            status, text, headers = await asyncio.to_thread(served.ask, "/?f=9GHz")
             assert status == 503
             assert headers["Retry-After"] == "60"
             assert "All places are taken" in text
             connections.append(await served.connect(tokens[0]))  # the same page again is not a new session
-            for connection in connections:
-                await served.hang_up(connection)
+            await served.hang_up(*connections)
 
         asyncio.run(crowd())
         metrics = served.metrics()
@@ -45,18 +41,12 @@ def test_one_address_gets_half_of_the_places(serving: Any) -> None:
     with serving("--max-sessions", "4", "--behind-proxy", "--processes", "1") as served:
 
         async def crowd() -> None:
-            loop = asyncio.get_running_loop()
-            tokens = [await loop.run_in_executor(None, served.token) for _ in range(4)]
+            tokens = [await asyncio.to_thread(served.token) for _ in range(4)]
             greedy, other = ({"X-Forwarded-For": address} for address in ("192.0.2.7", "192.0.2.8"))
-            connections = [await served.connect(token, **greedy) for token in tokens[:2]]
-            for connection in connections:
-                assert "ACK" in str(await connection.read_message())
+            connections = [await served.enter(token, **greedy) for token in tokens[:2]]
             with pytest.raises(HTTPClientError, match="503"):
                 await served.connect(tokens[2], **greedy)
-            connections.append(await served.connect(tokens[3], **other))
-            assert "ACK" in str(await connections[-1].read_message())
-            for connection in connections:
-                await served.hang_up(connection)
+            await served.hang_up(*connections, await served.enter(tokens[3], **other))
 
         asyncio.run(crowd())
 
@@ -67,16 +57,11 @@ def test_pages_that_an_address_has_left_do_not_keep_it_or_others_out(serving: An
         async def crowd() -> None:
             tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
             for token in tokens:
-                connection = await served.connect(token)
-                assert "ACK" in str(await connection.read_message())
-                await served.hang_up(connection)
-            third = await served.connect(await asyncio.to_thread(served.token))
-            assert "ACK" in str(await third.read_message())
-            kept = await served.connect(tokens[1])  # the older one gave way
-            assert "ACK" in str(await kept.read_message())
+                await served.hang_up(await served.enter(token))
+            third = await served.enter()
+            kept = await served.enter(tokens[1])  # the older one gave way
             assert (await asyncio.to_thread(served.ask, "/"))[0] == 503  # and nobody does who is there
-            for connection in (third, kept):
-                await served.hang_up(connection)
+            await served.hang_up(third, kept)
 
         asyncio.run(crowd())
         assert served.metrics()["navbudget_sessions_opened_total"] == 3

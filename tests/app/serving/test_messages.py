@@ -90,10 +90,9 @@ def logged(serving: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[t
 def test_hostile_messages_hurt_nobody_else_and_are_told_nothing(logged: Any) -> None:
     served, secret = logged
     secret.add("alert(1)")
-    address = f"http://127.0.0.1:{served.port}"
 
     async def attack() -> None:
-        bystander, attackers = await Tab.open(address), [await Tab.open(address)]
+        bystander, attackers = await Tab.open(served.address), [await Tab.open(served.address)]
         for kind, content in _messages(attackers[0]):
             sent = False
             while not sent:
@@ -102,7 +101,7 @@ def test_hostile_messages_hurt_nobody_else_and_are_told_nothing(logged: Any) -> 
                     sent = True
                     await attackers[-1].pull()
                     continue
-                attackers.append(await Tab.open(address))
+                attackers.append(await Tab.open(served.address))
         await _step(bystander)  # answered after everything that came before it
         assert not bystander.errors
         said = " ".join(error for tab in attackers for error in tab.errors)
@@ -147,10 +146,9 @@ def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: P
     place = tmp_path / "library.db"
     with serving("--password-file", str(people), "--library", str(place), "--processes", "1") as served:
         served.log_in("ada", PASSWORD)
-        cookies = "; ".join(f"{key}={value}" for key, value in served.cookies.items())
 
         async def forge(name: str) -> None:
-            tab = await Tab.open(f"http://127.0.0.1:{served.port}", cookies)
+            tab = await Tab.open(served.address, served.sent["Cookie"])
             await tab.turn("Review")
             field = await tab.until(label="Your name")
             assert field["attributes"]["value"] == "ada"

@@ -1,7 +1,6 @@
 """Sign-in through an OAuth provider: a small one on loopback carries the whole way, as Panel's generic one goes."""
 
 import asyncio
-import http.client
 import json
 import threading
 import urllib.parse
@@ -104,18 +103,6 @@ def test_oauth_sends_to_the_provider(serving: Any, monkeypatch: pytest.MonkeyPat
         assert served.refused(generate_jwt_token(generate_session_id())) == 403
 
 
-def _fetch(address: str) -> str:
-    """Where the provider sends a visitor on to."""
-    parts = urllib.parse.urlsplit(address)
-    connection = http.client.HTTPConnection(parts.netloc, timeout=PATIENCE)
-    connection.request("GET", f"{parts.path}?{parts.query}")
-    answer = connection.getresponse()
-    answer.read()
-    connection.close()
-    assert answer.status == 302
-    return str(answer.headers["Location"])
-
-
 @pytest.fixture(scope="module")
 def generic(serving: Any, provider: Provider) -> Iterator[Any]:
     """A server that lets example.org and ada in, by whatever the provider says."""
@@ -136,8 +123,10 @@ def stranger(generic: Any) -> Any:
 
 def _sign_in(served: Any) -> tuple[int, str]:
     """To the provider, back with its code, and what the page then says."""
-    to_provider = served.ask("/login?next=%2F")[2]["Location"]
-    back = urllib.parse.urlsplit(_fetch(to_provider))
+    there = urllib.parse.urlsplit(served.ask("/login?next=%2F")[2]["Location"])
+    status, _, headers = replace(served, port=there.port, cookies={}).ask(f"{there.path}?{there.query}")
+    assert status == 302
+    back = urllib.parse.urlsplit(headers["Location"])
     assert (back.hostname, back.port) == ("127.0.0.1", served.port)
     status, text, headers = served.ask(f"{back.path}?{back.query}")
     for _ in range(5):

@@ -50,6 +50,11 @@ def _ends_at_once(*_: Any) -> None:
     os._exit(7)
 
 
+def _family() -> Any:
+    """Of one process, which is not started yet."""
+    return supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+
+
 def _rooms(served: Any) -> tuple[float, ...]:
     """Sessions of each process."""
     metrics = served.metrics()
@@ -81,16 +86,14 @@ def test_pages_are_shared_out_and_the_limit_is_of_all_together(pair: Any) -> Non
     async def crowd() -> None:
         connections = []
         for count in range(1, 6):
-            connections.append(await pair.connect(await asyncio.to_thread(pair.token)))
-            assert "ACK" in str(await connections[-1].read_message())
+            connections.append(await pair.enter())
             rooms = await asyncio.to_thread(_rooms, pair)
             assert sum(rooms) == count
             assert abs(rooms[0] - rooms[1]) <= 1
         early = pair.ask("/")
         assert early[0] == 503
         assert "All places are taken" in early[1]
-        for connection in connections:
-            await pair.hang_up(connection)
+        await pair.hang_up(*connections)
 
     before = pair.metrics()
     asyncio.run(crowd())
@@ -101,10 +104,8 @@ def test_pages_are_shared_out_and_the_limit_is_of_all_together(pair: Any) -> Non
 
 
 def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(pair: Any) -> None:
-    address = f"http://127.0.0.1:{pair.port}"
-
     async def go_on() -> None:
-        tabs = [await Tab.open(address) for _ in range(2)]
+        tabs = [await Tab.open(pair.address) for _ in range(2)]
         assert await asyncio.to_thread(_rooms, pair) == (1, 1)
         family = _page_processes(pair.process.pid)
         assert len(family) == 2
@@ -122,7 +123,7 @@ def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(p
 
     asyncio.run(go_on())
     until(lambda: sum(_rooms(pair)) == 0, "the end of closed pages")
-    asyncio.run(_visit(address, 2))
+    asyncio.run(_visit(pair.address, 2))
     until(lambda: sum(_rooms(pair)) == 0, "the end of the pages of those who came after")
 
 
@@ -150,7 +151,7 @@ def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
 
 
 def test_a_signal_while_a_process_is_started_stops_that_one_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    family = supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+    family = _family()
     started: list[subprocess.Popen[bytes]] = []
 
     class Starting:
@@ -237,7 +238,7 @@ def test_a_process_that_ends_is_started_later_each_time_and_in_the_end_not_at_al
 def test_processes_that_end_at_once_again_and_again_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(supervisor, "_PAUSE", 0.001)
     monkeypatch.setattr(supervisor, "_serve_pages", _ends_at_once)
-    family = supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+    family = _family()
     family.start(0)
     family.keep()
     assert family.end() == 1
@@ -248,7 +249,7 @@ def test_one_that_ends_just_after_it_was_looked_at_is_noticed(monkeypatch: pytes
     monkeypatch.setattr(supervisor, "_PAUSE", 0.001)
     monkeypatch.setattr(supervisor, "_MOST_ENDS", 2)
     monkeypatch.setattr(supervisor, "_serve_pages", _ends_at_once)
-    family = supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+    family = _family()
     family.start(0)
     member, looks = family.members[0], iter([None])
     member.join()
