@@ -24,7 +24,7 @@ class Cell:
     """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set.
 
     ``sort`` replaces the text when the table is sorted; an empty text puts the row last. ``value`` is what
-    a person chooses with the row (`Table.choose`).
+    a person chooses with the button that the first cell of a row then is.
     """
 
     text: str
@@ -50,18 +50,14 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table. The first cell of a row heads it; a row of one cell heads the rows that follow.
-
-    On a page a person can choose a row: by the "radio" or the "button" in its first cell, as ``choose`` says. A first
-    cell without a value has no button.
-    """
+    """A table. The first cell of a row heads it, on a page as a button where it has a value; a row of one cell heads
+    the rows that follow."""
 
     key: str
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
-    choose: str = ""
 
 
 Told = Cell | str
@@ -76,7 +72,6 @@ def table(
     columns: Iterable[Column | str | tuple[str, float]],
     rows: Iterable[Row],
     note: str = "",
-    choose: str = "",
 ) -> Table:
     """A table, told by texts where a text says all.
 
@@ -91,7 +86,6 @@ def table(
         tuple(column if isinstance(column, Column) else _column(column) for column in columns),
         tuple(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in row) for row in rows),
         note,
-        choose,
     )
 
 

@@ -56,5 +56,4 @@ def ways_table(found: Sequence[Way], *, closes: bool) -> Table:
         ((Cell(way.text, value=way.text), way.now, way.why) for way in found),
         "Values are solved with the other inputs fixed, rounded down to three digits, and checked by running the "
         "budget again.",
-        choose="button",
     )

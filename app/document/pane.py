@@ -90,22 +90,17 @@ def _row(row: tuple[Cell, ...], table: Table, said: Said) -> str:
         f"<td{_css(column)}{_sort(cell)}>{_cell(cell, said)}</td>"
         for cell, column in zip(others, table.columns[1:], strict=True)
     )
-    return f'<tr><th scope="row"{_sort(first)}>{_chosen(first, table.choose, said)}</th>{cells}</tr>'
+    return f'<tr><th scope="row"{_sort(first)}>{_heading(first, said)}</th>{cells}</tr>'
 
 
 def _sort(cell: Cell) -> str:
     return "" if cell.sort is None else f' data-sort="{escape(str(cell.sort))}"'
 
 
-def _chosen(cell: Cell, choose: str, said: Said) -> str:
+def _heading(cell: Cell, said: Said) -> str:
     """The first cell of a row, with what a person chooses the row by."""
-    text, value = _cell(cell, said), escape(cell.value)
-    if choose == "button" and value:
-        return f'<button type="button" value="{value}">{text}</button>'
-    if choose == "radio":
-        radio = f'<input type="radio" name="row" value="{value}" aria-label="{value}">'
-        return f"<label>{radio} <span>{text}</span></label>"
-    return text
+    text = _cell(cell, said)
+    return f'<button type="button" value="{escape(cell.value)}">{text}</button>' if cell.value else text
 
 
 def _cell(cell: Cell, said: Said) -> str:

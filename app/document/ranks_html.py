@@ -11,10 +11,11 @@ _COMING = "after the runs"
 
 def ranks_html(chart: DotChart, best: str = "") -> str:
     """A dot chart as a table with a bar in each row, on a logarithmic axis; ``best``: the label that is marked."""
-    scale = _Scale(chart)
+    scale, marked = _Scale(chart), ' class="best"'
     rows = "".join(
-        f'<tr{_best(dot.label == best)}><th scope="row">{escape(dot.label)}<small>{escape(dot.note)}</small>'
-        f'</th><td title="{escape(_tip(dot, chart))}"><div>{scale.marks(dot)}</div></td>{_figures(dot, chart)}</tr>'
+        f'<tr{marked if dot.label == best else ""}><th scope="row">{escape(dot.label)}'
+        f'<small>{escape(dot.note)}</small></th><td title="{escape(_tip(dot, chart))}">'
+        f"<div>{scale.marks(dot)}</div></td>{_figures(dot, chart)}</tr>"
         for dot in chart.dots
     )
     columns = ["Strategy", "", "[°]", *(["with along-track [°]"] if chart.has_wholes else [])]
@@ -26,10 +27,6 @@ def ranks_html(chart: DotChart, best: str = "") -> str:
         f"<small>{escape(chart.x_label)}</small></td>"
         f"{'<td></td>' * (len(columns) - 2)}</tr></tfoot></table>"
     )
-
-
-def _best(best: bool) -> str:
-    return ' class="best"' if best else ""
 
 
 def _shown(dot: Dot) -> float:

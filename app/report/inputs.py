@@ -36,7 +36,7 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
         rows += (_row(design, part.section, name, entry, aperture_time) for name in named)
         if entry is not None:
             rows += (
-                (_EXTRA_LABELS[name], _valued(value.text, value), _sheet(value))
+                (_EXTRA_LABELS[name], _valued(value.text, value), f"{value.source} (for information)")
                 for name, value in entry.extra.items()
             )
             if entry.note:
@@ -97,10 +97,6 @@ def _preset(design: Design, section: str, entry: Entry) -> str:
 def _valued(text: str, sourced: SourcedValue) -> Cell:
     kind = f", {sourced.kind}" if sourced.kind else ""
     return Cell(text + kind, "" if sourced.confirmed else sourced.status, "" if sourced.confirmed else "warn")
-
-
-def _sheet(sourced: SourcedValue) -> str:
-    return f"{sourced.source} (for information)"
 
 
 def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_time: float) -> Row:

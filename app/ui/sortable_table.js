@@ -33,21 +33,15 @@ export function render({ model }) {
       })
     })
     sort()
-    choose()
     place.querySelector(".scroll")?.scrollTo(scrollLeft, scrollTop)
-    const again = [...place.querySelectorAll("input[type=radio]")].find((radio) => radio.value === focused)
+    const again = focused && [...place.querySelectorAll("tbody button")].find((button) => button.value === focused)
     again?.focus({ preventScroll: true })
   }
-  const choose = () => place.querySelectorAll("input[type=radio]").forEach((radio) => {
-    radio.checked = radio.value === model.chosen
-  })
-  place.addEventListener("change", (event) => { model.chosen = event.target.value })
   place.addEventListener("click", (event) => {
     const button = event.target.closest("tbody button")
     if (button) model.chosen = button.value
   })
   model.on("html", draw)
-  model.on("chosen", choose)
   draw()
   return place
 }

@@ -1,6 +1,6 @@
 """A table that is sorted by pressing its headings, in the browser: no message to the server, no library.
 
-A row is chosen by its radio button, or by a button in it, where the table has any.
+A row is chosen by the button in it, where the table has any.
 """
 
 from collections.abc import Callable
@@ -21,12 +21,12 @@ class SortableTable(PlainScript):
     """Our own HTML with one table; a column whose heading holds a `<button>` can be sorted.
 
     A cell sorts by its `data-sort` attribute when it has one (a number or a text), else by what it says; an
-    empty `data-sort` goes last in both directions. The order chosen survives new content, and so do the row chosen
-    as long as it is there, the place scrolled to and the focus on a row's button.
+    empty `data-sort` goes last in both directions. The order chosen survives new content, and so do the
+    place scrolled to and the focus on a row's button.
     """
 
     html = param.String(default="", doc="Already escaped.")
-    chosen = param.String(default="", doc="Value of the radio button that is on, or of the button last pressed.")
+    chosen = param.String(default="", doc="Value of the button last pressed.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET]
 

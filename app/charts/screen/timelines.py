@@ -22,7 +22,7 @@ from bokeh.models import Line as LineGlyph
 from bokeh.models import Span as Rule
 from bokeh.plotting import figure
 
-from app.charts.kinds import Chart, Limit, Line
+from app.charts.kinds import Chart, Line
 from app.charts.screen.axes import empty_figure, line_look
 from app.charts.screen.figures import CHIP, add_glyph, unit_of
 from app.charts.screen.sources import Sources
@@ -246,7 +246,7 @@ def _place(chart: Chart, value: float) -> float:
 def _nice_range(chart: Chart, other: Chart | None) -> _Range:
     """Bounds of the y axis at steps of 1-2-5, so that the axis does not move with every slider step; ``other`` is
     shown faintly beside it."""
-    levels = [limit.level for limit in chart.limits if _drawn(limit)]
+    levels = [limit.level for limit in chart.limits if math.isfinite(limit.level)]
     lines = chart.lines if other is None else chart.lines + other.lines
     values = np.concatenate([*(line.y[np.isfinite(line.y)] for line in lines), np.array(levels, float)])
     if chart.y_log:
@@ -267,10 +267,6 @@ def _step(value: float, *, up: bool) -> float:
     if up:
         return next(step * decade for step in _STEPS if step * decade >= value * (1 - 1e-12))
     return max(step * decade for step in _STEPS if step * decade <= value * (1 + 1e-12))
-
-
-def _drawn(limit: Limit) -> bool:
-    return math.isfinite(limit.level)
 
 
 def _ends(charts: Sequence[Chart]) -> tuple[float, float]:

@@ -257,7 +257,10 @@ class BudgetPage(View):
                 ("Requirements and cautions", lambda: details.text(requirements)),
                 ("Phase and image location, real time and post-processed", lambda: details.text(_both)),
                 ("Sources and methods", lambda: details.text(lambda budget: _sources(budget, self._display))),
-                ("Paired echoes: vibration and oscillator", lambda: details.text(_echoes)),
+                (
+                    "Paired echoes: vibration and oscillator",
+                    lambda: details.text(lambda budget: html_of(echo_table(budget, "d"))),
+                ),
                 (
                     "What limits horizontal position: gyro or accelerometer?",
                     lambda: details.chart(charts.regime_chart, 340),
@@ -306,11 +309,6 @@ def _both(budget: Budget) -> str:
         return html_of(processing_table(budget, "d"))
     except InputError as error:  # of the processing that is not the design's
         return f"<p>{escape(str(error))}</p>"
-
-
-def _echoes(budget: Budget) -> str:
-    """Echoes of the design's lines, and what its fast phase errors scatter."""
-    return html_of(echo_table(budget, "d"))
 
 
 def _sources(budget: Budget, display: Display) -> str:

@@ -164,7 +164,6 @@ def search_table(rows: Sequence[Candidate], own: bool) -> Table:
         f"{what}, {first} first. Click one to apply it to the design.",
         tuple(Column(title, numeric=title in ("Margin", *_OFFERED), sortable=True) for title in titles),
         (_candidate(row, own, offers) for row in rows),
-        choose="button",
     )
 
 
@@ -268,7 +267,6 @@ def sweep_table(plan: Plan, columns: Mapping[str, Swept]) -> Table:
             )
             for row in rows
         ),
-        choose="button",
     )
 
 

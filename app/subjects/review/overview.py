@@ -13,7 +13,7 @@ _COUNTS = _HEADS[2:6]
 def overview(reviews: Sequence[Review]) -> Table:
     """All reviews, to sort and to open one from: the value of a row is the review's id."""
     columns = tuple(Column(head, numeric=head in _COUNTS, sortable=True) for head in _HEADS)
-    return table("reviews", "All reviews", columns, map(_row, reviews), choose="button")
+    return table("reviews", "All reviews", columns, map(_row, reviews))
 
 
 def state_of(review: Review) -> Answer:

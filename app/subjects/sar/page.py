@@ -30,7 +30,7 @@ from app.subjects.sar.charts import (
     scene_picture,
 )
 from app.subjects.sar.picture_panel import PicturePanel
-from app.subjects.sar.run import SarResult, run_strategies, scene_of
+from app.subjects.sar.run import SarResult, run_strategies
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.answer_strip import AnswerStrip
@@ -45,10 +45,12 @@ from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
 from app.ui.view import View
 from app.work.kept import keep, kept
+from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, SarStudy, closed_forms
+from nav_model.sar.pictures import scene_pictures
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.study_json import to_json
 
@@ -211,7 +213,7 @@ class SarPage(View):
             panel.stale = self._mark
             if result not in formed:
                 formed[:] = [result]
-                run.start(lambda _: scene_of(result.study))
+                run.start(lambda _: elsewhere(scene_pictures, result.study.budget, result.study.typical))
 
         self._of_runs.also(follow)
         return pn.Column(status, panel)

@@ -12,7 +12,7 @@ from nav_model.budget import Budget
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
 from nav_model.sar.design_study import SarStudy, chunks, gather, run_chunk, typical_history, typical_place
-from nav_model.sar.pictures import Pictures, point_pictures, scene_pictures
+from nav_model.sar.pictures import Pictures, point_pictures
 from nav_model.sar.study import choose_tuning
 
 
@@ -71,8 +71,3 @@ async def _study(
         run.tell(f"{what}{done} of {runs} runs", done / runs)
     history = await elsewhere(typical_history, case, tuning, seed, *typical_place(parts))
     return case, gather(budget, case, tuning, seed, parts, history)
-
-
-async def scene_of(study: SarStudy) -> Pictures:
-    """Eight point targets under the strategies of a study: a second of work, so made when asked for."""
-    return await elsewhere(scene_pictures, study.budget, study.typical)

@@ -119,7 +119,7 @@ class LogPanel(pn.viewable.Viewer):
                 yield self.counts[key]
 
     def __panel__(self) -> pn.Column:
-        return pn.Column(_paper(self._said, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
+        return pn.Column(paper(self._said, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
 
     # --- taking a log in ----------------------------------------------------------------------------------
 
@@ -244,8 +244,8 @@ class StaticResult(View):
         self.axis = pmui.Select(label="Axis", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: parts.follow() if event.new else None, "value")
         charts = parts.later(self._charts)
-        accepted = _paper(self.accepted)
-        self._view = pn.Column(_paper(self.head, self.use), charts, accepted, _paper(self.tables), visible=False)
+        accepted = paper(self.accepted)
+        self._view = pn.Column(paper(self.head, self.use), charts, accepted, paper(self.tables), visible=False)
 
     def show(self, analysis: LogAnalysis) -> None:
         """Show another log's analysis."""
@@ -301,7 +301,7 @@ class MotionResult(View):
         self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, parts.known())))
         self.spectrum = _button("Use its vibration spectrum")
         self.spectrum.on_click(lambda _: adopt(lambda: adopt_vibration_spectrum(parts.known())))
-        self._view = _paper(self.head, pn.Row(self.use, self.spectrum), self.table, visible=False)
+        self._view = paper(self.head, pn.Row(self.use, self.spectrum), self.table, visible=False)
 
     def show(self, analysis: MotionAnalysis) -> None:
         """Show another log's analysis."""
@@ -340,7 +340,8 @@ def _button(label: str) -> pmui.Button:
     return pmui.Button(label=label, variant="contained", margin=(12, 14, 8, 14))
 
 
-def _paper(*content: Any, **params: Any) -> pmui.Paper:
+def paper(*content: Any, **params: Any) -> pmui.Paper:
+    """A sheet with a border, as wide as its place."""
     return pmui.Paper(
         *content, variant="outlined", elevation=0, sizing_mode="stretch_width", margin=(6, 10), **params
     )

@@ -5,7 +5,6 @@ from html import escape
 from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
 
 from app.declared import held
 from app.document.pane import html_of
@@ -13,7 +12,7 @@ from app.report import document_bytes
 from app.report.supplier import NAMES, supplier_report
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
-from app.subjects.sensors.log_panel import LogPanel
+from app.subjects.sensors.log_panel import LogPanel, paper
 from app.subjects.sensors.tables import origin_answer, origin_table
 from app.ui.answer_strip import AnswerStrip
 from app.ui.downloads import download
@@ -52,7 +51,7 @@ class SensorsPage(View):
         self._views = NamedViews(
             "What to see",
             {
-                "My log": lambda: _scrolled(self.log, self._supplier(), _sheet(self._origins)),
+                "My log": lambda: _scrolled(self.log, self._supplier(), paper(self._origins)),
                 "IMUs": lambda: _scrolled(self.tables["imu"]),
                 "Radars": lambda: _scrolled(self.tables["radar"]),
             },
@@ -102,7 +101,3 @@ class SensorsPage(View):
 def _scrolled(*content: Any) -> pn.Column:
     """A view that scrolls in its place: the answer above it stays."""
     return pn.Column(*content, sizing_mode="stretch_both", stylesheets=[_SCROLLED])
-
-
-def _sheet(content: pn.viewable.Viewable) -> pmui.Paper:
-    return pmui.Paper(content, variant="outlined", elevation=0, sizing_mode="stretch_width", margin=(6, 10))

@@ -1,10 +1,10 @@
 """The answer of the suborbital study, for page and report: the plain sentence, how exact it is, the key figures."""
 
 from app.charts.kinds import Array
-from app.document.blocks import Answer, KeyFigure, KeyFigures, Text
+from app.document.blocks import Answer, KeyFigure, KeyFigures
 from app.document.numbers import percent, show
 from app.subjects.suborbital.charts.shown import Shown
-from nav_model.suborbital.summary import explain, final_total
+from nav_model.suborbital.summary import final_total
 
 WAITING = Answer(
     "Running the first study",
@@ -38,11 +38,6 @@ def answer(shown: Shown) -> tuple[Answer, KeyFigures]:
     cancel = ", more than the total: signed errors partly cancel" if left[largest] > after else ""
     said = f"Largest remaining source: {largest.lower()}, {_metres(left[largest])}{cancel}."
     return Answer(word, tone, (said, _exactness(shown))), _figures(shown)
-
-
-def explained(shown: Shown) -> Text:
-    """What the tracker repairs and what not, source by source."""
-    return Text(explain(shown.study))
 
 
 def _size(error: Array) -> float:

@@ -60,12 +60,9 @@ class InputPanel(View):
 
     @param.depends("session.study_link", watch=True)
     def _follow_link(self) -> None:
-        link = self.session.study_link
-        if link and link != to_link(self.settings) and (problem := self.adopt(lambda: self._linked(link))):
+        link, design = self.session.study_link, self.session.design
+        if link and link != to_link(self.settings) and (problem := self.adopt(lambda: from_link(link, design))):
             self.say(f"The link's study was not used. {problem}")
-
-    def _linked(self, link: str) -> Settings:
-        return from_link(link, self.session.design)
 
     def follow(self, design: Design) -> None:
         """Take the inertial unit of another design, where the study has it from the design."""
@@ -124,7 +121,7 @@ class InputPanel(View):
 
     def _flight_file(self) -> pn.viewable.Viewable:
         self.trajectory_file = upload(
-            "Trajectory from a file", ".csv", BOUNDS.most_bytes, self._uploaded,
+            "Trajectory from a file", ".csv", BOUNDS.most_bytes, lambda *flown: setattr(self, "trajectory", flown),
             lambda reason: self.say(f"Trajectory not taken: {reason}."), forget=True, **_LOOK,
         )  # fmt: skip
         reset = pmui.Button(
@@ -180,9 +177,6 @@ class InputPanel(View):
             said = "The link to this study and the design beside it is in the address bar."
             flown = " The trajectory is not in it: save the study to share that." if self.trajectory else ""
             self.say(said + flown, "info")
-
-    def _uploaded(self, name: str, content: bytes) -> None:
-        self.trajectory = (name, content)
 
     def refuse(self, flown: Trajectory, reason: str) -> None:
         """Go back to the trajectory flown before and say why."""

@@ -9,13 +9,14 @@ from app.charts.kinds import Chart
 from app.console.progress import show_progress
 from app.document.blocks import Block, Row, Section, Table, Text, chart_block, table
 from app.subjects.suborbital import tables
-from app.subjects.suborbital.answer import answer, explained
+from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.settings import DEFAULTS, OF_DESIGN, Settings, follows_design, from_design, read_changes
+from nav_model.suborbital.summary import explain
 from nav_model.suborbital.survey import run_survey
 
 _ERRORS = tuple(partial(draw, channel=c) for c in (2, 1, 0) for draw in (errors.source_chart, errors.aided_chart))
@@ -79,7 +80,7 @@ def sections(shown: Shown, key: str) -> tuple[Section, ...]:
         Section(
             own,
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*answer(shown), explained(shown), Text(_sensors(shown.settings)),
+            (*answer(shown), Text(explain(shown.study)), Text(_sensors(shown.settings)),
              *_paper_tables(shown, own)),
             REFERENCES,
         ),

@@ -61,10 +61,6 @@ def _of(draw: Callable[[Shown, int], Chart]) -> Describe:
     return lambda shown: draw(shown, shown.channel)
 
 
-def _sensor(kind: int, shown: Shown, axis: int) -> Chart:
-    return sensors.sensor_chart(shown, kind, axis)
-
-
 def _paper(index: int) -> Callable[[Shown], NumberTable]:
     """One of the tables beside the published values."""
     return lambda shown: paper_tables(shown)[index]
@@ -76,7 +72,8 @@ VIEWS: tuple[View, ...] = (
     View("Vertical-channel instability", (errors.growth_chart,), chooses=("case", "channel")),
     View("Error sources", tables=(source_table, gap_table)),
     View("Published values", tables=tuple(map(_paper, range(4)))),
-    View("Sensor errors", tuple(_of(partial(_sensor, kind)) for kind in (0, 1)), chooses=("axis",)),
+    View("Sensor errors", tuple(_of(partial(sensors.sensor_chart, sensor=sensor)) for sensor in (0, 1)),
+         chooses=("axis",)),
     View("White noise", (_of(sensors.noise_chart),), (noise_table,), chooses=("channel", "noise")),
     View("Attitude errors", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
          ("case",)),
@@ -199,8 +196,4 @@ def _takes(view: View, current: Callable[[], Shown]) -> Iterator[pn.viewable.Vie
     for build in view.tables:
         now = build(current())
         name = f"{now.caption.partition(' at ')[0]}: CSV"
-        yield download(name, f"{now.key}.csv", partial(_csv, build, current))
-
-
-def _csv(build: Callable[[Shown], NumberTable], current: Callable[[], Shown]) -> str:
-    return build(current()).csv()
+        yield download(name, f"{now.key}.csv", partial(lambda build: build(current()).csv(), build))

@@ -13,8 +13,8 @@ _UNITS = ((1e3 / STANDARD_GRAVITY, "mg", "specific force"), (math.degrees(3600.0
 _STYLES = tuple((f"{sensor} bias", f"{sensor} instability", "everything") for sensor in SENSORS)
 
 
-def sensor_chart(shown: Shown, sensor: int, axis: int) -> Chart:
-    """One sensor's error along the flight (0 accelerometer, 1 gyro; axis x, y, z)."""
+def sensor_chart(shown: Shown, axis: int, sensor: int) -> Chart:
+    """One sensor's error along the flight (axis x, y, z; sensor 0 accelerometer, 1 gyro)."""
     factor, unit, what = _UNITS[sensor]
     name, letter = SENSORS[sensor], "xyz"[axis]
     history = shown.sensor_errors

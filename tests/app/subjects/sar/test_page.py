@@ -25,10 +25,11 @@ from app.subjects.sar.charts import gnss_winner_chart, scene_picture
 from app.subjects.sar.page import SarPage
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.report import sections
-from app.subjects.sar.run import SarResult, run_strategies, scene_of
+from app.subjects.sar.run import SarResult, run_strategies
 from app.work.run import Run
 from nav_model.budget import analyse
 from nav_model.design.link import split_link
+from nav_model.sar.pictures import scene_pictures
 from nav_model.sar.strategies import NAMES
 
 pytestmark = pytest.mark.long
@@ -289,7 +290,7 @@ def test_pictures_and_study_are_taken_away(sar: SarPage) -> None:
     shown = sar._result.points
     point, scene = PicturePanel("p", "p"), PicturePanel("s", "s")
     point.chart = sar._points
-    scene.chart = scene_picture(asyncio.run(scene_of(sar._result.study)))
+    scene.chart = scene_picture(scene_pictures(sar._result.study.budget, sar._result.study.typical))
     npz, csv, _ = (content(link) for link in point.links)
     with np.load(npz) as packed:
         assert packed["power_db"].shape == (10, 61, 121)
