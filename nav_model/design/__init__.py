@@ -231,12 +231,18 @@ class Design:
     def content_hash(self) -> str:
         """SHA-256 over every key and value, in hexadecimal; stable across runs, machines and units."""
         lines = [
-            # Adding zero makes -0.0 the 0.0 it is equal to.
-            f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(value)}"
+            f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(_without_sign(value))}"
             for key, value in self._values.items()
             if key not in LATER or value != declaration_of(key).default
         ]
         return hashlib.sha256("\n".join(lines + self.own.identity()).encode()).hexdigest()
+
+
+def _without_sign(value: Any) -> Any:
+    """A value whose zeros, also those of rows, are 0.0, which -0.0 is equal to."""
+    if isinstance(value, tuple):
+        return tuple(map(_without_sign, value))
+    return value + 0.0 if isinstance(value, float) else value
 
 
 def _frozen(given: Mapping[str, str]) -> FrozenMapping[str, str]:

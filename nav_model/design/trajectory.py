@@ -16,10 +16,11 @@ LIMITED = (
     "horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt",
 )  # fmt: skip
 """Requirements on figures that are known along a flight."""
-AIDING = ("heading_noise", "barometer_noise")
-"""Inputs of aiding that the simulator does not have."""
-FLOWN = ("bank_limit", "after_loss", "lever_arm_error", "time_offset")
-"""Inputs of aiding that the simulator has too."""
+AIDING = (
+    "bank_limit", "after_loss", "lever_arm_error", "time_offset", "radar_time_offset", "heading_noise",
+    "barometer_noise",
+)  # fmt: skip
+"""Inputs of what aids the INS, and of its constant errors."""
 
 
 def _number(
@@ -154,5 +155,11 @@ class Trajectory(Part):
     time_offset = _number(
         0.0, "ms", "time", (0.0, 10.0), "tto", "Time offset",
         "1σ of the fixes against the IMU, constant through the flight; the filter does not estimate it.",
+        "0.01 to 10 ms",
+    )  # fmt: skip
+    radar_time_offset = _number(
+        0.0, "ms", "time", (0.0, 10.0), "trt", "Radar time offset",
+        "1σ of the radar against the IMU, constant through the flight: motion compensation takes the navigation of a "
+        "wrong time.",
         "0.01 to 10 ms",
     )  # fmt: skip

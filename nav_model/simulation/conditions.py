@@ -1,13 +1,12 @@
 """How the simulated world of a study differs from that of the closed forms."""
 
 import math
-from collections.abc import Sequence
 
 from nav_model.budget.fast import not_flown
 from nav_model.design import Design
 from nav_model.design.declaration import sentence_label
 from nav_model.design.parts import Trajectory
-from nav_model.design.trajectory import AIDING, FLOWN
+from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
 from nav_model.simulation.departures import untold, velocity_told
 from nav_model.simulation.specification import SimulationSpec, TriadModel
@@ -48,10 +47,10 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             "starts from a filter that models it."
         )
     said += not_flown(design)
-    if aided := _given(design, FLOWN):
-        said.append(f"The runs have what the flight plan says of {aided}; the formulas do not.")
-    if aided := _given(design, AIDING):
-        said.append(f"The runs leave out what the flight plan has of {aided}; the Trajectory page includes it.")
+    declared = [Trajectory.param[name] for name in AIDING]
+    given = [sentence_label(one) for one in declared if getattr(design.trajectory, str(one.name)) != one.default]
+    if given:
+        said.append(f"The runs have what the flight plan says of {', '.join(given)}; the formulas do not.")
     said += _of_the_filter(spec)
     said.append(
         "Errors start at the formula's steady-state sigmas "
@@ -59,14 +58,6 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
         "up first. Fixes come at the IMU sample nearest to each multiple of the interval."
     )
     return tuple(said)
-
-
-def _given(design: Design, names: Sequence[str]) -> str:
-    """Those of the plan's inputs that are given, in words."""
-    declared = [Trajectory.param[name] for name in names]
-    return ", ".join(
-        sentence_label(one) for one in declared if getattr(design.trajectory, str(one.name)) != one.default
-    )
 
 
 def _of_the_filter(spec: SimulationSpec) -> list[str]:

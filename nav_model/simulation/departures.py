@@ -24,6 +24,7 @@ from nav_model.simulation.result import STATES, SimulationResult, chi_square_ban
 from nav_model.simulation.schedule import FIX, OUTPUT, plan
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import (
+    Aiding,
     FilterModel,
     GnssModel,
     ImuModel,
@@ -106,19 +107,7 @@ def chain(design: Design, spec: SimulationSpec) -> Chain:
 
 @lru_cache(maxsize=4)
 def _chain(design: Design, spec: SimulationSpec) -> Chain:
-    schedule, x, imu, gnss = plan(spec), inputs_of(design), spec.imu, spec.gnss
-    fixes, outputs = (np.flatnonzero(schedule.events & kind) for kind in (FIX, OUTPUT))
-    last = np.concatenate([[0], fixes])[np.searchsorted(fixes, outputs, side="right")]
-    longest = np.where(schedule.coast_s > 0.0, np.inf, gnss.interval)  # after an outage the next fix may be late
-    yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * schedule.outputs.time_s)
-    flat = []
-    since_fix = np.minimum((outputs - last) / imu.rate, longest)
-    posterior = sampled(replace(x, slow=None)).posterior
-    for start, time_s in ((settled(x), schedule.coast_s), (posterior, since_fix)):
-        level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time_s)
-        upright = growth.vertical_growth(start.vertical, x.sigma_a, time_s)
-        variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
-        flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
+    x, imu, gnss = inputs_of(design), spec.imu, spec.gnss
     velocity = x.velocity_of_fix
     told = (None, None) if velocity is None else (float(velocity[0]), float(velocity[1]))
     plain = replace(
@@ -136,8 +125,23 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
             velocity_noise=told[0],
             vertical_velocity_noise=told[1],
         ),
+        aiding=Aiding(),
         filter=FilterModel(states=9),
+        radar_time_offset=0.0,
     )
+    schedule = plan(plain)
+    fixes, outputs = (np.flatnonzero(schedule.events & kind) for kind in (FIX, OUTPUT))
+    last = np.concatenate([[0], fixes])[np.searchsorted(fixes, outputs, side="right")]
+    longest = np.where(schedule.coast_s > 0.0, np.inf, gnss.interval)  # after an outage the next fix may be late
+    yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * schedule.outputs.time_s)
+    flat = []
+    since_fix = np.minimum((outputs - last) / imu.rate, longest)
+    posterior = sampled(replace(x, slow=None)).posterior
+    for start, time_s in ((settled(x), schedule.coast_s), (posterior, since_fix)):
+        level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time_s)
+        upright = growth.vertical_growth(start.vertical, x.sigma_a, time_s)
+        variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
+        flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
     earth, flight = (
         fly_without_errors(one).filter_sigma[POSTERIOR] for one in (replace(plain, trajectory=_straight(spec)), plain)
     )
@@ -267,6 +271,10 @@ def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str
         (tuning.process_noise_scale != 1.0, f"process noise setting ×{tuning.process_noise_scale:g}"),
         (tuning.gnss_noise_scale != 1.0, f"fix noise setting ×{tuning.gnss_noise_scale:g}"),
         (spec.gnss.velocity_noise != velocity, "velocity fixes"),
+        (spec.aiding.heading_noise is not None, "heading of two antennas"),
+        (spec.aiding.barometer_noise is not None, "the barometer"),
+        (spec.gnss.bank_limit is not None, "fixes lost in a bank"),
+        (bool(spec.gnss.after_loss), "coarser fixes after a loss"),
     )
     return [words for holds, words in cases if holds]
 
@@ -280,6 +288,7 @@ def untold(spec: SimulationSpec) -> list[str]:
         (spec.gnss.markov_noise > 0.0 or spec.gnss.vertical_markov_noise > 0.0, "the slow GNSS error"),
         (spec.gnss.lever_arm_error > 0.0, "the lever arm error"),
         (spec.gnss.time_offset > 0.0, "the time offset"),
+        (spec.radar_time_offset > 0.0, "the radar's time offset"),
         (any(m.scale_factor for m in triads), "scale factor errors"),
         (any(m.misalignment for m in triads), "misalignment"),
         (any(m.quantization for m in triads), "quantization"),

@@ -22,6 +22,7 @@ from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.simulation.specification import (
     TRAJECTORY_KINDS,
+    Aiding,
     GnssModel,
     ImuModel,
     InitialErrors,
@@ -60,10 +61,10 @@ def specification(
     The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases as
     turn-on biases: constant through a run, drawn anew for each. GNSS takes the fix noise, horizontal and
     vertical, the interval, the velocity noise, and the slow error where it is switched on; a velocity noise in `more`
-    holds for all axes. Lever arm error, time offset, the bank that loses fixes and what follows a loss are those of
-    the design's section [trajectory]. The flight starts at the design's latitude, altitude, speed and heading. Errors
-    start at the closed form's horizontal steady-state sigmas [T-3] on all axes, so that little time is spent
-    settling; yaw starts at 0.1°.
+    holds for all axes. Two antennas, barometer, errors of lever arm and time, the bank that loses fixes and what
+    follows a loss are those of the design's section [trajectory]. The flight starts at the design's latitude,
+    altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas [T-3] on all axes,
+    so that little time is spent settling; yaw starts at 0.1°.
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as `read_trajectory` gives.
     duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
@@ -71,7 +72,7 @@ def specification(
 
     Raises InputError naming the key of the design, or the option, that cannot be flown.
     """
-    imu, gnss = design.imu, design.gnss
+    imu, gnss, own = design.imu, design.gnss, design.trajectory
     settled, velocity = analyse(design).steady_state.closed, _velocity_noise(design, more)
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
@@ -94,11 +95,12 @@ def specification(
             velocity_noise=velocity[0],
             vertical_velocity_noise=velocity[1],
             lever_arm=more.lever_arm(),
-            lever_arm_error=design.trajectory.lever_arm_error,
-            time_offset=design.trajectory.time_offset,
-            bank_limit=design.trajectory.bank_limit,
-            after_loss=design.trajectory.after_loss,
+            lever_arm_error=own.lever_arm_error,
+            time_offset=own.time_offset,
+            bank_limit=own.bank_limit,
+            after_loss=own.after_loss,
         ),
+        aiding=Aiding(own.heading_noise, own.barometer_noise),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states),
         initial=InitialErrors(
@@ -113,6 +115,7 @@ def specification(
         outages=tuple((float(start), float(stop)) for start, stop in outages),
         every=every,
         keep_runs=keep_runs,
+        radar_time_offset=own.radar_time_offset,
     )
 
 

@@ -1,4 +1,4 @@
-"""A GNSS fix: what the receiver reports, the filter's update with it, and the correction of the INS."""
+"""A fix: what the sensors report, what it measures, the filter's update with it, and the correction of the INS."""
 
 import math
 from typing import NamedTuple
@@ -9,144 +9,145 @@ from numpy.typing import NDArray
 from nav_model.base.compiled import kernel, part
 from nav_model.base.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, rotate
-from nav_model.earth.wgs84 import curvature_radii_kernel
+from nav_model.earth.wgs84 import curvature_radii, curvature_radii_kernel
 from nav_model.simulation.kalman import update
 from nav_model.simulation.layout import (
     ATTITUDE,
+    BAROMETER,
     BIASES,
     GYRO,
+    HEADING,
     HEIGHT,
     LATITUDE,
     LONGITUDE,
+    MEASURED,
     POSITION,
     QUATERNION,
     TRIADS,
     VELOCITY,
 )
+from nav_model.simulation.truth import TruthStates
 
 FloatArray = NDArray[np.float64]
 
 
-class Truth(NamedTuple):
-    """True states at some epochs, as the kernel reads them; see `TruthStates`."""
-
-    position: FloatArray
-    velocity: FloatArray
-    matrix: FloatArray
-    body_rate: FloatArray
-
-
-class Receiver(NamedTuple):
-    """The receiver's noise: white sigmas (fixes, 3), Gauss-Markov sigmas (3) and time, velocity sigmas (3, or none),
-    lever arm."""
-
-    white: FloatArray
-    markov: FloatArray
-    markov_time: float
-    velocity: FloatArray
-    lever_arm: FloatArray
-
-
 class Tuning(NamedTuple):
-    """What the filter assumes.
-
-    White densities; variance of one sample's rate [rad^2/s^2], which acts on the lever arm; bias decay [1/s]
-    and drive (12); sigmas of a fix: position (fixes, 3), velocity (3, or none).
-    """
+    """What the filter assumes of the IMU: white densities; variance of one sample's rate [rad^2/s^2], which acts on
+    the lever arm; bias decay [1/s] and drive (12)."""
 
     accelerometer_density: float
     gyro_density: float
     rate_variance: float
     decay_rate: FloatArray
     bias_drive: FloatArray
-    position_sigma: FloatArray
-    velocity_sigma: FloatArray
+
+
+def reported(truth: TruthStates, noise: FloatArray, arm: FloatArray) -> FloatArray:
+    """What the sensors report at the fixes (n, MEASURED): latitude, longitude [rad], height and velocity of an
+    antenna that is `arm` from the IMU, heading, and the barometer's height.
+
+    truth: at the times that the receiver takes for those of the fixes. noise: (n, MEASURED), NED.
+    """
+    turned = truth.matrix @ arm
+    swing = np.einsum("kij,kj->ki", truth.matrix, np.cross(truth.body_rate, arm))
+    meridian, prime = curvature_radii(np.sin(truth.position[:, 0]))
+    latitude, _, height = truth.position.T
+    scale = np.column_stack([meridian + height, (prime + height) * np.cos(latitude), np.full(len(height), -1.0)])
+    position = truth.position + (turned + noise[:, POSITION : POSITION + 3]) / scale
+    velocity = truth.velocity + swing + noise[:, VELOCITY : VELOCITY + 3]
+    both = truth.euler[:, 2] + noise[:, HEADING], height - noise[:, BAROMETER]
+    return np.column_stack([position, velocity, *both])
+
+
+@kernel
+def first_order(kept: FloatArray, values: FloatArray) -> None:
+    """A first-order Gauss-Markov process (n, 3), in place of what each step adds, with what is `kept` (n) of the
+    value before."""
+    for k in range(1, len(values)):
+        for i in range(3):
+            values[k, i] += kept[k] * values[k - 1, i]
+
+
+@kernel
+def observe(
+    matrix: FloatArray, arm: FloatArray, body_rate: FloatArray, lever: FloatArray, swing: FloatArray, rows: FloatArray
+) -> None:
+    """Write what a fix measures of the filter's error states into the first MEASURED of `rows` (n states each).
+
+    matrix: body to NED; arm: antenna from the IMU; body_rate: against the Earth, body axes [rad/s]. lever, swing:
+    for the arm and its velocity, NED, which are written too.
+    """
+    n = rows.shape[1]
+    for i in range(MEASURED):
+        for j in range(n):
+            rows[i, j] = 0.0
+    for i in range(3):
+        lever[i] = matrix[i, 0] * arm[0] + matrix[i, 1] * arm[1] + matrix[i, 2] * arm[2]
+        swing[i] = 0.0
+        for axis in range(3):
+            j, k = (axis + 1) % 3, (axis + 2) % 3
+            swing[i] += matrix[i, axis] * (body_rate[j] * arm[k] - body_rate[k] * arm[j])
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        rows[POSITION + i, POSITION + i], rows[VELOCITY + i, VELOCITY + i] = 1.0, 1.0
+        # Row i of [lever x] and [swing x].
+        rows[POSITION + i, ATTITUDE + j], rows[POSITION + i, ATTITUDE + k] = -lever[k], lever[j]
+        rows[VELOCITY + i, ATTITUDE + j], rows[VELOCITY + i, ATTITUDE + k] = -swing[k], swing[j]
+        # A rate error, bias or noise, acts on the lever arm: C (-dw x l) = C [l x] dw.
+        for first in range(BIASES + GYRO, n, TRIADS):
+            for axis in range(3):
+                j, k = (axis + 1) % 3, (axis + 2) % 3
+                rows[VELOCITY + i, first + axis] = matrix[i, j] * arm[k] - matrix[i, k] * arm[j]
+    # Heading: the last row of `euler_error_map`.
+    level = matrix[0, 0] ** 2 + matrix[1, 0] ** 2
+    rows[HEADING, ATTITUDE] = matrix[2, 0] * matrix[0, 0] / level
+    rows[HEADING, ATTITUDE + 1] = matrix[2, 0] * matrix[1, 0] / level
+    rows[HEADING, ATTITUDE + 2] = -1.0
+    rows[BAROMETER, POSITION + 2] = 1.0
 
 
 @part
 def take_fix(
     state: FloatArray,
-    truth: Truth,
-    fix: int,
-    receiver: Receiver,
-    markov: FloatArray,
+    report: FloatArray,
+    variance: FloatArray,
+    arm: FloatArray,
     rate: FloatArray,
     matrix: FloatArray,
     covariance: FloatArray,
-    tuning: Tuning,
-    generator: np.random.Generator,
+    rate_variance: float,
     estimate: FloatArray,
     work: FloatArray,
-    error: FloatArray,
 ) -> float:
-    """Simulate one fix, update the filter with it; leaves the error estimate in `estimate` and the position error
-    of the fix (3) in `error`, returns the NIS.
+    """Update the filter with what was reported at a fix; leaves the error estimate in `estimate`, returns the NIS.
 
+    report, variance: (MEASURED), as `reported` gives them and the filter assumes, infinite for what did not come.
     rate: the INS's bias-corrected inertial rate, body axes [rad/s]. Residuals are predicted minus measured.
     """
-    n = covariance.shape[0]
-    # Rows of `work` beyond those of `update`.
-    row, lever, swing, cross = work[3, 0], work[3, 1], work[3, 2], work[3, 3]
+    # Parts of `work` that `update` does not use.
+    rows, lever, swing, body_rate, residual = work[3], work[2, 0], work[2, 1], work[2, 2], work[2, 3]
     sin_lat, cos_lat = math.sin(state[LATITUDE]), math.cos(state[LATITUDE])
-    meridian, prime = curvature_radii_kernel(sin_lat)
-    arm = receiver.lever_arm
     for i in range(3):
-        lever[i] = matrix[i, 0] * arm[0] + matrix[i, 1] * arm[1] + matrix[i, 2] * arm[2]
-    for i in range(n):
+        body_rate[i] = rate[i] - EARTH_RATE * (cos_lat * matrix[0, i] - sin_lat * matrix[2, i])
+    observe(matrix, arm, body_rate, lever, swing, rows)
+    meridian, prime = curvature_radii_kernel(sin_lat)
+    residual[0] = (state[LATITUDE] - report[0]) * (meridian + state[HEIGHT]) + lever[0]
+    residual[1] = (state[LONGITUDE] - report[1]) * (prime + state[HEIGHT]) * cos_lat + lever[1]
+    residual[2] = report[2] - state[HEIGHT] + lever[2]
+    for i in range(3):
+        residual[VELOCITY + i] = state[VELOCITY + i] + swing[i] - report[VELOCITY + i]
+    turned = math.atan2(matrix[1, 0], matrix[0, 0]) - report[HEADING]
+    residual[HEADING] = turned - 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
+    residual[BAROMETER] = report[BAROMETER] - state[HEIGHT]
+    squared = arm[0] ** 2 + arm[1] ** 2 + arm[2] ** 2
+    for i in range(len(estimate)):
         estimate[i] = 0.0
     nis = 0.0
-    for i in range(3):
-        if i == 0:
-            residual = (state[LATITUDE] - truth.position[fix, 0]) * (meridian + state[HEIGHT])
-        elif i == 1:
-            residual = (state[LONGITUDE] - truth.position[fix, 1]) * (prime + state[HEIGHT]) * cos_lat
-        else:
-            residual = truth.position[fix, 2] - state[HEIGHT]
-        true_lever = 0.0
-        for j in range(3):
-            true_lever += truth.matrix[fix, i, j] * arm[j]
-        _observe(row, n, POSITION + i, i, lever)
-        noise = receiver.white[fix, i] * generator.standard_normal() + markov[i]
-        error[i] = noise
-        residual += lever[i] - true_lever
-        nis += update(covariance, row, residual - noise, tuning.position_sigma[fix, i] ** 2, estimate, work)
-    if len(receiver.velocity) > 0:
-        for i in range(3):
-            # The rate against the Earth, body axes, turned by the arm.
-            j, k = (i + 1) % 3, (i + 2) % 3
-            earth_j = EARTH_RATE * (cos_lat * matrix[0, j] - sin_lat * matrix[2, j])
-            earth_k = EARTH_RATE * (cos_lat * matrix[0, k] - sin_lat * matrix[2, k])
-            cross[i] = (rate[j] - earth_j) * arm[k] - (rate[k] - earth_k) * arm[j]
-        for i in range(3):
-            swing[i] = matrix[i, 0] * cross[0] + matrix[i, 1] * cross[1] + matrix[i, 2] * cross[2]
-        for i in range(3):
-            true_swing = 0.0
-            for axis in range(3):
-                j, k = (axis + 1) % 3, (axis + 2) % 3
-                turn = truth.body_rate[fix, j] * arm[k] - truth.body_rate[fix, k] * arm[j]
-                true_swing += truth.matrix[fix, i, axis] * turn
-            _observe(row, n, VELOCITY + i, i, swing)
-            # A rate error, bias or noise, acts on the lever arm: C (-dw x l) = C [l x] dw, row i.
-            x = matrix[i, 1] * arm[2] - matrix[i, 2] * arm[1]
-            y = matrix[i, 2] * arm[0] - matrix[i, 0] * arm[2]
-            z = matrix[i, 0] * arm[1] - matrix[i, 1] * arm[0]
-            for gyro in range(BIASES + GYRO, n, TRIADS):
-                row[gyro], row[gyro + 1], row[gyro + 2] = x, y, z
-            variance = tuning.velocity_sigma[i] ** 2 + tuning.rate_variance * (x * x + y * y + z * z)
-            difference = state[VELOCITY + i] + swing[i] - truth.velocity[fix, i] - true_swing
-            noise = receiver.velocity[i] * generator.standard_normal()
-            nis += update(covariance, row, difference - noise, variance, estimate, work)
+    for i in range(MEASURED):
+        if variance[i] < np.inf:
+            of_rate = rate_variance * (squared - lever[i - VELOCITY] ** 2) if VELOCITY <= i < HEADING else 0.0
+            nis += update(covariance, rows[i], residual[i], variance[i] + of_rate, estimate, work)
     return nis
-
-
-@part
-def _observe(row: FloatArray, n: int, state: int, axis: int, arm: FloatArray) -> None:
-    """H (n) of one component: 1 at its own state, and the row `axis` of [arm x] at the attitude's."""
-    for i in range(n):
-        row[i] = 0.0
-    row[state] = 1.0
-    j, k = (axis + 1) % 3, (axis + 2) % 3
-    row[ATTITUDE + j], row[ATTITUDE + k] = -arm[k], arm[j]
 
 
 @kernel

@@ -25,6 +25,11 @@ ATTITUDE: Final = 6
 BIASES: Final = 9
 """Accelerometer, then gyro; with 21 states both again, then as Gauss-Markov processes."""
 
+# What a fix can measure (8): position and velocity as above, then heading and height.
+HEADING: Final = 6
+BAROMETER: Final = 7
+MEASURED: Final = 8
+
 # A vector of biases (12): the filter's from BIASES on, and more where it has fewer.
 ACCELEROMETER: Final = 0
 GYRO: Final = 3

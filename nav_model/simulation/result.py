@@ -43,13 +43,14 @@ STATES: Final = (
 class Consistency:
     """A mean normalised error squared and the 95 % band a consistent filter's falls in.
 
-    states: its expectation. degrees: degrees of freedom of the band's chi-square, over the runs.
+    states: its expectation; of the NIS what a fix measures on average. degrees: degrees of freedom of the band's
+    chi-square, over the runs.
     """
 
     mean: float
     low: float
     high: float
-    states: int
+    states: float
     degrees: float
 
     @property
@@ -163,10 +164,9 @@ def summarise(
             raise ValueError(f"closed_form gave shape {sigma.shape}: must be {(len(time_s), 9)}")
     nis = None
     if total.fixes:
-        degrees = float(total.nis_states) * total.fixes
-        low, high = chi_square_band(degrees)
-        m = total.nis_states
-        nis = Consistency(total.nis / total.fixes, m * low, m * high, m, degrees)
+        low, high = chi_square_band(float(total.measured))
+        m = total.measured / total.fixes
+        nis = Consistency(total.nis / total.fixes, m * low, m * high, m, float(total.measured))
     mean_nees, mean_nees_square = (total.run_nees / runs).tolist()
     low, high = chi_square_band(float(states * runs))
     factors = chi_square_band(float(runs))

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.earth.rotation import euler_error_map
+from nav_model.simulation.layout import BAROMETER, HEADING, MEASURED, POSITION, VELOCITY
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.simulation.trajectory import Trajectory, plan_trajectory
+from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import TruthStates, perfect_increments, true_states
 
 FloatArray = NDArray[np.float64]
@@ -22,8 +23,8 @@ OUTPUT: Final = 4
 class Schedule:
     """Events per IMU sample (`steps` + 1, bit flags), perfect increments, and truth at fixes and outputs.
 
-    fix_noise: of the position, (fixes, 3) [m]. fix_acceleration: (fixes, 3), NED [m/s^2]. error_map: (outputs, 3, 3),
-    filter's attitude error to roll, pitch and yaw error.
+    fix_noise: (fixes, MEASURED), as `fix_noise` gives it. error_map: (outputs, 3, 3), filter's attitude error to
+    roll, pitch and yaw error.
     coast_s: time since the start of the outage an output falls in, 0 outside outages.
     """
 
@@ -32,7 +33,6 @@ class Schedule:
     fixes: TruthStates
     outputs: TruthStates
     fix_noise: FloatArray
-    fix_acceleration: FloatArray
     error_map: FloatArray
     coast_s: FloatArray
 
@@ -63,30 +63,33 @@ def in_outage(spec: SimulationSpec, time_s: FloatArray) -> tuple[NDArray[np.bool
     return lost, coast
 
 
-def without_fix(spec: SimulationSpec, truth: TruthStates) -> NDArray[np.bool_]:
-    """At which of some true states a fix is lost: in an outage, or beyond the bank that the antenna allows."""
-    lost = in_outage(spec, truth.time_s)[0]
-    if spec.gnss.bank_limit is not None:
-        lost |= np.abs(truth.euler[:, 0]) > spec.gnss.bank_limit
-    return lost
+def fix_noise(spec: SimulationSpec, truth: TruthStates) -> FloatArray:
+    """White noise of what the scheduled fixes measure, at their true states, (n, MEASURED): position [m], velocity
+    [m/s], heading [rad] and height [m]; infinite for what does not come.
 
-
-def position_noise(spec: SimulationSpec, time_s: FloatArray, lost: NDArray[np.bool_]) -> FloatArray:
-    """Noise of a position fix at each time that has one, lost or not, (n, 3) [m], with the solutions after a loss."""
-    since = time_s - np.maximum.accumulate(np.where(lost, time_s, -np.inf))
-    found = np.broadcast_to(np.array(spec.gnss.axis_noise), (len(lost), 3)).copy()
-    until = 0.0
-    for duration, sigma in spec.gnss.after_loss:
+    All but the height is lost in an outage and beyond the bank that the antenna allows. After a loss the position
+    solutions of `GnssModel.after_loss` follow.
+    """
+    gnss, time_s = spec.gnss, truth.time_s
+    lost = in_outage(spec, time_s)[0]
+    if gnss.bank_limit is not None:
+        lost |= np.abs(truth.euler[:, 0]) > gnss.bank_limit
+    found = np.full((len(lost), MEASURED), np.inf)
+    position = found[:, POSITION : POSITION + 3]
+    position[:] = gnss.axis_noise
+    since, until = time_s - np.maximum.accumulate(np.where(lost, time_s, -np.inf)), 0.0
+    for duration, sigma in gnss.after_loss:
         degraded = (since > until) & (since <= until + duration)
-        found[degraded] = np.maximum(found[degraded], sigma)
+        position[degraded] = np.maximum(position[degraded], sigma)
         until += duration
+    if gnss.velocity_noise is not None:
+        found[:, VELOCITY : VELOCITY + 3] = gnss.axis_velocity_noise
+    if spec.aiding.heading_noise is not None:
+        found[:, HEADING] = spec.aiding.heading_noise
+    found[lost] = np.inf
+    if spec.aiding.barometer_noise is not None:
+        found[:, BAROMETER] = spec.aiding.barometer_noise
     return found
-
-
-def acceleration(trajectory: Trajectory, time_s: FloatArray) -> FloatArray:
-    """Change of the velocity over a tenth of a second around each time, NED [m/s^2], (n, 3)."""
-    change: FloatArray = trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)
-    return change / 0.1
 
 
 @lru_cache(maxsize=2)
@@ -97,9 +100,9 @@ def _plan(spec: SimulationSpec) -> Schedule:
     stride = max(1, round(rate / spec.filter.propagation_rate))
     events[stride::stride] |= PROPAGATE
     fixes = samples_at_multiples(spec.gnss.interval, spec)
-    lost = without_fix(spec, true_states(trajectory, fixes / rate))
-    noise = position_noise(spec, fixes / rate, lost)[~lost]
-    fixes = fixes[~lost]
+    noise = fix_noise(spec, true_states(trajectory, fixes / rate))
+    comes = np.isfinite(noise).any(axis=1)
+    fixes, noise = fixes[comes], noise[comes]
     events[fixes] |= FIX
     outputs = output_samples(spec)
     events[outputs] |= OUTPUT
@@ -110,7 +113,6 @@ def _plan(spec: SimulationSpec) -> Schedule:
         fixes=true_states(trajectory, fixes / rate),
         outputs=truth,
         fix_noise=noise,
-        fix_acceleration=acceleration(trajectory, fixes / rate),
         error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
         coast_s=in_outage(spec, outputs / rate)[1],
     )

@@ -1,7 +1,7 @@
 """One flight: sensors, strapdown INS, GNSS fixes and the closed-loop filter, from (spec, seed, run) alone."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from nav_model.base.compiled import kernel, part
 from nav_model.earth.rotation import write_matrix
-from nav_model.earth.wgs84 import curvature_radii, curvature_radii_kernel
-from nav_model.simulation.fixes import Receiver, Truth, Tuning, correct, take_fix
+from nav_model.earth.wgs84 import curvature_radii_kernel
+from nav_model.simulation.fixes import Tuning, correct, first_order, reported, take_fix
 from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
 from nav_model.simulation.layout import (
     ACCELEROMETER,
@@ -20,6 +20,7 @@ from nav_model.simulation.layout import (
     HEIGHT,
     LATITUDE,
     LONGITUDE,
+    MEASURED,
     POSITION,
     QUATERNION,
     TRIADS,
@@ -27,23 +28,31 @@ from nav_model.simulation.layout import (
 )
 from nav_model.simulation.schedule import FIX, OUTPUT, Schedule, plan
 from nav_model.simulation.sensors import Triad, draw_triad, measure
-from nav_model.simulation.specification import GnssModel, ImuModel, SimulationSpec, TriadModel
+from nav_model.simulation.specification import ImuModel, SimulationSpec, TriadModel
 from nav_model.simulation.strapdown import advance, initial_state
-from nav_model.simulation.truth import TruthStates
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.truth import true_states
 
 FloatArray = NDArray[np.float64]
 PRIOR, POSTERIOR = 0, 1
 
 
+class _Truth(NamedTuple):
+    """True states at the outputs, as the kernel reads them; see `TruthStates`."""
+
+    position: FloatArray
+    velocity: FloatArray
+    matrix: FloatArray
+
+
 class _Record(NamedTuple):
-    """Where a run writes: errors and variances (2, outputs, states), prior then posterior; NEES per output;
-    NIS and position error (fixes, 3) per fix."""
+    """Where a run writes: errors and variances (2, outputs, states), prior then posterior; NEES per output; NIS per
+    fix."""
 
     error: FloatArray
     variance: FloatArray
     nees: FloatArray
     nis: FloatArray
-    fix_error: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +63,8 @@ class RunRecord:
     (the same where no fix falls); states are position [m] and velocity [m/s] north, east, down, then roll,
     pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases; with 21 those are
     the constant and walking part, and the Gauss-Markov part of both follows.
-    nees: (outputs,), after the fix. nis: (fixes,), each with `nis_states` degrees of freedom.
-    fix_error: (fixes, 3), of the fixes themselves, north, east, down [m].
+    nees: (outputs,), after the fix. nis: (fixes,), of `measured` numbers in all. fix_error: (fixes, 3), noise of the
+    positions, north, east, down [m].
     """
 
     run: int
@@ -63,14 +72,14 @@ class RunRecord:
     filter_sigma: FloatArray
     nees: FloatArray
     nis: FloatArray
-    nis_states: int
+    measured: int
     fix_error: FloatArray
 
 
 @part
 def _write(
     state: FloatArray,
-    truth: Truth,
+    truth: _Truth,
     k: int,
     bias_error: FloatArray,
     error_map: FloatArray,
@@ -123,28 +132,29 @@ def _fly(
     gyro: Triad,
     accelerometer: Triad,
     imu_noise: np.random.Generator,
-    receiver: Receiver,
-    gnss_noise: np.random.Generator,
     tuning: Tuning,
-    fixes: Truth,
-    outputs: Truth,
+    reports: FloatArray,
+    believed: FloatArray,
+    arm: FloatArray,
+    outputs: _Truth,
     error_map: FloatArray,
     record: _Record,
 ) -> None:
-    """Fly one run: every IMU sample through the INS, the filter at its events. Changes what it is given."""
+    """Fly one run: every IMU sample through the INS, the filter at its events. Changes what it is given.
+
+    reports, believed: of the fixes, as `take_fix` has them of one.
+    """
     n = covariance.shape[0]
     work, dynamics = np.empty((4, n, n)), np.empty((BIASES, n))
     matrix, mean_matrix = np.empty((3, 3)), np.empty((3, 3))
     # Samples in turn; then vectors of working space.
-    window, scratch, force, markov, rate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.empty(3), np.empty(3)
+    window, scratch, force, rate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.empty(3)
     estimate, own, bias_error = np.zeros(n), np.empty(n), np.empty(len(bias))
-    for i in range(3):
-        markov[i] = receiver.markov[i] * gnss_noise.standard_normal()
     quaternion = state[QUATERNION : QUATERNION + 4]
     write_matrix(quaternion, matrix)
     # Not a literal 0, for which Numba would compile what takes these indices a second time.
     none: int = np.int64(0)  # type: ignore[assignment]
-    last_step, last_fix, fix, output = none, none, none, none
+    last_step, fix, output = none, none, none
     for k in range(-1, len(events)):
         # Rows 0 and 1 of the increments end at time 0: they only fill the window.
         sample, now = increments[k + 1], window[(k + 1) % 3]
@@ -189,26 +199,19 @@ def _fly(
             last_step = k
         for phase in range(2):
             if phase == 1 and events[k] & FIX:
-                kept = math.exp(-(k - last_fix) * dt / receiver.markov_time)
                 for i in range(3):
-                    fresh = receiver.markov[i] * math.sqrt(1.0 - kept * kept) * gnss_noise.standard_normal()
-                    markov[i] = kept * markov[i] + fresh
                     rate[i] = now[GYRO + i] / dt
-                last_fix = k
                 record.nis[fix] = take_fix(
                     state,
-                    fixes,
-                    fix,
-                    receiver,
-                    markov,
+                    reports[fix],
+                    believed[fix],
+                    arm,
                     rate,
                     matrix,
                     covariance,
-                    tuning,
-                    gnss_noise,
+                    tuning.rate_variance,
                     estimate,
                     work,
-                    record.fix_error[fix],
                 )
                 correct(state, bias, estimate)
                 write_matrix(quaternion, matrix)
@@ -242,7 +245,7 @@ def _fly(
 
 
 def tuning_of(spec: SimulationSpec) -> Tuning:
-    """What the filter of a study assumes; of a fix before any loss."""
+    """What the filter of a study assumes of the IMU."""
     scale = spec.filter.process_noise_scale
     decay, drive = np.zeros(12), np.zeros(12)
     for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
@@ -266,8 +269,6 @@ def tuning_of(spec: SimulationSpec) -> Tuning:
         rate_variance=gyro_density**2 * spec.imu.rate,
         decay_rate=decay,
         bias_drive=drive,
-        position_sigma=np.array([spec.gnss.axis_noise]) * spec.filter.gnss_noise_scale,
-        velocity_sigma=np.array(spec.gnss.axis_velocity_noise) * spec.filter.gnss_noise_scale,
     )
 
 
@@ -297,18 +298,6 @@ def _least_biases(states: int) -> FloatArray:
     return np.resize([1e-9, 1e-9, 1e-9, 1e-13, 1e-13, 1e-13], states - 9)
 
 
-def _receiver(model: GnssModel, noise: FloatArray, noisy: bool) -> Receiver:
-    on = 1.0 if noisy else 0.0
-    vertical = model.vertical_markov_noise
-    return Receiver(
-        white=on * noise,
-        markov=on * np.array([model.markov_noise, model.markov_noise, vertical]),
-        markov_time=model.markov_time,
-        velocity=np.array(model.axis_velocity_noise),
-        lever_arm=np.array(model.lever_arm),
-    )
-
-
 def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> RunRecord:
     """Fly run `run` with the sensors of `imu` and the filter tuned for `spec`."""
     schedule: Schedule = plan(spec)
@@ -326,14 +315,13 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     bias = np.zeros(12)
     if noisy:  # a bias of zero is drawn as well as the filter knows it: its NEES would otherwise be too small
         bias[: n - 9] = np.where(sigma[9:] == 0.0, _least_biases(n), 0.0) * start_noise.standard_normal(n - 9)
-    outputs = len(truth.time_s)
-    record = _Record(
-        np.empty((2, outputs, n)),
-        np.empty((2, outputs, n)),
-        np.empty(outputs),
-        np.empty(len(schedule.fixes.time_s)),
-        np.empty((len(schedule.fixes.time_s), 3)),
-    )
+    report, fix_error = _reports(spec, schedule, start_noise, gnss_noise, noisy)
+    if noisy and spec.radar_time_offset:
+        late = spec.radar_time_offset * start_noise.standard_normal()
+        truth = true_states(plan_trajectory(spec.trajectory, spec.duration), truth.time_s + late)
+    outputs, fixes = len(truth.time_s), len(report)
+    both = (2, outputs, n)
+    record = _Record(np.empty(both), np.empty(both), np.empty(outputs), np.empty(fixes))
     _fly(
         state,
         bias,
@@ -344,46 +332,52 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         gyro,
         accelerometer,
         imu_noise,
-        _receiver(spec.gnss, schedule.fix_noise, noisy),
-        gnss_noise,
-        tuning_of(spec)._replace(position_sigma=schedule.fix_noise * spec.filter.gnss_noise_scale),
-        _kernel_truth(_displaced(schedule, spec.gnss, start_noise) if noisy else schedule.fixes),
-        _kernel_truth(truth),
+        tuning_of(spec),
+        report,
+        (spec.filter.gnss_noise_scale * schedule.fix_noise) ** 2,
+        np.array(spec.gnss.lever_arm),
+        _Truth(*map(np.ascontiguousarray, (truth.position, truth.velocity, truth.matrix))),
         schedule.error_map,
         record,
     )
     if not np.all(np.isfinite(record.nees)):
         first = float(truth.time_s[int(np.argmin(np.isfinite(record.nees)))])
         raise ArithmeticError(f"run {run}: the filter's covariance is not positive definite at {first:g} s")
-    return RunRecord(
-        run,
-        record.error,
-        np.sqrt(record.variance),
-        record.nees,
-        record.nis,
-        6 if spec.gnss.velocity_noise else 3,
-        record.fix_error,
-    )
+    measured = int(np.isfinite(schedule.fix_noise).sum())
+    return RunRecord(run, record.error, np.sqrt(record.variance), record.nees, record.nis, measured, fix_error)
 
 
-def _displaced(schedule: Schedule, model: GnssModel, generator: np.random.Generator) -> TruthStates:
-    """The truth at the fixes as a receiver sees it whose lever arm and time are wrong by what is drawn for a run."""
-    fixes = schedule.fixes
-    if not (model.lever_arm_error or model.time_offset):
-        return fixes
-    arm, late = model.lever_arm_error * generator.standard_normal(3), model.time_offset * generator.standard_normal()
-    moved = fixes.matrix @ arm + late * fixes.velocity
-    meridian, prime = curvature_radii(np.sin(fixes.position[:, 0]))
-    latitude, _, height = fixes.position.T
-    scale = np.column_stack([meridian + height, (prime + height) * np.cos(latitude), np.full(len(height), -1.0)])
-    swing = np.einsum("kij,kj->ki", fixes.matrix, np.cross(fixes.body_rate, arm))
-    velocity = fixes.velocity + swing + late * schedule.fix_acceleration
-    return replace(fixes, position=fixes.position + moved / scale, velocity=velocity)
+def _reports(
+    spec: SimulationSpec,
+    schedule: Schedule,
+    constants: np.random.Generator,
+    generator: np.random.Generator,
+    noisy: bool,
+) -> tuple[FloatArray, FloatArray]:
+    """What is reported at the fixes of a run (fixes, MEASURED), and the noise of its positions (fixes, 3).
 
-
-def _kernel_truth(states: TruthStates) -> Truth:
-    fields = (states.position, states.velocity, states.matrix, states.body_rate)
-    return Truth(*(np.ascontiguousarray(field) for field in fields))
+    `constants` are drawn once: the errors of the lever arm and of the receiver's time.
+    """
+    gnss, truth, arm = spec.gnss, schedule.fixes, np.array(spec.gnss.lever_arm)
+    if not noisy:
+        nothing = np.zeros((len(truth.time_s), MEASURED))
+        return reported(truth, nothing, arm), nothing[:, :3]
+    if gnss.lever_arm_error or gnss.time_offset:
+        arm = arm + gnss.lever_arm_error * constants.standard_normal(3)
+        late = gnss.time_offset * constants.standard_normal()
+        truth = true_states(plan_trajectory(spec.trajectory, spec.duration), truth.time_s + late)
+    sigma = np.array([gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise])
+    comes = np.isfinite(schedule.fix_noise)
+    used = np.flatnonzero(comes.any(axis=0))
+    before = generator.standard_normal(3)
+    drawn = generator.standard_normal((len(truth.time_s), 3 + len(used)))
+    kept = np.exp(-np.diff(schedule.fixes.time_s, prepend=0.0) / gnss.markov_time)
+    slow = np.vstack([before, np.sqrt(1.0 - kept * kept)[:, None] * drawn[:, :3]]) * sigma
+    first_order(np.concatenate([[0.0], kept]), slow)
+    noise = np.zeros((len(drawn), MEASURED))
+    noise[:, used] = np.where(comes, schedule.fix_noise, 0.0)[:, used] * drawn[:, 3:]
+    noise[:, :3] += slow[1:]
+    return reported(truth, noise, arm), noise[:, :3]
 
 
 def fly(spec: SimulationSpec, run: int) -> RunRecord:

@@ -165,6 +165,21 @@ class GnssModel:
 
 
 @dataclass(frozen=True)
+class Aiding:
+    """What aids the INS beyond GNSS, 1 sigma; None where there is no such sensor.
+
+    heading_noise: of one heading by two antennas [rad]; barometer_noise: of one height [m]. Both come with the fixes.
+    The heading is lost with them, the height is not.
+    """
+
+    heading_noise: float | None = None
+    barometer_noise: float | None = None
+
+    def __post_init__(self) -> None:
+        _check(self, positive=tuple(f.name for f in fields(self) if getattr(self, f.name) is not None))
+
+
+@dataclass(frozen=True)
 class TrajectorySpec:
     """The flight. Angles in rad, lengths in m, speeds in m/s.
 
@@ -267,6 +282,8 @@ class SimulationSpec:
 
     every: spacing of the result's `time_s` [s]; the times are the IMU samples nearest to its multiples.
     record_from: nothing is kept before [s], but for time 0.
+    radar_time_offset: of the radar against the IMU [s], 1 sigma, constant through a run: results are what the radar
+    takes for its navigation, of a time that is wrong by it.
     keep_runs: also keep every run's error history (memory then grows with the number of runs).
     """
 
@@ -282,9 +299,11 @@ class SimulationSpec:
     every: float = 1.0
     keep_runs: bool = False
     record_from: float = 0.0
+    aiding: Aiding = Aiding()
+    radar_time_offset: float = 0.0
 
     def __post_init__(self) -> None:
-        _check(self, positive=("duration", "every"), non_negative=("record_from",))
+        _check(self, positive=("duration", "every"), non_negative=("record_from", "radar_time_offset"))
         if not (isinstance(self.runs, int) and 1 <= self.runs <= 10_000_000):
             raise _refuse("runs", self.runs, "a whole number from 1 to 10000000")
         if not (isinstance(self.seed, int) and 0 <= self.seed < 2**63):

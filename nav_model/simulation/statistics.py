@@ -25,8 +25,8 @@ class Statistics:
 
     error, square, variance: shape (2, outputs, states), sums of error, error^2 and the filter's variance,
     before and after the fix. nees: (outputs,) sum. run_nees: sum and sum of squares over runs of a run's mean
-    NEES. nis: sum and number of fixes. histogram: (outputs, states, BINS) counts of |error| after the fix.
-    kept: run -> error history.
+    NEES. nis: sum, number of fixes, and of what they measured. histogram: (outputs, states, BINS) counts of
+    |error| after the fix. kept: run -> error history.
     """
 
     scale: FloatArray
@@ -39,7 +39,7 @@ class Statistics:
     run_nees: FloatArray = field(default_factory=lambda: np.zeros(2))
     nis: float = 0.0
     fixes: int = 0
-    nis_states: int = 3
+    measured: int = 0
     worst: RunRecord | None = None
     kept: dict[int, FloatArray] = field(default_factory=dict)
 
@@ -61,7 +61,7 @@ class Statistics:
         self.run_nees += (mean, mean * mean)
         self.nis += float(np.sum(record.nis))
         self.fixes += len(record.nis)
-        self.nis_states = record.nis_states
+        self.measured += record.measured
         error = record.error[POSTERIOR]
         rows, columns = np.indices(error.shape, sparse=True)
         self.histogram[rows, columns, _bin(np.abs(error) / self.scale)] += 1
@@ -71,9 +71,19 @@ class Statistics:
 
     def merge(self, later: Statistics) -> None:
         """Take in the sums over later runs. Merging the same chunks in the same order gives the same bits."""
-        for name in ("runs", "error", "square", "variance", "nees", "histogram", "run_nees", "nis", "fixes"):
+        for name in (
+            "runs",
+            "error",
+            "square",
+            "variance",
+            "nees",
+            "histogram",
+            "run_nees",
+            "nis",
+            "fixes",
+            "measured",
+        ):
             setattr(self, name, getattr(self, name) + getattr(later, name))
-        self.nis_states = later.nis_states
         if later.worst is not None:
             self.worst = _worse(self.worst, later.worst)
         repeated = self.kept.keys() & later.kept.keys()

@@ -126,9 +126,11 @@ def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
 
 
 def _shown(model: ErrorModel, node: int) -> FloatArray:
-    """Position, velocity and roll, pitch, yaw of the first nine states (9, 9)."""
-    found = np.eye(_AXES)
-    found[ATTITUDE:, ATTITUDE:] = model.error_map[node]
+    """Position, velocity and roll, pitch, yaw as the radar takes them at a node, of all states (9, n)."""
+    found = np.eye(_AXES, model.rows.shape[2])
+    found[ATTITUDE:, ATTITUDE:_AXES] = model.error_map[node]
+    if model.radar is not None:
+        found[:, model.radar] = model.late[node]
     return found
 
 
@@ -181,9 +183,8 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
     for node in range(len(model.time_s) - 1, -1, -1):
         for at in output_of.get(node, ()):
             shown = _shown(model, node)
-            rows = shown @ run.covariance[node, :_AXES]
-            states.rows[at] = -rows @ carried
-            states.rows[at, :, :_AXES] += shown
+            rows = shown[:, :m] @ run.covariance[node]
+            states.rows[at] = shown - rows @ carried
             states.added[:, at] = ((rows @ now) * rows).sum(axis=2)
         for look in ending.get(node, ()):
             images.rows[look] = ends[look] @ carried
@@ -209,6 +210,8 @@ def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_i
     for step, on, node in _along(looks, back=True):
         now = sums.rows[on]
         now[:, :, :6] += looks.weights[on, step]
+        if model.radar is not None:
+            now[:, :, model.radar] += np.einsum("acx,ax->ac", looks.weights[on, step], model.late[node, :6])
         if step:
             if by_innovation is not None:
                 by_noise = now[:, :, : model.states] @ run.gain[node] - by_innovation[step, on]
@@ -271,8 +274,7 @@ def _forward(
             now[:, :, :m] -= ((now.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
             now[:m, measuring, :m] += ((gain * model.noise[node, measuring, None, :]) @ gain.T).swapaxes(0, 1)
         for at in output_of.get(node, ()):
-            plain = np.pad(_shown(model, node), ((0, 0), (0, n - _AXES)))
-            variances[:, :, at] += by_source(np.stack([plain, states.rows[at]]))
+            variances[:, :, at] += by_source(np.stack([_shown(model, node), states.rows[at]]))
         for look in starting.get(node, ()):
             found[:, :, look] += by_source(np.stack([part.rows[look] for part in images]))
     return variances, found

@@ -14,12 +14,12 @@ from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
-from nav_model.design.trajectory import AIDING, LIMITED, LINES, WAYPOINTS
+from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS
 from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
-from nav_model.trajectory.specification import Aiding, Aperture, CovarianceSpec, Limits, Line
+from nav_model.trajectory.specification import Aperture, CovarianceSpec, Limits, Line
 
 _PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase")
 _PLACES = ("azimuth_shift", "range_shift", "ce90")
@@ -93,7 +93,6 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         If the plan limits a line that the flight does not have.
     """
     own = design.trajectory
-    aiding = Aiding(**{name: getattr(own, name) for name in AIDING})
     names = [line.name for line in lines]
     limited: dict[str, tuple[tuple[str, float], ...]] = {}
     for number, (name, *most) in enumerate(own.limits, 1):
@@ -109,7 +108,7 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         meters = study.imu.accelerometer
         whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
         study = replace(study, imu=replace(study.imu, accelerometer=whole))
-    return CovarianceSpec(study, aperture_of(design), aiding, flown, limits, _besides(x))
+    return CovarianceSpec(study, aperture_of(design), flown, limits, _besides(x))
 
 
 def _besides(x: Inputs) -> Parts:

@@ -16,15 +16,23 @@ from numpy.typing import NDArray
 
 from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE
 from nav_model.earth.rotation import euler_error_map
+from nav_model.simulation.fixes import observe
 from nav_model.simulation.kalman import error_dynamics
-from nav_model.simulation.layout import ATTITUDE, BIASES, GYRO, HEIGHT, LATITUDE, STATE_LENGTH, TRIADS, VELOCITY
-from nav_model.simulation.schedule import (
-    acceleration,
-    output_samples,
-    position_noise,
-    samples_at_multiples,
-    without_fix,
+from nav_model.simulation.layout import (
+    ATTITUDE,
+    BAROMETER,
+    BIASES,
+    GYRO,
+    HEADING,
+    HEIGHT,
+    LATITUDE,
+    MEASURED,
+    POSITION,
+    STATE_LENGTH,
+    TRIADS,
+    VELOCITY,
 )
+from nav_model.simulation.schedule import fix_noise, output_samples, samples_at_multiples
 from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
@@ -47,7 +55,9 @@ class ErrorModel:
     noise moves the first `moving` ones. time_s (k); outputs: nodes of the results. top (k - 1, 9, n): rows of the
     transition from node to node, and kept (k - 1, n - 9) what is left of each further state, which none changes.
     driven: the sources with process noise; factors (k - 1, driven, 12, 9), whose square is the covariance of what one
-    adds in a step to the first nine states and to three further ones from `own` on, 0 where it has none. filter_noise
+    adds in a step to the first nine states and to three further ones from `own` on, 0 where it has none. late (k, 9):
+    what position, velocity and roll, pitch, yaw change in a second; `radar` is the state that is the radar's time
+    offset, None where there is none. filter_noise
     (k - 1, m, m): as the filter assumes it. initial (s, n): variances at time 0 by source; filter_start (m, m). rows
     (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's variance (k, r), infinite
     where there is none, and the true ones by source (k, noisy, r).
@@ -57,6 +67,8 @@ class ErrorModel:
     outputs: NDArray[np.int64]
     truth: TruthStates
     error_map: FloatArray
+    late: FloatArray
+    radar: int | None
     states: int
     moving: int
     sources: tuple[str, ...]
@@ -114,6 +126,7 @@ def _layout(spec: CovarianceSpec) -> _Layout:
         found.add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
     found.moving = found.size
     constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
+    constant += [("radar time offset", 1, study.radar_time_offset)]
     for name, model in triads:
         constant += [(f"{name} bias", 3, model.turn_on_bias), (f"{name} scale factor", 3, model.scale_factor)]
         constant += [(f"{name} misalignment", 6, model.misalignment)]
@@ -164,12 +177,17 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
         begins.append((source, first, np.full(count, sigma)))
     for source, first, sigmas in begins:
         initial[sources.index(source), first : first + len(sigmas)] += sigmas**2
-    measured = _measurements(spec, layout, trajectory, truth, scheduled, sources[:noisy])
+    # Over a tenth of a second: of a spline in latitude and longitude, the velocity is what is at hand.
+    speeding = (trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)) / 0.1
+    late = np.hstack([truth.velocity, speeding, trajectory.evaluate(time_s, 1)[:, 3:]])
+    measured = _measurements(spec, layout, trajectory, truth, late, scheduled, sources[:noisy])
     return ErrorModel(
         time_s=time_s,
         outputs=np.searchsorted(time_s, outputs - 1e-9),
         truth=truth,
         error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
+        late=late,
+        radar=layout.first.get("radar time offset"),
         states=m,
         moving=layout.moving,
         sources=sources,
@@ -227,7 +245,7 @@ def _steps(
 
 def _sources(spec: CovarianceSpec, layout: _Layout) -> tuple[tuple[str, ...], int]:
     """The sources that are not zero, and how many of them have noise, which come first."""
-    imu, gnss, aiding = spec.study.imu, spec.study.gnss, spec.aiding
+    imu, gnss, aiding = spec.study.imu, spec.study.gnss, spec.study.aiding
     white = {
         ACCELEROMETER_NOISE: imu.accelerometer.random_walk,
         GYRO_NOISE: imu.gyro.random_walk,
@@ -266,33 +284,37 @@ def _dynamics(trajectory: Trajectory, time_s: FloatArray, layout: _Layout, study
     ends = specific_force_and_rate(trajectory, time_s)[:, :3]
     turned = np.einsum("kij,kj->ki", true_states(trajectory, time_s).matrix, ends)
     force = (turned[1:] + turned[:-1] + 4.0 * np.einsum("kij,kj->ki", now.matrix, sensed[:, :3])) / 6.0
-    state, own = np.zeros(STATE_LENGTH), np.empty((BIASES, BIASES + TRIADS))
-    found = np.zeros((len(middle), BIASES, layout.size))
-    both = np.empty((len(middle), BIASES, TRIADS))
+    state, found = np.zeros(STATE_LENGTH), np.empty((len(middle), BIASES, BIASES + TRIADS))
     for k in range(len(middle)):
         state[LATITUDE : HEIGHT + 1], state[VELOCITY : VELOCITY + 3] = now.position[k], now.velocity[k]
-        error_dynamics(state, force[k], now.matrix[k], own)
-        found[k, :, :BIASES], both[k] = own[:, :BIASES], own[:, BIASES:]
-    for first in range(BIASES, study.filter.states, TRIADS):
-        found[:, :, first : first + TRIADS] = both
-    _true_sensors(found, both, sensed, layout)
+        error_dynamics(state, force[k], now.matrix[k], found[k])
+    return _of_all_states(found, sensed, study.filter.states, layout)
+
+
+def _of_all_states(own: FloatArray, sensed: FloatArray, states: int, layout: _Layout) -> FloatArray:
+    """Rows in all states (k, rows, n), of rows in position, velocity, attitude and one set of bias estimates (k,
+    rows, 15), where the sensors measure `sensed` (k, 6).
+
+    The true error of a sensor has the other sign, as an estimate is taken off.
+    """
+    found = np.zeros((*own.shape[:2], layout.size))
+    found[:, :, :BIASES] = own[:, :, :BIASES]
+    for first in range(BIASES, states, TRIADS):
+        found[:, :, first : first + TRIADS] = own[:, :, BIASES:]
+    for name, at in (("accelerometer", 0), ("gyro", GYRO)):
+        error = -own[:, :, BIASES + at : BIASES + at + 3]
+        by_axis = error[:, :, :, None] * sensed[:, None, None, at : at + 3]  # error of an axis by what another senses
+        off = ~np.eye(3, dtype=np.bool_)
+        effects = {
+            f"{name} bias": error,
+            f"{name} bias instability": error,
+            f"{name} scale factor": np.einsum("kraa->kra", by_axis),
+            f"{name} misalignment": by_axis[:, :, off],
+        }
+        for group in effects.keys() & layout.first.keys():
+            first = layout.first[group]
+            found[:, :, first : first + effects[group].shape[2]] = effects[group]
     return found
-
-
-def _true_sensors(out: FloatArray, columns: FloatArray, sensed: FloatArray, layout: _Layout) -> None:
-    """Write into `out` (k, rows, n) what the true errors of the sensors do, from what those of the filter's bias
-    estimates do (k, rows, 6) and what the sensors measure (k, 6): the other sign, as an estimate is taken off."""
-    for name, first, at in (("accelerometer", 0, 0), ("gyro", GYRO, GYRO)):
-        own, true = columns[:, :, first : first + 3], sensed[:, None, at : at + 3]
-        for group in (f"{name} bias", f"{name} bias instability"):
-            if group in layout.first:
-                out[:, :, layout.first[group] : layout.first[group] + 3] = -own
-        if (place := layout.first.get(f"{name} scale factor")) is not None:
-            out[:, :, place : place + 3] = -own * true
-        if (place := layout.first.get(f"{name} misalignment")) is not None:
-            pairs = [(i, j) for i in range(3) for j in range(3) if i != j]
-            for offset, (i, j) in enumerate(pairs):
-                out[:, :, place + offset] = -own[:, :, i] * true[:, :, j]
 
 
 def _powers(dynamics: FloatArray, decay: FloatArray, steps: FloatArray) -> list[FloatArray]:
@@ -323,65 +345,48 @@ def _measurements(
     layout: _Layout,
     trajectory: Trajectory,
     truth: TruthStates,
+    late: FloatArray,
     scheduled: FloatArray,
     sources: tuple[str, ...],
 ) -> dict[str, Any]:
-    """What the fix at each node measures, in the fields of `ErrorModel`: position, velocity, heading, height."""
-    study, aiding, time_s = spec.study, spec.aiding, truth.time_s
-    n, m, gnss, k = layout.size, study.filter.states, spec.study.gnss, len(time_s)
-    at = np.zeros(k, dtype=np.bool_)
-    at[np.searchsorted(time_s, scheduled - 1e-9)] = True
-    lost, fixes = without_fix(study, truth), np.flatnonzero(at)
-    fix, speed = at & ~lost, np.array(gnss.axis_velocity_noise)
-    rows = np.zeros((k, 8, n))
-    arm = np.array(gnss.lever_arm)
-    rows[:, 0:3, 0:3] = rows[:, 3:6, 3:6] = np.eye(3)
-    cross = _cross(truth.matrix @ arm)
-    swing = np.einsum("kij,kj->ki", truth.matrix, np.cross(truth.body_rate, arm))
-    rows[:, 0:3, ATTITUDE : ATTITUDE + 3], rows[:, 3:6, ATTITUDE : ATTITUDE + 3] = cross, _cross(swing)
-    rates = np.zeros((k, 3, TRIADS))
-    rates[:, :, GYRO:] = truth.matrix @ _cross(arm)
-    for first in range(BIASES, m, TRIADS):
-        rows[:, 3:6, first : first + TRIADS] = rates
-    _true_sensors(rows[:, 3:6], rates, specific_force_and_rate(trajectory, time_s), layout)
+    """What the fix at each node measures, in the fields of `ErrorModel`."""
+    study, gnss, k = spec.study, spec.study.gnss, len(truth.time_s)
+    at = np.searchsorted(truth.time_s, scheduled - 1e-9)
+    sigma = np.full((k, MEASURED), np.inf)
+    sigma[at] = fix_noise(study, TruthStates(*(values[at] for values in vars(truth).values())))
+    there = np.isfinite(sigma)
+    arm, lever, swing = np.array(gnss.lever_arm), np.zeros((k, 3)), np.empty(3)
+    own = np.zeros((k, MEASURED, BIASES + TRIADS))
+    for node in np.flatnonzero(there.any(axis=1)):
+        observe(truth.matrix[node], arm, truth.body_rate[node], lever[node], swing, own[node])
+    rows = _of_all_states(own, specific_force_and_rate(trajectory, truth.time_s), study.filter.states, layout)
+    position, velocity = slice(POSITION, POSITION + 3), slice(VELOCITY, VELOCITY + 3)
     if (place := layout.first.get("slow GNSS error")) is not None:
         sizes = [gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise]
-        rows[:, 0:3, place : place + 3] = -np.diag(sizes)
+        rows[:, position, place : place + 3] = -np.diag(sizes)
     if (place := layout.first.get("lever arm error")) is not None:
-        rows[:, 0:3, place : place + 3] = truth.matrix
-        rows[:, 3:6, place : place + 3] = truth.matrix @ _cross(truth.body_rate)
+        rows[:, position, place : place + 3] = truth.matrix
+        rows[:, velocity, place : place + 3] = truth.matrix @ _cross(truth.body_rate)
     if (place := layout.first.get("time offset")) is not None:
-        rows[:, 0:3, place] = truth.velocity
-        rows[:, 3:6, place] = acceleration(trajectory, time_s)
-    rows[:, 6, ATTITUDE : ATTITUDE + 3] = euler_error_map(truth.euler[:, 1], truth.euler[:, 2])[:, 2]
-    rows[:, 7, 2] = 1.0
-    noise, extra = np.zeros((k, len(sources), 8)), np.zeros((k, 8))
-    position = np.broadcast_to(np.array(gnss.axis_noise), (k, 3)).copy()
-    position[fixes] = position_noise(study, time_s[fixes], lost[fixes])
-    of_rate = np.einsum("kij,kij->ki", rates, rates) * study.imu.rate
+        rows[:, :HEADING, place], rows[:, HEADING, place] = late[:, :ATTITUDE], late[:, ATTITUDE + 2]
+    noise = np.zeros((k, len(sources), MEASURED))
+    for source, part in (
+        (GNSS_NOISE, position),
+        (GNSS_VELOCITY, velocity),
+        ("heading aiding", HEADING),
+        ("barometer", BAROMETER),
+    ):
+        if source in sources:
+            noise[:, sources.index(source), part] = np.where(there, sigma, 0.0)[:, part] ** 2
+    swung = (np.sum(arm**2) - lever**2) * study.imu.rate  # by the gyros' noise of one sample
     if GYRO_NOISE in sources:
         density = study.imu.gyro.random_walk * study.imu.vibration_factor
-        noise[:, sources.index(GYRO_NOISE), 3:6] = of_rate * density**2
-    noise[:, sources.index(GNSS_NOISE), 0:3] = position**2
-    extra[:, 3:6] = of_rate * tuning_of(study).gyro_density ** 2
-    there = np.zeros((k, 8), dtype=np.bool_)
-    there[:, 0:3] = fix[:, None]
-    for source, columns, sigma, when in (
-        (GNSS_VELOCITY, slice(3, 6), speed if len(speed) else None, fix),
-        ("heading aiding", slice(6, 7), aiding.heading_noise, fix),
-        ("barometer", slice(7, 8), aiding.barometer_noise, at),
-    ):
-        if sigma is not None:
-            noise[:, sources.index(source), columns] = np.asarray(sigma) ** 2
-            there[:, columns] = when[:, None]
-    own = noise.sum(axis=1)
-    own[:, 3:6] -= noise[:, sources.index(GYRO_NOISE), 3:6] if GYRO_NOISE in sources else 0.0
-    variance = np.where(there, own * study.filter.gnss_noise_scale**2 + extra, np.inf)
+        noise[:, sources.index(GYRO_NOISE), velocity] = np.where(there[:, velocity], swung, 0.0) * density**2
+    variance = (sigma * study.filter.gnss_noise_scale) ** 2
+    variance[:, velocity] += swung * tuning_of(study).gyro_density ** 2
     used = there.any(axis=0)
-    rows *= there[:, :, None]
-    noise *= there[:, None]
     return {
-        "rows": rows[:, used],
+        "rows": (rows * there[:, :, None])[:, used],
         "variance": variance[:, used],
         "noise": noise[:, :, used],
         "is_fix": there.any(axis=1),

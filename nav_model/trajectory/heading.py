@@ -27,7 +27,7 @@ def heading_of(spec: CovarianceSpec, time_s: FloatArray, truth: TruthStates, sig
     turning = np.abs(truth.body_rate[:, 2]) > _TURN
     at = float(time_s[seen[0]]) if seen.size else None
     degrees = [f"{math.degrees(value):.3g}°" for value in (sigma[0], sigma.min(), sigma[-1])]
-    two = spec.aiding.heading_noise is not None
+    two = spec.study.aiding.heading_noise is not None
     by_turn = at is not None and bool(np.any(turning & (time_s <= at)))
     if at is None:
         text = f"Heading is not observed: {degrees[0]} at the start, {degrees[2]} at the end."

@@ -1,4 +1,4 @@
-"""What a covariance along a flight is of: the simulator's study, the aperture, and further aiding.
+"""What a covariance along a flight is of: the simulator's study, the aperture, and limits.
 
 Immutable and in SI, as `SimulationSpec`, which holds the instruments, the filter, the flight and its outages.
 """
@@ -26,18 +26,6 @@ class Aperture:
     autofocus_order: int = 1
     scene_height_error: float = 0.0
     side: int = 1
-
-
-@dataclass(frozen=True)
-class Aiding:
-    """What aids the INS beyond GNSS.
-
-    heading_noise: of one heading by two antennas, 1 sigma [rad]; barometer_noise: of one height [m]. Both come with
-    the fixes; None where there is no such sensor. The heading is lost with the fixes, the height is not.
-    """
-
-    heading_noise: float | None = None
-    barometer_noise: float | None = None
 
 
 @dataclass(frozen=True)
@@ -70,7 +58,6 @@ class CovarianceSpec:
 
     study: SimulationSpec
     aperture: Aperture | None = None
-    aiding: Aiding = Aiding()
     lines: tuple[Line, ...] = ()
     limits: Limits = Limits()
     contributors: Parts = field(default_factory=lambda: NONE)

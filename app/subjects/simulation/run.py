@@ -14,7 +14,7 @@ from app.work.pool import elsewhere, size
 from app.work.run import Run
 from app.work.simulator import made_ready, prepare
 from nav_model.design import Design
-from nav_model.design.trajectory import FLOWN
+from nav_model.design.trajectory import AIDING
 from nav_model.simulation.design_study import SimulationStudy, conclude
 from nav_model.simulation.specification import SimulationSpec
 
@@ -109,7 +109,7 @@ async def _fly(run: Run, design: Design, spec: SimulationSpec, nominal: RunRecor
 def same_subject(study: SimulationStudy, other: Design) -> bool:
     """Whether a study holds for another design too: instruments and flight agree, whatever the rest."""
     sections = {"imu", "gnss", "flight"} | ({"trajectory"} if study.result.spec.trajectory.kind == "file" else set())
-    flown = {f"trajectory.{name}" for name in FLOWN}
+    flown = {f"trajectory.{name}" for name in AIDING}
     return all(
         value == other[key]
         for key, value in study.design.items()

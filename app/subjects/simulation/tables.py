@@ -40,7 +40,7 @@ def verdict(study: SimulationStudy) -> Answer:
     if result.nis is not None:
         nis = result.nis
         sentences.append(
-            f"Mean NIS {number(nis.mean)} of {nis.states} measured axes, 95 % band {number(nis.low)} to "
+            f"Mean NIS {number(nis.mean)} of {number(nis.states)} measured axes, 95 % band {number(nis.low)} to "
             f"{number(nis.high)}: {'inside' if nis.inside else 'outside'}."
         )
     return Answer(word, tone, tuple(sentences))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, Span
 from app.subjects.trajectory.figures import FIGURES, limit_of, limits_along
 from app.subjects.trajectory.run import Followed
-from nav_model.trajectory.specification import Aiding
 
 if TYPE_CHECKING:
     from nav_model.simulation.result import SimulationResult
@@ -26,7 +25,9 @@ _RUNS = {
     "horizontal_position": [0, 1], "vertical_position": [2], "horizontal_velocity": [3, 4],
     "vertical_velocity": [5], "tilt": [6, 7], "yaw": [8],
 }  # fmt: skip
-_ALIKE = ("imu", "gnss", "trajectory", "filter", "initial", "outages")  # of two studies that fly the same
+_ALIKE = (  # of two studies that fly the same
+    "imu", "gnss", "aiding", "trajectory", "filter", "initial", "outages", "radar_time_offset",
+)  # fmt: skip
 _HOW = "Covariance along the flight: no runs, no closed form; 1σ just after a fix."
 _USUAL = (("horizontal", "horizontal refined"), ("vertical", "vertical refined"))
 
@@ -155,8 +156,7 @@ def simulated(followed: Followed | None, flown: SimulationResult | None) -> dict
         return {}
     result = followed.result
     own = result.spec.study
-    same = all(getattr(own, part) == getattr(flown.spec, part) for part in _ALIKE) and result.spec.aiding == Aiding()
-    if not same:
+    if any(getattr(own, part) != getattr(flown.spec, part) for part in _ALIKE):
         return {}
     sigma = np.hstack([result.real_time.position, result.real_time.velocity, result.real_time.attitude])
     rms = np.column_stack([np.interp(result.time_s, flown.time_s, flown.rms[1][:, axis]) for axis in range(9)])

@@ -42,7 +42,7 @@ from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.parts import Trajectory
-from nav_model.design.trajectory import AIDING, FLOWN, LINES, MOST_WAYPOINTS, WAYPOINTS
+from nav_model.design.trajectory import AIDING, LINES, MOST_WAYPOINTS, WAYPOINTS
 from nav_model.simulation.specification import FILTER_STATES
 
 _FILE = "file"
@@ -164,7 +164,7 @@ class TrajectoryPage(View):
         )
 
     def _more(self) -> pn.Column:
-        numbers = [self._plan.box(name, width=200, **_LOOK) for name in ("climb_rate", "ground", *FLOWN, *AIDING)]
+        numbers = [self._plan.box(name, width=200, **_LOOK) for name in ("climb_rate", "ground", *AIDING)]
         return pn.Column(pn.FlexBox(*numbers), self._plan.table("limits", "limit"), margin=(4, 10))
 
     def _map(self) -> pn.Column:

@@ -8,7 +8,14 @@ import pytest
 
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly, fly_without_errors
-from nav_model.simulation.specification import FilterModel, GnssModel, InitialErrors, SimulationSpec, TrajectorySpec
+from nav_model.simulation.specification import (
+    Aiding,
+    FilterModel,
+    GnssModel,
+    InitialErrors,
+    SimulationSpec,
+    TrajectorySpec,
+)
 
 
 @pytest.fixture
@@ -54,7 +61,7 @@ def test_velocity_fixes_and_a_lever_arm_make_yaw_observable_in_turns(make_imu):
         duration=300.0,
     )
     record = fly(spec, 0)
-    assert record.nis_states == 6
+    assert record.measured == 6 * 300
     assert record.filter_sigma[POSTERIOR, -1, 8] < 0.7 * record.filter_sigma[POSTERIOR, 0, 8]
     assert np.mean(record.nees) == pytest.approx(15.0, rel=0.4)
     assert np.mean(record.nis) == pytest.approx(6.0, abs=4 * math.sqrt(12 / 300))
@@ -75,6 +82,24 @@ def test_a_long_lever_arm_is_handled_consistently_through_turns(make_imu):
     assert result.consistent, result.verdict
     assert result.nis.mean == pytest.approx(6.0, rel=0.03)
     assert np.degrees(result.filter_sigma[POSTERIOR, -1, 8]) < 0.2
+
+
+def test_heading_and_height_come_with_the_fixes_and_height_alone_in_an_outage(make_imu):
+    spec = SimulationSpec(
+        make_imu(0.1, 0.05),
+        aiding=Aiding(heading_noise=math.radians(0.05), barometer_noise=0.5),
+        trajectory=TrajectorySpec("turns", speed=80.0, heading=math.radians(175.0)),  # through 180°
+        initial=InitialErrors(yaw=math.radians(1.0)),
+        duration=240.0,
+        outages=((180.0, 240.0),),
+        runs=20,
+    )
+    result = simulate(spec)
+    assert result.consistent, result.verdict
+    assert result.nis.states == (5 * 180 + 60) / 240
+    assert result.nis.mean == pytest.approx(result.nis.states, rel=0.03)
+    assert np.degrees(result.rms[POSTERIOR, 180, 8]) < 0.05
+    assert result.rms[POSTERIOR, -1, 2] < 0.3 < 3.0 < result.rms[POSTERIOR, -1, 0]
 
 
 def test_gauss_markov_fix_noise_has_its_sigma_and_correlation_time(make_imu):

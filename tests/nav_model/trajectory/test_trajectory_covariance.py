@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from nav_model.simulation.design_study import specification
 from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.study_inputs import read_study_inputs
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.trajectory.aperture import directions
 from nav_model.trajectory.covariance import _filtered, covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.errors import error_model
@@ -163,6 +166,33 @@ def test_a_source_that_is_zero_has_no_share() -> None:
     assert "lever arm error" in along(MEMS.replace({"trajectory.lever_arm_error": 0.1})).sources
 
 
+def test_a_radar_whose_time_is_wrong_sees_the_flight_of_another_time() -> None:
+    """[P-16]: time by speed, also in the image; by acceleration in velocity, and in phase along the line of sight."""
+    design = MEMS.replace({"processing.scene_height_error": 0.0})
+    study = specification(design, trajectory="wandering", duration=100.0)
+    plain, late = (
+        covariance(covariance_specification(design, replace(study, radar_time_offset=offset)))
+        for offset in (0.0, 1.0)
+    )
+    shape, at = late.spec.aperture, 50
+    assert shape is not None
+    path = plan_trajectory(study.trajectory, study.duration)
+    x = np.linspace(-1.0, 1.0, 2001)
+    velocity = path.velocity(late.time_s[at] + 0.5 * shape.duration * x)
+    sight = directions(velocity[1000:1001], shape)[0][0]
+    expected = np.polynomial.legendre.legfit(x, velocity @ sight, 7)
+    speed = float(np.linalg.norm(velocity[1000]))
+    shift = speed - 2.0 * shape.slant_range / (speed * shape.duration) * expected[1]  # along the track, and by slope
+    for one, other in ((plain.real_time, late.real_time), (plain.post_processed, late.post_processed)):
+        added = np.sqrt(states(other)[at] ** 2 - states(one)[at] ** 2)
+        np.testing.assert_allclose(added[:3], np.abs(velocity[1000]), rtol=1e-4)
+        speeding = np.gradient(velocity, axis=0)[1000] * 2000 / shape.duration
+        np.testing.assert_allclose(added[3:6], np.abs(speeding), rtol=0.01, atol=1e-6)
+        phase = np.sqrt(other.image["quadratic_phase"][at] ** 2 - one.image["quadratic_phase"][at] ** 2)
+        assert phase == pytest.approx(abs(1.5 * expected[2] * 4 * np.pi / shape.wavelength), rel=0.02)
+        assert other.image["ce90"][at] == pytest.approx(1.645 * abs(shift), rel=0.01)  # in one direction
+
+
 def test_beyond_the_bank_limit_no_fix_is_used() -> None:
     """The same covariance as with an outage from when the aircraft banks beyond the limit until it no longer does."""
     limit = math.radians(10.0)
@@ -212,8 +242,15 @@ def runs_of(spec: SimulationSpec, count: int) -> np.ndarray:
         {},
         {"trajectory.lever_arm_error": 2.0, "trajectory.time_offset": 0.02, "trajectory.bank_limit": 0.3},
         {"trajectory.after_loss": ((4.0, 9.0), (10.0, 3.0)), "trajectory.bank_limit": 0.3},
+        {
+            "trajectory.heading_noise": 5e-4,
+            "trajectory.barometer_noise": 0.5,
+            "trajectory.time_offset": 0.02,
+            "trajectory.radar_time_offset": 0.02,
+            "trajectory.bank_limit": 0.3,
+        },
     ],
-    ids=["", "receiver", "code and float"],
+    ids=["", "receiver", "code and float", "heading and height, and the radar's time"],
 )
 def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_confidence(
     runs: int, receiver: dict[str, float]

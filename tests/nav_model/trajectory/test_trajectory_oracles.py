@@ -1,6 +1,7 @@
 """The covariance along a flight against another program, and its smoother against the textbook's."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -11,14 +12,14 @@ from pyins.measurements import Position
 
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import specification
-from nav_model.simulation.specification import GnssModel, ImuModel, InitialErrors, SimulationSpec, TriadModel
+from nav_model.simulation.specification import Aiding, GnssModel, ImuModel, InitialErrors, SimulationSpec, TriadModel
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.covariance import _filtered, _transition, covariance
 from nav_model.trajectory.errors import ErrorModel, error_model
 from nav_model.trajectory.plan import Plan, Waypoint, fly
-from nav_model.trajectory.specification import Aiding, CovarianceSpec
+from nav_model.trajectory.specification import CovarianceSpec
 
 METRE = 1 / 6.38e6
 START = math.radians(45.0)
@@ -106,7 +107,7 @@ def test_runs_that_are_smoothed_back_from_fix_to_fix_lie_within_their_confidence
         {"gyro.bias_instability": "20 °/h", "gyro.correlation_time": "100 s", "gyro.scale_factor": "1000 ppm"}
     )
     study = specification(design, trajectory="turns", duration=180.0, every=6.0, outages=[(100, 130)], more=more)
-    spec = CovarianceSpec(study, None, Aiding(heading_noise=0.002, barometer_noise=2.0))
+    spec = CovarianceSpec(replace(study, aiding=Aiding(heading_noise=0.002, barometer_noise=2.0)))
     found = covariance(spec).post_processed
     squares = np.mean(smoothed_runs(error_model(spec), runs)[:, :6] ** 2, axis=2)
     ratio = squares / np.hstack([found.position, found.velocity]) ** 2
