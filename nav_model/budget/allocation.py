@@ -117,7 +117,7 @@ def allocate(
     """
     check, plan = check_of(budget, requirement), budget.design.allocation or Allotment()
     if check.on in RESPONSE:
-        said = "is no sum of its sources. Allocate the quadratic phase that widens the response."
+        said = f"{check.label} is no sum of its sources. Allocate the quadratic phase that widens the response."
         raise InputError("requirement", said, check.name)
     split, reserve = split or plan.split, plan.reserve if reserve is None else reserve
     Allotment(split, reserve)  # which refuses what is not allowed

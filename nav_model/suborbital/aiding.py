@@ -32,11 +32,6 @@ class Aiding:
     misalignment_rad: Triple = (0.0, 0.0, 0.0)
     dropouts_s: tuple[tuple[float, float], ...] = ()
 
-    @property
-    def perfect(self) -> bool:
-        """True when the frames have no error."""
-        return self.latency_s == 0.0 and not any(self.misalignment_rad)
-
 
 def frame_stride(aiding: Aiding, step_s: float) -> int:
     """Steps from frame to frame. ValueError if frames fall between steps."""

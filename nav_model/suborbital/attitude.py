@@ -12,47 +12,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from nav_model.earth.rotation import FloatArray, matrix_from_quaternion, skew, vector_from_matrix
-from nav_model.suborbital.checks import require
 
 COLLINEAR = 1e-10
 """Below this product of the two smallest information eigenvalues over sigma the roll is not observable."""
 
 
-@dataclass(frozen=True)
-class AttitudeEstimate:
-    """rotation (..., 3, 3) from reference to body axes; covariance (..., 3, 3), rad²; the method's name."""
-
-    rotation: FloatArray
-    covariance: FloatArray
-    method: str
-    source: str = "[B-9]"
+Estimate = tuple[FloatArray, FloatArray]
+"""Rotation (..., 3, 3) from reference to body axes, and its covariance (..., 3, 3), rad²."""
 
 
-def _prepare(
-    body: FloatArray, reference: FloatArray, weight: FloatArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    b, r = np.asarray(body, dtype=np.float64), np.asarray(reference, dtype=np.float64)
-    w = np.ones(b.shape[:-1]) if weight is None else np.broadcast_to(weight, b.shape[:-1]).astype(np.float64)
-    return b, r, w
-
-
-def information(body: FloatArray, weight: FloatArray | None = None) -> FloatArray:
+def information(body: FloatArray, weight: FloatArray) -> FloatArray:
     """sum (I - b b^T), (..., 3, 3): inverse covariance of the optimal methods in units of 1/sigma²."""
-    b, _, w = _prepare(body, body, weight)
-    count = np.sum(w > 0.0, axis=-1)[..., None, None]
-    seen = np.where(w[..., None] > 0.0, b, 0.0)
+    count = np.sum(weight > 0.0, axis=-1)[..., None, None]
+    seen = _seen(body, weight)
     return np.asarray(count * np.eye(3) - np.swapaxes(seen, -1, -2) @ seen)
 
 
-def _refuse_singular(body: FloatArray, weight: FloatArray, least: int, method: str) -> None:
-    count = np.sum(weight > 0.0, axis=-1)
-    if np.any(count < least):
-        raise ValueError(f"{method}: a scene has {int(np.min(count))} stars; it needs at least {least}")
-    weakest = np.linalg.eigvalsh(information(body, weight))[..., 0]
-    if np.any(weakest < COLLINEAR):
-        raise ValueError(
-            f"{method}: the stars of a scene are collinear, so the rotation about their line is not observable"
-        )
+def _seen(directions: FloatArray, weight: FloatArray) -> FloatArray:
+    """Directions of the stars there are, zeros for the others."""
+    return np.where(weight[..., None] > 0.0, directions, 0.0)
 
 
 def _optimal_covariance(body: FloatArray, weight: FloatArray, sigma: float) -> FloatArray:
@@ -72,13 +50,8 @@ def _nearest_rotation(matrix: FloatArray) -> FloatArray:
     return np.asarray((u * flip[..., None, :]) @ vt)
 
 
-def triad(
-    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
-) -> AttitudeEstimate:
-    """TRIAD of the first two stars (put the two to be used first). ValueError for two collinear stars."""
-    b, r, w = _prepare(body, reference, weight)
-    require(b.shape[-2] >= 2, f"TRIAD: a scene has {b.shape[-2]} stars; it needs at least 2")
-    _refuse_singular(b[..., :2, :], w[..., :2], 2, "TRIAD")
+def triad(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
+    """TRIAD of the first two stars (put the two to be used first)."""
 
     def frame(v: FloatArray) -> FloatArray:
         cross = np.cross(v[..., 0, :], v[..., 1, :])
@@ -90,30 +63,20 @@ def triad(
     cross = np.sum(np.cross(one, two) ** 2, axis=-1)[..., None, None]
     dot = np.sum(one * two, axis=-1)[..., None, None]
     covariance = sigma**2 * (np.eye(3) + dot * (outer + np.swapaxes(outer, -1, -2)) / cross)
-    return AttitudeEstimate(frame(b) @ np.swapaxes(frame(r), -1, -2), covariance, "TRIAD")
+    return frame(b) @ np.swapaxes(frame(r), -1, -2), covariance
 
 
-def n_vector(
-    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
-) -> AttitudeEstimate:
-    """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation.
-
-    ValueError unless three stars of every scene span space (two stars, or all in one plane, do not).
-    """
-    b, r, w = _prepare(body, reference, weight)
-    _refuse_singular(b, w, 3, "N-vector")
-    seen = np.where(w[..., None] > 0.0, b, 0.0)
-    gram = np.swapaxes(seen, -1, -2) @ seen
-    if np.any(np.linalg.eigvalsh(gram)[..., 0] < COLLINEAR):
-        raise ValueError("N-vector: the stars of a scene lie in one plane; it needs three that span space")
-    inverse = np.linalg.inv(gram)
-    raw = np.swapaxes(np.where(w[..., None] > 0.0, r, 0.0), -1, -2) @ seen @ inverse
+def n_vector(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
+    """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation."""
+    seen = _seen(b, w)
+    inverse = np.linalg.inv(np.swapaxes(seen, -1, -2) @ seen)
+    raw = np.swapaxes(_seen(r, w), -1, -2) @ seen @ inverse
     lever = seen @ inverse
     cross = skew(lever)
     tangent = np.eye(3) - b[..., :, None] * b[..., None, :]
     used = (w > 0.0)[..., None, None]
     covariance = sigma**2 / 4.0 * np.sum(np.where(used, cross @ tangent @ np.swapaxes(cross, -1, -2), 0.0), axis=-3)
-    return AttitudeEstimate(np.swapaxes(_nearest_rotation(raw), -1, -2), covariance, "N-vector")
+    return np.swapaxes(_nearest_rotation(raw), -1, -2), covariance
 
 
 def _davenport(profile: FloatArray) -> FloatArray:
@@ -134,29 +97,19 @@ def _davenport(profile: FloatArray) -> FloatArray:
     return k
 
 
-def q_method(
-    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
-) -> AttitudeEstimate:
-    """Davenport's q-method: the eigenvector of the largest eigenvalue of K. ValueError for collinear
-    stars."""
-    b, r, w = _prepare(body, reference, weight)
-    _refuse_singular(b, w, 2, "q-method")
+def q_method(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
+    """Davenport's q-method: the eigenvector of the largest eigenvalue of K."""
     _, vectors = np.linalg.eigh(_davenport(_profile(b, r, w)))
     rotation = matrix_from_quaternion(vectors[..., :, -1])
-    return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "q-method")
+    return rotation, _optimal_covariance(b, w, sigma)
 
 
-def quest(
-    body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
-) -> AttitudeEstimate:
+def quest(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
     """QUEST: Newton on the quartic of K for its largest eigenvalue, then the quaternion in closed form.
 
     Of the four sequential rotations (none, or 180° about x, y, z of the reference) each scene takes the one
-    whose quaternion has the largest scalar part, so 180° turns are no exception. ValueError for collinear
-    stars.
+    whose quaternion has the largest scalar part, so 180° turns are no exception.
     """
-    b, r, w = _prepare(body, reference, weight)
-    _refuse_singular(b, w, 2, "QUEST")
     profile = _profile(b, r, w)
     flips = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
     turned = profile[..., None, :, :] * flips[:, None, :]
@@ -190,25 +143,39 @@ def quest(
     q = np.concatenate([np.ones((*vector.shape[:-1], 1)), vector], axis=-1)
     rotation = matrix_from_quaternion(q / np.linalg.norm(q, axis=-1, keepdims=True))
     rotation = rotation * flips[best[..., 0]][..., None, :]
-    return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "QUEST")
+    return rotation, _optimal_covariance(b, w, sigma)
 
 
-def svd(body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None) -> AttitudeEstimate:
-    """Least squares (Wahba's problem) by singular value decomposition. ValueError for collinear stars."""
-    b, r, w = _prepare(body, reference, weight)
-    _refuse_singular(b, w, 2, "SVD")
+def svd(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
+    """Least squares (Wahba's problem) by singular value decomposition."""
     rotation = _nearest_rotation(_profile(b, r, w))
-    return AttitudeEstimate(rotation, _optimal_covariance(b, w, sigma), "SVD")
+    return rotation, _optimal_covariance(b, w, sigma)
 
 
-METHODS: dict[str, Callable[..., AttitudeEstimate]] = {
+METHODS: dict[str, Callable[[FloatArray, FloatArray, float, FloatArray], Estimate]] = {
     "TRIAD": triad,
     "N-vector": n_vector,
     "q-method": q_method,
     "QUEST": quest,
     "SVD": svd,
 }
-"""The five methods by name; each takes (body, reference, sigma, weight)."""
+"""The five methods by name; each takes body, reference, sigma and weight of scenes that it can solve."""
+
+
+def estimate(
+    method: str, body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
+) -> Estimate:
+    """Attitudes by one of the `METHODS`; every star counts without a weight.
+
+    Raises
+    ------
+    ValueError
+        For a scene that the method cannot solve (`solvable`).
+    """
+    weight = np.ones(body.shape[:-1]) if weight is None else weight
+    if not np.all(solvable(method, body, weight)):
+        raise ValueError(f"{method}: the stars of a scene are too few, or they are in one line or plane")
+    return METHODS[method](body, reference, sigma, weight)
 
 
 def solvable(method: str, body: FloatArray, weight: FloatArray) -> np.ndarray:
@@ -219,7 +186,7 @@ def solvable(method: str, body: FloatArray, weight: FloatArray) -> np.ndarray:
     enough = np.sum(w > 0.0, axis=-1) >= (3 if method == "N-vector" else 2)
     if method != "N-vector":
         return np.asarray(apart & enough)
-    seen = np.where(w[..., None] > 0.0, b, 0.0)
+    seen = _seen(b, w)
     spanned = np.linalg.eigvalsh(np.swapaxes(seen, -1, -2) @ seen)[..., 0] >= COLLINEAR
     return np.asarray(apart & enough & spanned)
 
@@ -252,16 +219,16 @@ def compare_methods(
 ) -> tuple[MethodScore, ...]:
     """All five methods on the same scenes (n, k, 3) with true attitudes (n, 3, 3)."""
     scores: list[MethodScore] = []
-    for name, method in METHODS.items():
-        estimate = method(body, reference, sigma, weight)
-        error = attitude_error(estimate.rotation, truth)
+    for name in METHODS:
+        rotation, covariance = estimate(name, body, reference, sigma, weight)
+        error = attitude_error(rotation, truth)
         rms = np.sqrt(np.mean(error**2, axis=0))
         scores.append(
             MethodScore(
                 method=name,
                 mean_error_rad=float(np.mean(np.linalg.norm(error, axis=-1))),
                 axis_rms_rad=(float(rms[0]), float(rms[1]), float(rms[2])),
-                mean_nees=float(np.mean(nees(error, estimate.covariance))),
+                mean_nees=float(np.mean(nees(error, covariance))),
                 scenes=len(error),
                 source=f"{len(error)} scenes, {name}, covariance [B-9]",
             )

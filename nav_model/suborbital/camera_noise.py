@@ -26,8 +26,6 @@ class CameraNoise:
         Noise of a star's place in the image, per axis.
     total_m, camera_m : ndarray (k,)
         With the tracker: of camera and inertial unit together, and of the camera alone.
-    frames : ndarray (k,)
-        Star frames that pass the camera's gate.
     alone_m : float
         The INS without a tracker.
     """
@@ -35,7 +33,6 @@ class CameraNoise:
     centroid_rad: FloatArray
     total_m: FloatArray
     camera_m: FloatArray
-    frames: FloatArray
     alone_m: float
 
 
@@ -61,16 +58,15 @@ def sweep_camera_noise(study: Study, settings: Settings, centroid_rad: FloatArra
     track = track_stars(flight, camera, settings.sky(), method=settings["camera.method"], seed=int(settings["seed"]))
     wanted = frame_steps(flight, inputs.aiding) & track.frames.used
     accelerometer, gyro = inputs.errors.accelerometers.white_noise, inputs.errors.gyros.white_noise
-    total, own, frames = [], [], []
+    total, own = [], []
     for noise in centroid_rad:
         scale = float(noise) / least
         used = wanted & (track.roll_sigma_rad * scale <= camera.roll_limit_rad)
         covariance = scale**2 * track.covariance
         total.append(_final(white_noise_spread(flight, accelerometer, gyro, used, covariance).position_sigma_m))
         own.append(_final(white_noise_spread(flight, 0.0, 0.0, used, covariance).position_sigma_m))
-        frames.append(float(used.sum()))
     alone = _final(white_noise_spread(flight, accelerometer, gyro).position_sigma_m)
-    return CameraNoise(np.asarray(centroid_rad, float), np.array(total), np.array(own), np.array(frames), alone)
+    return CameraNoise(np.asarray(centroid_rad, float), np.array(total), np.array(own), alone)
 
 
 def _final(sigma_m: FloatArray) -> float:

@@ -5,8 +5,6 @@ They explain the Schuler oscillation and the unstable height, and hold only for 
 rotate. On a long arc they are wrong: displayed numbers come from the integrated INS.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,12 +12,13 @@ from nav_model.base.compiled import kernel
 from nav_model.base.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
-from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import (
     ACCELEROMETERS,
     ATTITUDE,
     BIAS,
+    COUNT,
     GYROS,
     MATRIX,
     POSITION,
@@ -83,16 +82,6 @@ def height_growth(flight: TrueFlight) -> FloatArray:
     return np.asarray(np.exp(np.concatenate([[0.0], np.cumsum(steps)])))
 
 
-@dataclass(frozen=True)
-class ChannelErrors:
-    """Errors the decoupled channels predict for c cases: time_s (m,), position_m north, east, up (c, m,
-    3)."""
-
-    time_s: FloatArray
-    position_m: FloatArray = field(repr=False)
-    source: str = "decoupled channels [B-5] in local axes, for comparison: they fail on a long arc"
-
-
 @kernel
 def _channels(
     x: FloatArray, v: FloatArray, force: FloatArray, w2: FloatArray, h: float, every: int, out: FloatArray
@@ -152,10 +141,10 @@ def _force_channels(
 def _forcing(flight: TrueFlight, sines: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Forcing of the channels by a unit of each parameter in the middle of every step, north, east, up (n, 61, 3),
     m/s²; the path there (n, 3)."""
-    launch, tilt = local_axes(flight.position_i[0]), np.zeros((3, len(PARAMETERS)))
+    launch, tilt = local_axes(flight.position_i[0]), np.zeros((3, COUNT))
     tilt[:, ATTITUDE] = launch
     middle = 0.5 * (flight.position_i[1:] + flight.position_i[:-1])
-    out = np.empty((flight.steps, len(PARAMETERS), 3))
+    out = np.empty((flight.steps, COUNT, 3))
     _force_channels(
         np.ascontiguousarray(flight.half_attitude_bi[1::2]),
         np.ascontiguousarray(flight.specific_force_b[:, 1]),
@@ -178,22 +167,16 @@ def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) ->
     n, h = flight.steps, flight.step_s
     flight.require_spacing(every)
     forcing, middle = _forcing(flight, oscillations(flight, errors)[1::2])
-    unit = np.eye(len(PARAMETERS))
-    out = np.empty((len(PARAMETERS), n // every + 1, 3))
+    unit = np.eye(COUNT)
+    out = np.empty((COUNT, n // every + 1, 3))
     w2 = GRAVITATIONAL_PARAMETER / np.linalg.norm(middle, axis=1) ** 3
     _channels(unit[:, POSITION] * _UP, unit[:, VELOCITY] * _UP, forcing, w2, h, every, out)
     return out
 
 
-def channel_errors(flight: TrueFlight, parameters: FloatArray, response: FloatArray, every: int) -> ChannelErrors:
-    """Errors of parameter vectors (c, 61) from a `decoupled_response`."""
-    return ChannelErrors(flight.time_s[::every], np.einsum("cp,pmi->cmi", parameters, response))
-
-
-def closed_form_errors(
-    flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10
-) -> ChannelErrors:
-    """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for.
+def closed_form_errors(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> FloatArray:
+    """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for: north, east, up
+    (c, m, 3), m.
 
     They assume one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
     are the means of the accelerometers' local errors while the motor burns, f e the slope (least squares
@@ -228,10 +211,9 @@ def closed_form_errors(
         )
         for axis, rate in enumerate((w, w, 1j * np.sqrt(2.0) * w))
     ]  # fmt: skip
-    return ChannelErrors(t, np.stack(channels, axis=-1), _CLOSED)
+    return np.stack(channels, axis=-1)
 
 
 _UP = np.array([1.0, 1.0, -1.0])
 _BURNING = 0.1
 """Specific force, m/s², above which the motor burns."""
-_CLOSED = "closed forms [B-6] with the means of the powered flight as constants (X): they explain, not predict"

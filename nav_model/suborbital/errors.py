@@ -134,8 +134,7 @@ class ErrorSet:
 def parameter_vector(
     errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0
 ) -> FloatArray:
-    """The deterministic errors as one vector, (61,), in the order of `PARAMETERS`; star tracker entries
-    last."""
+    """The deterministic errors as one vector, (61,), in the order of `layout`; star tracker entries last."""
     parts: list[FloatArray] = []
     for sensor in (errors.accelerometers, errors.gyros):
         parts += [
@@ -147,28 +146,6 @@ def parameter_vector(
     initial = errors.initial
     parts += [np.array(initial.position_m), np.array(initial.velocity_m_s), np.array(initial.attitude_rad)]
     return np.concatenate([*parts, np.array(misalignment_rad), [latency_s]])
-
-
-def _names() -> list[str]:
-    names: list[str] = []
-    for sensor in ("accelerometer", "gyro"):
-        for kind in ("constant", "oscillating"):
-            names += [f"{sensor} {axis} bias, {kind}" for axis in "xyz"]
-        for kind in ("constant", "oscillating"):
-            names += [
-                f"{sensor} {row} scale factor, {kind}"
-                if row == column
-                else f"{sensor} {row} misalignment to {column}, {kind}"
-                for row in "xyz"
-                for column in "xyz"
-            ]
-    for what in ("position", "velocity", "attitude"):
-        names += [f"initial {what}, {axis}" for axis in ("north", "east", "down")]
-    return [*names, *(f"camera misalignment about {axis}" for axis in "xyz"), "frame latency"]
-
-
-PARAMETERS: tuple[str, ...] = tuple(_names())
-"""Name of each entry of the parameter vector."""
 
 
 def require_parameters(parameters: FloatArray) -> None:
@@ -215,7 +192,7 @@ noise, which is random, is reported beside it as a standard deviation)."""
 
 def mask(group: tuple[slice, ...]) -> FloatArray:
     """Ones at the entries of a group, zeros elsewhere, (61,)."""
-    out = np.zeros(len(PARAMETERS))
+    out = np.zeros(COUNT)
     for part in group:
         out[part] = 1.0
     return out

@@ -1,4 +1,4 @@
-"""Where each deterministic error lies in the parameter vector (61,) that `errors.PARAMETERS` names.
+"""Where each deterministic error lies in the parameter vector (61,).
 
 Global integers are constants in compiled code, so names cost nothing.
 """

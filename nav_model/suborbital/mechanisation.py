@@ -205,7 +205,7 @@ def mechanise(
 ) -> InsRun:
     """Run the INS over a flight for c cases.
 
-    parameters: (c, 61) in the order of `errors.PARAMETERS` (its star tracker entries are not read here:
+    parameters: (c, 61) in the order of `layout` (its star tracker entries are not read here:
     they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
     per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
     step; gravity: the model the INS believes in, of all cases or one each; every: output spacing in steps, which

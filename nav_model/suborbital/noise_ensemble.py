@@ -20,14 +20,13 @@ LEVEL = 0.95
 class NoiseEnsemble:
     """Ensemble of n runs with white noise alone, north, east, up, m.
 
-    pure_rms_m, aided_rms_m (m, 3) against time_s (m,); pure_sigma_m, aided_sigma_m: what the covariance of
+    pure_rms_m, aided_rms_m (m, 3) at the times of the study; pure_sigma_m, aided_sigma_m: what the covariance of
     [B-4] predicts; low, high: factors on a true sigma between which the rms of n runs lies with probability
     `LEVEL` (chi-square).
     """
 
     runs: int
     seed: int
-    time_s: FloatArray
     pure_rms_m: FloatArray = field(repr=False)
     aided_rms_m: FloatArray = field(repr=False)
     pure_sigma_m: FloatArray = field(repr=False)
@@ -125,7 +124,6 @@ def fly_noise(
     return NoiseEnsemble(
         runs=runs,
         seed=seed,
-        time_s=study.pure.time_s,
         pure_rms_m=rms[0],
         aided_rms_m=rms[1],
         pure_sigma_m=study.pure_noise.position_sigma_m,

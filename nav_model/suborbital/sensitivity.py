@@ -17,12 +17,13 @@ from nav_model.base.compiled import kernel, part
 from nav_model.base.constants import GRAVITATIONAL_PARAMETER
 from nav_model.earth.rotation import FloatArray, skew
 from nav_model.earth.sphere import local_axes
-from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import TrueFlight, step_nodes
 from nav_model.suborbital.layout import (
     ATTITUDE,
     BIAS,
     CAMERA,
+    COUNT,
     GYROS,
     LATENCY,
     MATRIX,
@@ -50,7 +51,7 @@ class Sensitivity:
     def position_m(self, parameters: FloatArray) -> FloatArray:
         """Position errors (cases, m, 3), m, of parameter vectors (cases, 61) or (61,): the product S p."""
         p = np.atleast_2d(parameters)
-        flat = self.position.reshape(-1, len(PARAMETERS)) @ p.T
+        flat = self.position.reshape(-1, COUNT) @ p.T
         return np.ascontiguousarray(flat.T).reshape(len(p), len(self.time_s), 3)
 
 
@@ -58,13 +59,12 @@ class Sensitivity:
 class NoiseSpread:
     """Standard deviation of the error that white sensor noise (and, aided, star noise) leaves.
 
-    time_s (m,); position_sigma_m (m, 3): north, east, up; attitude_sigma_rad (m, 3), inertial axes;
-    covariance (m, 9, 9) of psi, velocity and position on inertial axes.
+    time_s (m,); position_sigma_m (m, 3): north, east, up; covariance (m, 9, 9) of psi, velocity and position on
+    inertial axes.
     """
 
     time_s: FloatArray
     position_sigma_m: FloatArray
-    attitude_sigma_rad: FloatArray
     covariance: FloatArray = field(repr=False)
 
 
@@ -149,11 +149,11 @@ def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = 
     flight.require_spacing(every)
     taken = np.zeros(n + 1, dtype=np.bool_) if used is None else np.ascontiguousarray(used, dtype=np.bool_)
     launch = local_axes(flight.position_i[0])
-    state = np.zeros((9, len(PARAMETERS)))
+    state = np.zeros((9, COUNT))
     state[6:, POSITION] = launch
     state[3:6, VELOCITY] = launch
     state[:3, ATTITUDE] = launch
-    out = np.empty((n // every + 1, 9, len(PARAMETERS)))
+    out = np.empty((n // every + 1, 9, COUNT))
     _propagate(
         state,
         _dynamics(
@@ -226,7 +226,6 @@ def white_noise_spread(
     return NoiseSpread(
         time_s=flight.time_s[::every],
         position_sigma_m=np.sqrt(np.diagonal(place, axis1=1, axis2=2)),
-        attitude_sigma_rad=np.sqrt(np.diagonal(out[:, :3, :3], axis1=1, axis2=2)),
         covariance=out,
     )
 
@@ -247,14 +246,9 @@ class NoiseParts:
         parts = [(errors.accelerometers.white_noise, self.accelerometer), (errors.gyros.white_noise, self.gyro)]
         if self.star is not None:
             parts.append((1.0, self.star))
-
-        def root(name: str) -> FloatArray:
-            return np.sqrt(sum((a * a * getattr(part, name) ** 2 for a, part in parts), np.zeros(1)))
-
         return NoiseSpread(
             time_s=self.accelerometer.time_s,
-            position_sigma_m=root("position_sigma_m"),
-            attitude_sigma_rad=root("attitude_sigma_rad"),
+            position_sigma_m=np.sqrt(sum((a * a * part.position_sigma_m**2 for a, part in parts), np.zeros(1))),
             covariance=sum((a * a * part.covariance for a, part in parts), np.zeros(1)),
         )
 

@@ -19,11 +19,10 @@ class SensorHistory:
     time_s: FloatArray
     specific_force_m_s2: FloatArray = field(repr=False)
     angular_rate_rad_s: FloatArray = field(repr=False)
-    source: str = "sensor errors [B-1] at the flight's true specific force and angular rate"
 
 
 def sensor_history(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> SensorHistory:
-    """df and domega [B-1] of the parameter vectors (c, 61) or (61,), in the order of `errors.PARAMETERS`.
+    """df and domega [B-1] of the parameter vectors (c, 61) or (61,), in the order of `layout`.
 
     errors supplies the periods of the oscillating terms; every: spacing in steps, a divisor of their number.
     At burn-out the specific force is that of the step which begins there. Raises ValueError for a wrong

@@ -6,6 +6,7 @@ The camera measures directions with `centroid_sigma_rad` per axis in the tangent
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from nav_model.base.compiled import kernel
 from nav_model.base.constants import ARCSECOND
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import attitude_at
-from nav_model.suborbital.attitude import COLLINEAR, METHODS, attitude_error, information, nees, solvable
+from nav_model.suborbital.attitude import COLLINEAR, attitude_error, estimate, information, nees, solvable
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
@@ -144,6 +145,30 @@ def gate(
     return ~(few | flat | refused), reason
 
 
+class _Solved(NamedTuple):
+    """Attitudes of frames: which are used and why not, body to inertial (the truth where unused), the error on body
+    axes (NaN there) and its covariance (zero there)."""
+
+    used: np.ndarray
+    reason: np.ndarray
+    attitude: FloatArray
+    error: FloatArray
+    covariance: FloatArray
+
+
+def _solved(
+    camera: StarCamera, truth: FloatArray, body: FloatArray, reference: FloatArray, weight: FloatArray, method: str
+) -> _Solved:
+    used, reason = gate(camera, body, weight, method)
+    found = _Solved(used, reason, truth.copy(), np.full((len(truth), 3), np.nan), np.zeros((len(truth), 3, 3)))
+    rotation, found.covariance[used] = estimate(
+        method, body[used], reference[used], camera.centroid_sigma_rad, weight[used]
+    )
+    found.attitude[used] = np.swapaxes(rotation, -1, -2)
+    found.error[used] = attitude_error(rotation, np.swapaxes(truth[used], -1, -2))
+    return found
+
+
 @dataclass(frozen=True)
 class StarFrame:
     """One image: catalogue numbers, magnitudes, pixel positions (true and measured), the error of their attitude.
@@ -178,13 +203,10 @@ def star_frames(
         measure(camera, sky, attitude[[k]], chosen[[k]], np.random.default_rng(seed + k)) for k in range(len(time_s))
     ]
     body, reference, weight = (np.concatenate(parts) for parts in zip(*measured, strict=True))
-    used, reason = gate(camera, body, weight, method)
-    answer = METHODS[method](body[used], reference[used], camera.centroid_sigma_rad, weight[used])
-    error = attitude_error(answer.rotation, np.swapaxes(attitude[used], -1, -2))
-    sigma = np.sqrt(np.diagonal(answer.covariance, axis1=-2, axis2=-1))
+    done = _solved(camera, attitude, body, reference, weight, method)
+    sigma = np.sqrt(np.diagonal(done.covariance, axis1=-2, axis2=-1))
     x, y = project(camera, sky.direction[np.maximum(chosen, 0)] @ attitude @ CAMERA_TO_BODY)
     mx, my = project(camera, body @ CAMERA_TO_BODY)
-    solved = np.cumsum(used) - 1
 
     def frame(k: int) -> StarFrame:
         seen = chosen[k][chosen[k] >= 0]
@@ -200,10 +222,10 @@ def star_frames(
             stars_in_field=int(count[k]),
             boresight_ra_rad=float(np.arctan2(boresight[1], boresight[0]) % (2.0 * np.pi)),
             boresight_dec_rad=float(np.arcsin(np.clip(boresight[2], -1.0, 1.0))),
-            used=bool(used[k]),
-            reason=str(reason[k]),
-            error_rad=error[solved[k]] if used[k] else None,
-            sigma_rad=sigma[solved[k]] if used[k] else None,
+            used=bool(done.used[k]),
+            reason=str(done.reason[k]),
+            error_rad=done.error[k] if done.used[k] else None,
+            sigma_rad=sigma[k] if done.used[k] else None,
             source=f"{sky.source}; camera [B-8], {method} [B-9], seed {seed + k}",
         )
 
@@ -214,19 +236,14 @@ def star_frames(
 class StarTrack:
     """Star frames of a whole flight, one per step (n+1): use them as `measured` of `study.run_study`.
 
-    frames.used is false where the geometry was gated; stars_in_field, roll_sigma_rad (n+1,); error_rad
-    (n+1, 3) on body axes, NaN where gated; covariance (n+1, 3, 3), zero where gated; mean_nees over used
-    frames.
+    frames.used is false where the geometry was gated; roll_sigma_rad (n+1,); covariance (n+1, 3, 3), zero where
+    gated; mean_nees over used frames.
     """
 
     frames: AttitudeFrames
-    stars_in_field: np.ndarray = field(repr=False)
     roll_sigma_rad: FloatArray = field(repr=False)
-    error_rad: FloatArray = field(repr=False)
     covariance: FloatArray = field(repr=False)
     mean_nees: float
-    method: str
-    source: str
 
 
 def track_stars(
@@ -249,33 +266,21 @@ def track_stars(
     generator = np.random.default_rng(seed)
     total = flight.steps + 1
     truth = flight.attitude_bi
-    used = np.zeros(total, dtype=np.bool_)
-    estimate = np.ascontiguousarray(truth)
-    error, covariance = np.full((total, 3), np.nan), np.zeros((total, 3, 3))
-    roll, stars = np.empty(total), np.empty(total, dtype=np.int64)
+    roll, chunks = np.empty(total), []
     for start in range(0, total, _CHUNK):
         part = slice(start, min(start + _CHUNK, total))
         attitude = truth[part]
-        chosen, stars[part] = select_stars(camera, sky, attitude)
+        chosen, _ = select_stars(camera, sky, attitude)
         body, reference, weight = measure(camera, sky, attitude, chosen, generator)
-        good, _ = gate(camera, body, weight, method)
         roll[part] = roll_sigma(camera, body, weight)
-        used[part] = good
-        if good.any():
-            answer = METHODS[method](body[good], reference[good], camera.centroid_sigma_rad, weight[good])
-            where = np.flatnonzero(good) + start
-            estimate[where] = np.swapaxes(answer.rotation, -1, -2)
-            error[where] = attitude_error(answer.rotation, np.swapaxes(truth[where], -1, -2))
-            covariance[where] = answer.covariance
+        chunks.append(_solved(camera, attitude, body, reference, weight, method))
         if progress is not None:
             progress(part.stop / total)
+    done = _Solved(*map(np.concatenate, zip(*chunks, strict=True)))
+    used, covariance = done.used, done.covariance
     return StarTrack(
-        frames=AttitudeFrames(used, estimate, covariance),
-        stars_in_field=stars,
+        frames=AttitudeFrames(used, done.attitude, covariance),
         roll_sigma_rad=roll,
-        error_rad=error,
         covariance=covariance,
-        mean_nees=float(np.mean(nees(error[used], covariance[used]))) if used.any() else float("nan"),
-        method=method,
-        source=f"{sky.source}; camera [B-8], {method} [B-9], seed {seed}, {total} frames",
+        mean_nees=float(np.mean(nees(done.error[used], covariance[used]))) if used.any() else float("nan"),
     )

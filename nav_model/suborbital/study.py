@@ -9,7 +9,7 @@ import numpy as np
 from nav_model.earth.gravity import ZONALS
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import Aiding, camera_frames, frame_stride, perfect_frames
-from nav_model.suborbital.channels import ChannelErrors, channel_errors, decoupled_response
+from nav_model.suborbital.channels import decoupled_response
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import FlightParameters, TrueFlight, in_gravity, reference_flight
@@ -97,9 +97,9 @@ class Study:
         return self.linear.used
 
     @cached_property
-    def channels(self) -> ChannelErrors:
-        """The decoupled channels [B-5] of the same cases."""
-        return channel_errors(self.flight, self.parameters, self.linear.channel_response, self.every)
+    def channels_m(self) -> FloatArray:
+        """The decoupled channels [B-5] of the same cases: north, east, up (c, m, 3), m."""
+        return np.asarray(np.einsum("cp,pmi->cmi", self.parameters, self.linear.channel_response))
 
     @cached_property
     def pure_noise(self) -> NoiseSpread:
@@ -113,7 +113,7 @@ class Study:
 
 
 def case_parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], FloatArray]:
-    """Names of the cases, and their errors (cases, 61) in the order of `errors.PARAMETERS`."""
+    """Names of the cases, and their errors (cases, 61) in the order of `layout`."""
     p = parameter_vector(errors, aiding.misalignment_rad, aiding.latency_s)
     groups = {**SOURCES, **CLASSES}
     names = (*groups, GRAVITY_ROW)

@@ -112,7 +112,8 @@ def explain(study: Study) -> str:
     return " ".join(parts)
 
 
-def _channels(values: FloatArray) -> dict[str, float]:
+def by_channel(values: FloatArray) -> dict[str, float]:
+    """A position error under the names of its axes."""
     return dict(zip(("north", "east", "up"), map(float, values), strict=True))
 
 
@@ -124,7 +125,7 @@ def to_json(study: Study) -> dict[str, object]:
     apogee_time, apogee_height = flight.apogee
 
     def both(pure: FloatArray, aided: FloatArray) -> dict[str, dict[str, float]]:
-        return {"final_m": _channels(pure), "aided_final_m": _channels(aided)}
+        return {"final_m": by_channel(pure), "aided_final_m": by_channel(aided)}
 
     rows = {name: both(*study.final_m(name)) for name in study.names}
     return {

@@ -5,12 +5,11 @@ import shlex
 from typing import Any
 
 from nav_model.base.constants import ARCSECOND
-from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.noise_ensemble import LEVEL, NoiseEnsemble
 from nav_model.suborbital.settings import DEFAULTS, Settings
 from nav_model.suborbital.study import Gap, Study
-from nav_model.suborbital.summary import to_json
+from nav_model.suborbital.summary import by_channel, to_json
 from nav_model.suborbital.survey import Survey
 
 MAPPING = (
@@ -59,8 +58,7 @@ def survey_json(survey: Survey, study: Study | None = None, settings: Settings |
             "mean_nees": None if track is None or math.isnan(track.mean_nees) else track.mean_nees,
         },
         "gravity_mismatch_final_m": [
-            {"truth": truth, "ins": model, "north": float(error[0]), "east": float(error[1]), "up": float(error[2])}
-            for truth, model, error in survey.gravity
+            {"truth": truth, "ins": model, **by_channel(error)} for truth, model, error in survey.gravity
         ],
     }
 
@@ -80,18 +78,13 @@ def gap_json(gap: Gap) -> dict[str, Any]:
 
 def noise_json(ensemble: NoiseEnsemble) -> dict[str, Any]:
     """A white-noise ensemble: final rms, the predicted sigma, and the interval for its verdict."""
-    channels = ("north", "east", "up")
-
-    def named(values: FloatArray) -> dict[str, float]:
-        return dict(zip(channels, map(float, values), strict=True))
-
     return {
         "runs": ensemble.runs,
         "seed": ensemble.seed,
-        "final_rms_m": named(ensemble.pure_rms_m[-1]),
-        "aided_final_rms_m": named(ensemble.aided_rms_m[-1]),
-        "predicted_sigma_m": named(ensemble.pure_sigma_m[-1]),
-        "aided_predicted_sigma_m": named(ensemble.aided_sigma_m[-1]),
+        "final_rms_m": by_channel(ensemble.pure_rms_m[-1]),
+        "aided_final_rms_m": by_channel(ensemble.aided_rms_m[-1]),
+        "predicted_sigma_m": by_channel(ensemble.pure_sigma_m[-1]),
+        "aided_predicted_sigma_m": by_channel(ensemble.aided_sigma_m[-1]),
         "interval": {"level": LEVEL, "low": ensemble.low, "high": ensemble.high},
         "inside": all(inside for *_, inside in ensemble.final),
         "source": ensemble.source,

@@ -12,14 +12,15 @@ from nav_model.suborbital.aiding import (
     frame_steps,
     perfect_frames,
 )
-from nav_model.suborbital.errors import CLASSES, PARAMETERS, ErrorSet, mask, parameter_vector
+from nav_model.suborbital.errors import CLASSES, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import FlightParameters, attitude_program
+from nav_model.suborbital.layout import COUNT
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
 from nav_model.suborbital.navigation_errors import navigation_errors
 
 
 def final(flight, aiding, parameters=None, frames=None):
-    p = np.zeros(len(PARAMETERS)) if parameters is None else parameters
+    p = np.zeros(COUNT) if parameters is None else parameters
     aid = camera_frames(flight, aiding) if frames is None else frames
     return navigation_errors(flight, mechanise(flight, p, ErrorSet(), frames=(aid,), every=flight.steps)).position_m[
         0, -1

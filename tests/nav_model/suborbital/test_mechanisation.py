@@ -9,11 +9,11 @@ from nav_model.earth.gravity import gravitation
 from nav_model.earth.rotation import matrix_from_vector, skew
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
 from nav_model.suborbital.errors import (
-    PARAMETERS,
     ErrorSet,
     parameter_vector,
 )
 from nav_model.suborbital.flight import FlightParameters, TrueFlight, reference_flight, step_nodes
+from nav_model.suborbital.layout import COUNT
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise, oscillations
 
 # star_tracker.md, GP-1: final errors north, east, up, m.
@@ -53,7 +53,7 @@ def test_gp1_aided_from_lift_off(study, compared):
 
 
 def test_error_free_ins_follows_the_flight(flight):
-    run = mechanise(flight, np.zeros(len(PARAMETERS)), ErrorSet())
+    run = mechanise(flight, np.zeros(COUNT), ErrorSet())
     assert np.linalg.norm(run.position_i[0] - flight.position_i[run.index], axis=-1).max() < 1e-3
 
 
@@ -212,7 +212,7 @@ def test_full_case_against_dop853(study, compared):
 
 
 def test_refusals(flight):
-    p, errors = np.zeros(len(PARAMETERS)), ErrorSet()
+    p, errors = np.zeros(COUNT), ErrorSet()
     with pytest.raises(ValueError, match="every"):
         mechanise(flight, p, errors, every=7)
     with pytest.raises(ValueError, match="parameters"):

@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 
 from nav_model.earth.sphere import ned_to_inertial
-from nav_model.suborbital.errors import PARAMETERS, ErrorSet
+from nav_model.suborbital.errors import ErrorSet
+from nav_model.suborbital.layout import COUNT
 from nav_model.suborbital.mechanisation import mechanise
 from nav_model.suborbital.navigation_errors import navigation_errors
 
@@ -31,7 +32,7 @@ def test_down_and_cross_range_are_the_horizontal_error_turned(study):
 
 def test_navigation_error_of_a_pure_shift(flight):
     """A run displaced by a known local vector must report just that."""
-    run = mechanise(flight, np.zeros(len(PARAMETERS)), ErrorSet(), every=flight.steps)
+    run = mechanise(flight, np.zeros(COUNT), ErrorSet(), every=flight.steps)
     axes = ned_to_inertial(flight.latitude_rad[-1], np.arctan2(flight.position_i[-1, 1], flight.position_i[-1, 0]))
     shifted = run.position_i.copy()
     shifted[0, -1] = flight.position_i[-1] + axes @ np.array([3.0, -4.0, -12.0])

@@ -77,7 +77,7 @@ def growth_chart(shown: Shown) -> Chart:
     k, x = study.case(shown.case), study.pure.time_s
     truth = study.pure.position_m[k, :, channel]
     ins, aided = (np.abs(e.position_m[k, :, channel]) for e in (study.pure, study.aided))
-    decoupled = study.channels.position_m[k, :, channel]
+    decoupled = study.channels_m[k, :, channel]
     closed = shown.closed_form_m[:, channel]
     holds, fails, said = _split(x, decoupled, truth)
     closed_holds, closed_fails, closed_said = _split(x, closed, truth)

@@ -86,7 +86,7 @@ class Shown:
         """The closed forms [B-6] of the case looked at, (m, 3), m."""
         study = self.study
         parameters = study.parameters[study.case(self.case)]
-        return closed_form_errors(study.flight, parameters, study.inputs.errors, study.every).position_m[0]
+        return closed_form_errors(study.flight, parameters, study.inputs.errors, study.every)[0]
 
     @cached_property
     def matrix_gap(self) -> Gap:

@@ -354,7 +354,6 @@ def test_camera_noise_exceeds_that_of_the_imu_where_the_curves_cross() -> None:
         centroid_rad=arcsec * ARCSECOND,
         total_m=np.hypot(camera, 20.0),
         camera_m=camera,
-        frames=np.full(4, 30),
         alone_m=4000.0,
     )
     assert camera_noise_answer(swept, 3 * ARCSECOND).word == "Camera noise exceeds IMU noise above about 4.0 arcsec"
