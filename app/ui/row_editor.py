@@ -1,5 +1,6 @@
 """A table that a person fills in: a row a thing, each cell a box, a choice or a text to read."""
 
+import re
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
@@ -7,8 +8,10 @@ import param
 
 from app.ui.theme import SHEET
 from app.upstream.plain_script import PlainScript
+from nav_model.base.errors import InputError
 
 Rows = list[dict[str, str]]
+_PLACE = re.compile(r"\w+\[(.*)\](?:\.(\w+))?", re.DOTALL)  # in a design file: table[name of the row].column
 
 
 class Field(NamedTuple):
@@ -53,4 +56,8 @@ class RowEditor(PlainScript):
         given = [
             {key: str(text) for key, text in row.items() if key in self._keys and str(text).strip()} for row in rows
         ]
-        self.refused = str(self._told(given) or "")
+        refused = self._told(given)
+        if isinstance(refused, InputError) and (place := _PLACE.fullmatch(refused.key)):
+            labels = {column["key"]: column["label"] for column in self.columns}
+            refused = refused.under(", ".join(filter(None, (place[1], labels.get(place[2])))))
+        self.refused = str(refused or "")

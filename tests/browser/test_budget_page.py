@@ -261,9 +261,7 @@ def test_contributors_are_entered_by_keyboard_and_a_refusal_loses_nothing(visit:
     page.keyboard.press("Tab")
     page.keyboard.type("3 kg")
     page.keyboard.press("Tab")  # to the figure it enters, of which a letter chooses one
-    expect(
-        page.get_by_role("alert").filter(has_text="contributors[lever arm].value: '3 kg' does not fit")
-    ).to_be_visible()
+    expect(page.get_by_role("alert").filter(has_text="lever arm, Value, 1σ: '3 kg' does not fit")).to_be_visible()
     value = page.get_by_role("textbox", name="Value, 1σ: lever arm")
     expect(value).to_have_value("3 kg")
     page.keyboard.type("Detrended")

@@ -190,6 +190,7 @@ class Contributors(View):
             kept[self._requirement.value] = locks
         table = {"split": self._split.value, "reserve": self._reserve.value, "locks": kept}
         refused = self._enter("allocation", table)
+        refused = refused and refused.under(refused.key.split(".", 3)[-1])  # allocation.locks.requirement.source
         if locks is None and refused:
             self._outcome.say(f"<p role='alert'>{escape(str(refused))}</p>")
         return refused
