@@ -26,13 +26,12 @@ NOISE_ALPHA = {
 
 @dataclass(frozen=True)
 class AllanDeviation:
-    """Averaging times [s], deviations with confidence limits in the rate's unit, and pairs averaged."""
+    """Averaging times [s], and deviations with confidence limits in the rate's unit."""
 
     tau_s: FloatArray
     deviation: FloatArray
     low: FloatArray
     high: FloatArray
-    pairs: FloatArray
 
 
 def averaging_times(samples: int, interval_s: float) -> FloatArray:
@@ -79,8 +78,8 @@ def overlapping_allan_deviation(
     Examples
     --------
     >>> found = overlapping_allan_deviation(np.array([1.0, 2.0, 1.0, 2.0, 1.0, 2.0]), 0.5, np.array([0.5]))
-    >>> round(float(found.deviation[0]), 3), int(found.pairs[0])
-    (0.707, 5)
+    >>> round(float(found.deviation[0]), 3)
+    0.707
     """
     taus = averaging_times(len(rate_signal), interval_s) if tau_s is None else np.asarray(tau_s, dtype=np.float64)
     factors = np.round(taus / interval_s).astype(np.int64)
@@ -99,8 +98,7 @@ def overlapping_allan_deviation(
         [degrees_of_freedom(int(a), int(m), len(rate_signal)) for a, m in zip(slopes, factors, strict=True)]
     )
     low, high = _limits(deviation, degrees, confidence)
-    pairs = (len(phase) - 2 * factors).astype(np.float64)
-    return AllanDeviation(taus, deviation, low, high, pairs)
+    return AllanDeviation(taus, deviation, low, high)
 
 
 def _deviation(phase: FloatArray, factor: int) -> float:

@@ -16,13 +16,13 @@ import numpy as np
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.result import UNITS, Provenance
-from nav_model.allan.vibration import declared_spectrum, vibration_spectrum
+from nav_model.allan.vibration import BLOCK_S, block_densities, declared_spectrum, vibration_spectrum
 from nav_model.allan.warnings import saturated_share
 from nav_model.base.errors import InputError
 from nav_model.design.rows import Row
 
-DEFAULT_BAND_FROM_HZ = 10.0
-BLOCK_S = 5.0
+BAND_FROM_HZ = 10.0
+"""Below it the vehicle's motion dominates."""
 MOTION_CAVEAT: Final = (
     "the factor treats vibration within the band as white noise of equal power; a line or a narrow band "
     "integrates to less or more than that, and what lies outside the band is not counted"
@@ -75,25 +75,22 @@ class MotionAnalysis:
 def analyse_motion(
     log: ImuLog,
     bench: BenchNoise | None = None,
-    band_from_hz: float = DEFAULT_BAND_FROM_HZ,
     progress: Callable[[float, str], None] | None = None,
 ) -> MotionAnalysis:
-    """Effective noise of a moving log from `band_from_hz` (below it the vehicle's motion dominates) to half the rate.
+    """Effective noise of a moving log from `BAND_FROM_HZ` to half the rate.
 
-    Raises ValueError when the band holds too little of a block, the log is shorter than two blocks, or a
-    bench value is not positive.
+    Raises InputError when the rate leaves too narrow a band, the log is shorter than two blocks, or a bench value is
+    not positive.
     """
     bench = bench or BenchNoise()
     _check(bench)
     nyquist = log.rate_hz / 2.0
     length = round(BLOCK_S * log.rate_hz)
-    first = int(np.ceil(band_from_hz * length / log.rate_hz))
-    if band_from_hz <= 0.0 or length // 2 - first < _FEWEST_COEFFICIENTS:
-        raise InputError(
-            "band_from_hz",
-            f"{band_from_hz:g} is not allowed; it must lie between 0 and well below half the rate, {nyquist:g} Hz",
-            band_from_hz,
-        )
+    first = int(np.ceil(BAND_FROM_HZ * length / log.rate_hz))
+    if length // 2 - first < _FEWEST_COEFFICIENTS:
+        least = 2 * (BAND_FROM_HZ + _FEWEST_COEFFICIENTS / BLOCK_S)
+        said = f"noise is measured from {BAND_FROM_HZ:g} Hz to half the rate, which needs {least:g} Hz"
+        raise InputError(log.file_name, f"{log.rate_hz:g} Hz is too slow: {said}.")
     if log.samples < 2 * length:
         raise InputError(log.file_name, f"{log.duration_s:.3g} s are too short; {2 * BLOCK_S:g} s are needed.")
     axes = log.axes()
@@ -112,7 +109,7 @@ def analyse_motion(
         found.append(_axis(name, quantity, signal, log.rate_hz, length, first))
     noise = MotionAnalysis(
         axes=tuple(found),
-        band_hz=(band_from_hz, nyquist),
+        band_hz=(BAND_FROM_HZ, nyquist),
         gyro_factor=None,
         accelerometer_factor=None,
         vibration_factor=None,
@@ -154,16 +151,7 @@ def _check(bench: BenchNoise) -> None:
 
 
 def _axis(name: str, quantity: str, signal: FloatArray, rate_hz: float, length: int, first: int) -> AxisMotionNoise:
-    from scipy.fft import rfft
-
-    blocks = len(signal) // length
-    stacked = signal[: blocks * length].reshape(blocks, length)
-    time = np.arange(length) - (length - 1) / 2.0
-    slope = stacked @ time / (time @ time)
-    residual = stacked - stacked.mean(axis=1, keepdims=True) - slope[:, None] * time
-    window = np.hanning(length)
-    spectrum = rfft(residual * window, axis=1)[:, first : length // 2]
-    density = np.mean(np.abs(spectrum) ** 2, axis=1) / (window @ window) / rate_hz
+    density = np.mean(block_densities(signal, length, rate_hz)[:, first : length // 2], axis=1)
     effective = float(np.sqrt(density.mean()))
     low, typical, high = (float(value) for value in np.sqrt(np.percentile(density, [5.0, 50.0, 95.0])))
     return AxisMotionNoise(name, quantity, effective, typical, low, high, factor=None)

@@ -22,7 +22,6 @@ class CosineSpectrum:
     `count` the number of coefficients in it, `peak` the largest squared coefficient over the bin's mean.
     """
 
-    samples: int
     interval_s: float
     singles: int
     frequency_hz: FloatArray
@@ -33,11 +32,6 @@ class CosineSpectrum:
     amplitude: FloatArray
     shapes: FloatArray
     ramp: FloatArray
-
-    @property
-    def density(self) -> FloatArray:
-        """Two-sided power spectral density of each bin [unit²/Hz]."""
-        return self.power * self.interval_s
 
     @property
     def repeats(self) -> bool:
@@ -74,7 +68,6 @@ def cosine_spectrum(rate_signal: FloatArray, interval_s: float) -> CosineSpectru
     to_hz = 1.0 / (2.0 * samples * interval_s)
     shapes = _bin_mean_shapes(first, last, samples, interval_s)
     return CosineSpectrum(
-        samples=samples,
         interval_s=interval_s,
         singles=singles,
         frequency_hz=centre * to_hz,

@@ -1,8 +1,10 @@
 """Noise parameters of every axis of a static log."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -68,13 +70,22 @@ def _analyse_axis(
     name: str, quantity: str, signal: FloatArray, interval_s: float, temperature_c: FloatArray | None
 ) -> AxisNoise:
     signal = np.ascontiguousarray(signal, dtype=np.float64)
+    of_axis = partial(_axis_noise, name, quantity, signal, interval_s)
+
+    def without_noise(why: _Missing, warning: str) -> AxisNoise:
+        """An axis that holds no noise to fit, with the reason under every coefficient."""
+        return of_axis(
+            dict.fromkeys(TERMS, why), deviation=overlapping_allan_deviation(signal, interval_s), white_floor=0.0,
+            effective_at_1s=None, band_hz=0.5 / interval_s, lines_hz=(), model_error=0.0, warnings=(warning,),
+        )  # fmt: skip
+
     if np.all(signal == signal[0]):
         reason = f"not resolved: every sample is {signal[0]:g}; not connected, or resolution too coarse"
-        return _without_noise(name, quantity, signal, interval_s, reason, "constant", "constant: no noise to analyse")
+        return without_noise(_Missing(reason, "constant"), "constant: no noise to analyse")
     if cut := saturated_share(signal):
         reason = f"not resolved: {cut:.2%} of the samples are at a limit of the sensor's range, which clips its noise"
         warning = f"saturated: {cut:.2%} of the samples are at the largest or smallest value"
-        return _without_noise(name, quantity, signal, interval_s, reason, "saturated", warning)
+        return without_noise(_Missing(reason, "saturated"), warning)
     spectrum = cosine_spectrum(signal, interval_s)
     if spectrum.repeats:
         reason = (
@@ -82,66 +93,52 @@ def _analyse_axis(
             "sensor's noise does"
         )
         warning = "repeats itself exactly: a stretch copied behind itself, or a made-up signal"
-        return _without_noise(name, quantity, signal, interval_s, reason, "repeating", warning)
+        return without_noise(_Missing(reason, "repeating"), warning)
     found = fit_axis(spectrum)
     squares = dict(zip(STOCHASTIC_TERMS, found.fit.squares, strict=True))
     taus = averaging_times(len(signal), interval_s)
     deviation = overlapping_allan_deviation(signal, interval_s, taus, _dominant_alpha(found, taus))
     effective = _effective_at_1s(deviation)
-    white_floor = math.sqrt(squares["random_walk"].value)
-    coefficients: dict[str, Coefficient | None] = {}
-    missing: dict[str, _Missing] = {}
+    outcomes: dict[str, Coefficient | _Missing] = {}
     for term in TERMS:
         estimate = found.fit.ramp if term == "ramp" else _root(squares[term])
-        outcome = _coefficient(term, quantity, estimate, found, deviation, effective)
-        coefficients[term] = outcome if isinstance(outcome, Coefficient) else None
-        if isinstance(outcome, _Missing):
-            missing[term] = outcome
-    resolved = [term for term, coefficient in coefficients.items() if coefficient is not None]
+        outcomes[term] = _coefficient(term, quantity, estimate, found, deviation, effective)
+    return of_axis(
+        outcomes,
+        deviation=deviation,
+        white_floor=math.sqrt(squares["random_walk"].value),
+        effective_at_1s=effective,
+        band_hz=found.band_hz,
+        lines_hz=found.lines_hz,
+        model_error=found.model_error,
+        warnings=_fit_warnings(found, outcomes) + axis_warnings(signal, interval_s, temperature_c),
+    )
+
+
+def _axis_noise(
+    name: str,
+    quantity: str,
+    signal: FloatArray,
+    interval_s: float,
+    outcomes: Mapping[str, Coefficient | _Missing],
+    **fitted: Any,
+) -> AxisNoise:
+    """The axis with what was found of each term, and with the other fields as they are `fitted`."""
+    resolved = {term: found for term, found in outcomes.items() if isinstance(found, Coefficient)}
+    missing = {term: found for term, found in outcomes.items() if isinstance(found, _Missing)}
     return AxisNoise(
         name=name,
         quantity=quantity,
         mean=float(signal.mean()),
         standard_deviation=float(signal.std(ddof=1)),
-        deviation=deviation,
-        coefficients=coefficients,
+        coefficients={term: resolved.get(term) for term in outcomes},
         not_resolved={term: why.reason for term, why in missing.items()},
         at_most={term: why.limit for term, why in missing.items() if why.limit is not None},
         would_resolve={
             term: what_would_resolve(why.cause, term, resolved, len(signal) * interval_s, interval_s)
             for term, why in missing.items()
         },
-        white_floor=white_floor,
-        effective_at_1s=effective,
-        band_hz=found.band_hz,
-        lines_hz=found.lines_hz,
-        model_error=found.model_error,
-        warnings=_fit_warnings(found, coefficients) + axis_warnings(signal, interval_s, temperature_c),
-    )
-
-
-def _without_noise(
-    name: str, quantity: str, signal: FloatArray, interval_s: float, reason: str, cause: Cause, warning: str
-) -> AxisNoise:
-    """An axis that holds no noise to fit, with the reason under every coefficient."""
-    return AxisNoise(
-        name=name,
-        quantity=quantity,
-        mean=float(signal.mean()),
-        standard_deviation=float(signal.std(ddof=1)),
-        deviation=overlapping_allan_deviation(signal, interval_s),
-        coefficients=dict.fromkeys(TERMS),
-        not_resolved=dict.fromkeys(TERMS, reason),
-        at_most={},
-        would_resolve={
-            term: what_would_resolve(cause, term, (), len(signal) * interval_s, interval_s) for term in TERMS
-        },
-        white_floor=0.0,
-        effective_at_1s=None,
-        band_hz=0.5 / interval_s,
-        lines_hz=(),
-        model_error=0.0,
-        warnings=(warning,),
+        **fitted,
     )
 
 
@@ -219,7 +216,7 @@ def _dominant_alpha(found: AxisFit, tau_s: FloatArray) -> FloatArray:
     return np.asarray(alphas[np.argmax(variances, axis=0)])
 
 
-def _fit_warnings(found: AxisFit, coefficients: dict[str, Coefficient | None]) -> tuple[str, ...]:
+def _fit_warnings(found: AxisFit, outcomes: Mapping[str, Coefficient | _Missing]) -> tuple[str, ...]:
     warnings = []
     if found.lines_hz:
         lines = ", ".join(f"{line:.3g}" for line in found.lines_hz)
@@ -228,9 +225,9 @@ def _fit_warnings(found: AxisFit, coefficients: dict[str, Coefficient | None]) -
         warnings.append(f"fitted up to {found.band_hz:g} Hz: above it the five noise terms do not hold")
     if 0.0 < found.model_error <= WORST_MODEL_ERROR:
         warnings.append(f"the spectrum departs from the fit by {found.model_error:.0%}; the intervals include it")
-    walk = coefficients["random_walk"]
-    if walk is not None and walk.reading:
+    walk = outcomes["random_walk"]
+    if isinstance(walk, Coefficient) and walk.reading:
         warnings.append("random walk read at 1 s includes vibration and slow noise; the white floor is lower")
-    if coefficients["ramp"] is not None:
+    if isinstance(outcomes["ramp"], Coefficient):
         warnings.append("drifts steadily over the log: warm-up or temperature")
     return tuple(warnings)

@@ -29,10 +29,10 @@ def vibration_spectrum(log: ImuLog) -> tuple[Row, ...]:
     """
     signal = log.accelerometer
     length = round(BLOCK_S * log.rate_hz)
-    blocks = 0 if signal is None else len(signal) // length
-    if signal is None or blocks < 2:
+    if signal is None or len(signal) < 2 * length:
         return ()
-    density = np.max([_density(axis, length, blocks, log.rate_hz) for axis in signal.T], axis=0)
+    densities = [2 * np.mean(block_densities(axis, length, log.rate_hz), axis=0) for axis in signal.T]
+    density = np.max(densities, axis=0)
     frequency = np.arange(len(density)) * log.rate_hz / length
     count = int(np.log(log.rate_hz / 2 / LOWEST_HZ) / np.log(_RATIO))
     edges = LOWEST_HZ * _RATIO ** np.arange(count + 1)
@@ -54,10 +54,14 @@ def declared_spectrum() -> Rows:
     return declaration
 
 
-def _density(signal: FloatArray, length: int, blocks: int, rate_hz: float) -> FloatArray:
+def block_densities(signal: FloatArray, length: int, rate_hz: float) -> FloatArray:
+    """Two-sided density [unit²/Hz] of each block of so many samples, shape (blocks, length // 2 + 1).
+
+    Each block is Hann-windowed without its mean and trend, which keeps strong slow motion from leaking into the rest.
+    """
     from scipy.signal import detrend
 
     window = np.hanning(length)
+    blocks = len(signal) // length
     stacked = detrend(signal[: blocks * length].reshape(blocks, length), axis=1)
-    power = np.mean(np.abs(np.fft.rfft(stacked * window, axis=1)) ** 2, axis=0)
-    return np.asarray(2 * power / (window @ window) / rate_hz)
+    return np.asarray(np.abs(np.fft.rfft(stacked * window, axis=1)) ** 2 / (window @ window) / rate_hz)

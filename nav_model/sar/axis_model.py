@@ -12,7 +12,6 @@ name give matrices of three rows without it and four with it.
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from nav_model.analytic.doubling import (
     Doubles,
     Segment,
-    carried,
     drift,
     joined,
     measured,
@@ -68,14 +66,6 @@ class AxisModel:
         return np.array([self.gnss_sigma, self.velocity_sigma] if self.velocity_sigma else [self.gnss_sigma])
 
 
-class SteadyCovariance(NamedTuple):
-    """Covariance (m, m) of (p, v, a) and, with a slow GNSS error, of the filter's estimate of it: just before and
-    just after a fix, in the steady state."""
-
-    prior: _FloatArray
-    posterior: _FloatArray
-
-
 def inertial_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
     """Transition of (p, v, a) over a step [s] of shape (...), and the covariance of its noise: both (..., 3, 3)."""
     found = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2)
@@ -112,14 +102,13 @@ def measure(prior: _FloatArray, model: AxisModel) -> tuple[_FloatArray, _FloatAr
     return gain, keep @ prior @ keep.T + gain @ noise @ gain.T
 
 
-def steady_covariance(model: AxisModel) -> SteadyCovariance:
-    """Steady covariance of the sampled filter [T-8], by doubling (`nav_model.analytic.doubling`).
+def steady_covariance(model: AxisModel) -> _FloatArray:
+    """Covariance (m, m) of (p, v, a) and, with a slow GNSS error, of the filter's estimate of it, just after a fix.
 
-    Without gyro noise tilt is not excited and its variance is zero.
+    In the steady state of the sampled filter [T-8], by doubling (`nav_model.analytic.doubling`). Without gyro noise
+    tilt is not excited and its variance is zero.
     """
-    step, fix = _step_and_fix(model)
-    posterior = settled(Doubles(measured(step, fix), joined))
-    return SteadyCovariance(*(without_slow_error(p) for p in (carried(posterior, step), posterior)))
+    return without_slow_error(settled(Doubles(measured(*_step_and_fix(model)), joined)))
 
 
 def information_after(model: AxisModel, time: float) -> _FloatArray:

@@ -41,7 +41,6 @@ class DesignCase:
     aperture_time: float
     coast_time: float
     wavelength: float
-    cell_length: float
     window: Window
     autofocus_order: int
     rate: float
@@ -104,7 +103,6 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
         aperture_time=sar.aperture_time,
         coast_time=coast,
         wavelength=sar.wavelength,
-        cell_length=sar.cell_length,
         window=sar.window,  # type: ignore[arg-type]
         autofocus_order=sar.autofocus_order,
         rate=samples / sar.aperture_time,

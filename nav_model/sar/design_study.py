@@ -92,11 +92,6 @@ class SarStudy:
     tuning: Tuning
     engine: Engine = "fast"
 
-    @property
-    def strategies(self) -> tuple[Strategy, ...]:
-        """In the order of every array."""
-        return STRATEGIES
-
     def best(self, *, causal: bool = False) -> Strategy:
         """The simplest strategy whose residual, rms over the runs, is within 5 % of the least; ``causal``: of those
         that work in flight, before the aperture has ended.

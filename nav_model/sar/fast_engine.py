@@ -38,7 +38,8 @@ def simulate_axis(
     its start.
     """
     histories = simulate_histories(model, aperture_time, coast_time, runs, seed, rate)
-    return apply_strategies(histories, weight_of(model, aperture_time, len(histories.fix_time)), tuning)
+    weight = weight_of(model, aperture_time, len(histories.fix_time))
+    return apply_strategies(histories, weight, tuning or Tuning())
 
 
 def weight_of(model: AxisModel, aperture_time: float, fixes: int) -> float:
@@ -47,7 +48,7 @@ def weight_of(model: AxisModel, aperture_time: float, fixes: int) -> float:
         aperture_time=aperture_time,
         accelerometer_noise=model.accelerometer_noise,
         gyro_noise=model.gyro_noise if model.horizontal else 0.0,
-        tilt_variance=steady_covariance(model).posterior[2, 2] / model.gravity**2,
+        tilt_variance=steady_covariance(model)[2, 2] / model.gravity**2,
         gravity=model.gravity,
         accelerometer_bias=model.accelerometer_bias,
         gyro_bias=model.gyro_bias if model.horizontal else 0.0,
@@ -73,7 +74,7 @@ def simulate_histories(
     unabsorbed = streams[0].standard_normal((2, runs)) * np.array(
         [[model.accelerometer_bias], [model.gravity * model.gyro_bias * model.horizontal]]
     )
-    settled, coasted, slow = _before_aperture(model, steady.posterior, coast_time, runs, streams[1], unabsorbed)
+    settled, coasted, slow = _before_aperture(model, steady, coast_time, runs, streams[1], unabsorbed)
     start = settled.copy()
     start[:, 2] += unabsorbed[0]
 
@@ -93,12 +94,12 @@ def simulate_histories(
 
     ins = sampled + carried(start[:, :3], time)
     coasted_position = (sampled[0] + carried(coasted, time)[0]) if coast_time > 0 else ins[0].copy()
-    done = filtered(model, start, steady.posterior, path[:, :, on_fixes], fixes)
+    done = filtered(model, start, steady, path[:, :, on_fixes], fixes)
     output = navigated(done, path[:, :, on_fixes], sampled, time, fix_time)
     # A smoother over the whole leg has absorbed the constant part of the biases.
     rest = (last_fix + 1) * model.fix_interval - aperture_time
     unbiased = noise[:, :, on_fixes]
-    in_leg = filtered_in_leg(model, (settled, steady.posterior), (unbiased, noise[:, :, -1]), fixes, rest, streams[5])
+    in_leg = filtered_in_leg(model, (settled, steady), (unbiased, noise[:, :, -1]), fixes, rest, streams[5])
     leg_output = navigated(in_leg, unbiased, noise[:, :, on_time], time, fix_time)[0]
     return NavigationHistories(
         time=time,

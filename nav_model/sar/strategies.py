@@ -8,7 +8,7 @@ Only the last, the whole-leg smoother, uses fixes from after the aperture: it is
 (`nav_model.processing`). The RTS smoother stops at the aperture's end and bounds causal and in-aperture methods only.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -99,15 +99,12 @@ class NavigationHistories:
 
 @dataclass(frozen=True)
 class StrategyErrors:
-    """Position error of every strategy, (10, ..., n) [m] in the order of STRATEGIES, and what made it."""
+    """Position error of every strategy, (10, ..., n) [m] in the order of STRATEGIES."""
 
     time: _FloatArray
     error: _FloatArray
     jump_rms: _FloatArray
     fixes: int
-    shrunk_weight: float
-    tuning: Tuning
-    strategies: tuple[Strategy, ...] = field(default=STRATEGIES)
 
     def of(self, key: str) -> _FloatArray:
         """Error histories (..., n) of one strategy, by its key ("2", "5w", ...)."""
@@ -182,14 +179,12 @@ def damping_loop(
     return np.asarray(filter_position - filter_correction @ pending)
 
 
-def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuning | None = None) -> StrategyErrors:
+def apply_strategies(h: NavigationHistories, weight: float, tuning: Tuning) -> StrategyErrors:
     """Every strategy on the same histories; `weight` is that of 5w (`strategy_forms.shrunk_weight`).
 
     With fewer than three fixes in the aperture there is no quadratic to fit: 5 and 5w are then the same as 2
     (see the result's ``fixes``).
     """
-    tuning = tuning or Tuning()
-    h = histories
 
     def corrected(part: float) -> _FloatArray:
         if len(h.fix_time) < 3:
@@ -212,7 +207,7 @@ def apply_strategies(histories: NavigationHistories, weight: float, tuning: Tuni
     )
     jumps = h.filter_correction[..., 1:]
     jump_rms = np.sqrt(np.mean(jumps**2, axis=-1)) if jumps.shape[-1] else np.zeros(jumps.shape[:-1])
-    return StrategyErrors(h.time, error, jump_rms, len(h.fix_time), weight, tuning)
+    return StrategyErrors(h.time, error, jump_rms, len(h.fix_time))
 
 
 def _at(time: _FloatArray, values: _FloatArray, moments: _FloatArray) -> _FloatArray:

@@ -31,7 +31,7 @@ class RunMeasures:
     (10, runs). Signed coefficients are given by their magnitude. ``jump_rms`` (runs,): of the filter's jumps at the
     fixes, along the line of sight of mid-aperture. ``fix_harmonics`` (10, runs, h): the ripple's amplitude at 1, 2, 3
     times the fix rate, fewer where half the sampling rate cuts them off. ``fixes``: in the aperture; below three 5
-    and 5w are the same as 2. ``tuning`` of 6 and 7.
+    and 5w are the same as 2.
     """
 
     time: _FloatArray
@@ -41,7 +41,6 @@ class RunMeasures:
     jump_rms: _FloatArray
     fix_harmonics: _FloatArray
     fixes: int
-    tuning: Tuning
 
 
 def simulate_axes(
@@ -88,7 +87,6 @@ def measure_runs(
         jump_rms=np.asarray(jumps),
         fix_harmonics=fix_rate_harmonics(residual, along.time, fix_interval, min(FIX_HARMONICS, sampled)),
         fixes=across.fixes,
-        tuning=across.tuning,
     )
 
 

@@ -7,9 +7,10 @@ from app.document.numbers import NONE, number
 from app.document.wording import input_in_words, printable
 from app.subjects.sensors.charts import TERM_NAMES
 from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS
-from nav_model.allan.motion import BLOCK_S, MOTION_CAVEAT, MotionAnalysis
+from nav_model.allan.motion import MOTION_CAVEAT, MotionAnalysis
 from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance, triad_random_walk
+from nav_model.allan.vibration import BLOCK_S
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import entry_of

@@ -165,7 +165,7 @@ def test_what_cannot_be_run_is_said(sar: SarPage, session: Session) -> None:
     sar.seed = "0"
     session.change({"radar.grazing_angle": np.pi / 2})
     run(sar)
-    assert "radar.grazing_angle" in sar._bar.state.object
+    assert "Grazing angle" in sar._bar.state.object
     assert not session.running
 
 
