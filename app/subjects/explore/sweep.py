@@ -147,8 +147,8 @@ class SweepPanel(Question):
             self._say(f"{plan.rows:,} designs, about {_in_words(seconds)}.")
 
     def _say(self, text: str, *, alert: bool = False) -> None:
-        role = "alert" if alert else "status"
-        self._count.object = html_of(Answer("", "warn", (text,))) if alert else f'<p role="{role}">{text}</p>'
+        said = f'<p role="status" style="margin: 0">{text}</p>'
+        self._count.object = html_of(Answer("", "warn", (text,))) if alert else said
 
     def start(self) -> object:
         """Run the sweep of the rows; one under way is cancelled."""
