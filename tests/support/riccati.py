@@ -17,12 +17,14 @@ def van_loan(f, q, time):
     return phi, phi @ e[:n, n:]
 
 
-def settled(phi, added, rows, noise, unit=1.0):
+def settled(phi, added, rows, noise, unit=1.0, balanced=True):
     """Covariance just before and just after the fixes of a filter that has run for ever.
 
-    `rows` (k, n) is what fixes see, with a covariance `noise` (k, k), and the states times `unit` are of like size.
+    `rows` (k, n) is what fixes see, with a covariance `noise` (k, k), and the states times `unit` are of like size;
+    SciPy balances them, or not.
     """
     unit = np.full(len(phi), unit) if np.isscalar(unit) else np.asarray(unit)
     each, noise = np.outer(unit, unit), np.atleast_2d(noise)
-    prior = solve_discrete_are((phi * unit[:, None] / unit).T, (rows / unit).T, added * each, noise) / each
+    step = (phi * unit[:, None] / unit).T
+    prior = solve_discrete_are(step, (rows / unit).T, added * each, noise, balanced=balanced) / each
     return prior, prior - prior @ rows.T @ np.linalg.solve(rows @ prior @ rows.T + noise, rows @ prior)

@@ -1,5 +1,5 @@
-"""Riccati solutions that owe nothing to the closed forms: SciPy's, in units that suit it, Newton's method in 40
-digits, and doubling in as many digits as asked for."""
+"""Riccati solutions that owe nothing to the closed forms: SciPy's, in units that suit it, and by doubling in as many
+digits as asked for."""
 
 from types import SimpleNamespace
 
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import riccati
 from mpmath import mp
-from scipy.linalg import solve_continuous_are, solve_discrete_are
+from scipy.linalg import solve_continuous_are
 
 CHAIN = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])  # position, velocity, g x tilt
 
@@ -35,54 +35,20 @@ def continuous(sigma_a, sigma_w, s, g, order=3):
 
 
 def discrete(sigma_a, sigma_w, sigma, interval, g, order=3, slow=None):
-    """Prior and posterior of one channel, SI: SciPy's discrete solver, then Newton steps in 40 digits."""
+    """Prior and posterior of one channel, SI, from SciPy's discrete Riccati solver."""
     tau, state, f, q, h = _channel(sigma_a, sigma_w, sigma * np.sqrt(interval), g, order)
     phi, added = riccati.van_loan(f, q, interval / tau)
-    r = (sigma / state[0]) ** 2
     if slow is not None:
         slow_sigma, correlation = slow
-        decay = np.exp(-interval / correlation)
-        wide_phi, wide_q = np.zeros((order + 1,) * 2), np.zeros((order + 1,) * 2)
-        wide_phi[:order, :order], wide_q[:order, :order] = phi, added
-        wide_phi[order, order] = decay
-        wide_q[order, order] = -((slow_sigma / state[0]) ** 2) * np.expm1(-2 * interval / correlation)
-        phi, added, h = wide_phi, wide_q, np.append(h, [[1.0]], axis=1)
-        state = np.append(state, state[0])
+        phi, added = (np.pad(part, (0, 1)) for part in (phi, added))
+        phi[order, order] = np.exp(-interval / correlation)
+        added[order, order] = -((slow_sigma / state[0]) ** 2) * np.expm1(-2 * interval / correlation)
+        h, state = np.append(h, [[1.0]], axis=1), np.append(state, state[0])
     # The units have balanced it; balancing once more ends, in some processors' arithmetic, in a system so badly
     # scaled that SciPy gives up.
-    guess = solve_discrete_are(phi.T, h.T, added, [[r]], balanced=False)
-    prior, posterior = newton(phi, added, h, r, guess)
+    prior, posterior = riccati.settled(phi, added, h, (sigma / state[0]) ** 2, balanced=False)
     unit = np.outer(state, state)
     return SimpleNamespace(prior=prior * unit, posterior=posterior * unit)
-
-
-def newton(phi, q, h, r, guess):
-    """Newton (Kleinman) steps for the filter's discrete Riccati equation, in 40 digits, from a good guess."""
-    with mp.workdps(40):
-        phi, q, h, p = (mp.matrix(m.tolist()) for m in (phi, (q + q.T) / 2, h, guess))
-        r, n = mp.mpf(r), phi.rows
-        for _ in range(2):
-            gain = phi * p * h.T / ((h * p * h.T)[0] + r)
-            a = phi - gain * h
-            right = q + r * gain * gain.T
-            system, vector = mp.eye(n * n), mp.matrix(n * n, 1)
-            for i in range(n):
-                for j in range(n):
-                    vector[i * n + j] = right[i, j]
-                    for k in range(n):
-                        for m in range(n):
-                            system[i * n + j, k * n + m] -= a[i, k] * a[j, m]
-            x = mp.lu_solve(system, vector)
-            new = mp.matrix(n, n)
-            for i in range(n):
-                for j in range(n):
-                    new[i, j] = x[i * n + j]
-            moved = max(abs(new[i, i] / p[i, i] - 1) for i in range(n))
-            p = new
-        assert moved < 1e-12
-        cross = p * h.T
-        posterior = p - cross * cross.T / ((h * cross)[0] + r)
-        return tuple(np.array(m.tolist(), dtype=float) for m in (p, posterior))
 
 
 def _exact_channel(a, w, g, h):

@@ -10,6 +10,7 @@ import pytest
 
 from nav_model.design import Design
 from nav_model.simulation.departures import chain, departures
+from nav_model.simulation.design_study import closed_form
 from nav_model.simulation.monte_carlo import chunks, run_chunk, simulate
 from nav_model.simulation.result import to_arrays
 from nav_model.simulation.single_run import POSTERIOR, fly
@@ -18,24 +19,7 @@ from nav_model.simulation.specification import FilterModel, GnssModel, Simulatio
 pytestmark = pytest.mark.long
 
 G = 9.80665
-SIGMA_A, SIGMA_W = 0.05 / 60, math.radians(0.5) / 60
-
-
-def closed_form(coast_s: np.ndarray, elapsed_s: np.ndarray) -> np.ndarray:
-    """[T-3], [T-4], [T-5], [T-9], [T-10] for the paper's design, 1 m at 1 Hz (s = 1), from numpy's quartic roots."""
-    roots = np.roots([0.25, 0.0, 0.0, -2 * G * SIGMA_W, -(SIGMA_A**2)])
-    (p11,) = [root.real for root in roots if abs(root.imag) < 1e-12 and root.real > 0]
-    p12, p13, p22, p23 = p11**2 / 2, SIGMA_W, p11**3 / 2 - G * SIGMA_W, p11 * SIGMA_W
-    p33 = p11**2 * SIGMA_W / (2 * G)
-    v11, v12 = math.sqrt(2 * SIGMA_A), SIGMA_A
-    v22 = v11 * SIGMA_A
-    t = coast_s
-    position = p11 + 2 * p12 * t + (p22 + G * p13) * t**2 + (SIGMA_A**2 / 3 + G * p23) * t**3
-    position += G**2 * p33 * t**4 / 4 + (G * SIGMA_W) ** 2 * t**5 / 20
-    velocity = p22 + (SIGMA_A**2 + 2 * G * p23) * t + G**2 * p33 * t**2 + (G * SIGMA_W) ** 2 * t**3 / 3
-    down, sink = v11 + 2 * v12 * t + v22 * t**2 + SIGMA_A**2 * t**3 / 3, v22 + SIGMA_A**2 * t
-    tilt, yaw = p33 + SIGMA_W**2 * t, math.radians(0.1) ** 2 + SIGMA_W**2 * elapsed_s
-    return np.sqrt(np.stack([position, position, down, velocity, velocity, sink, tilt, tilt, yaw], axis=1))
+PAPER = Design({"flight.speed": 50.0})  # 0.05 m/s/√h, 0.5 °/√h, 1 m at 1 Hz are the defaults
 
 
 @pytest.fixture
@@ -102,7 +86,7 @@ def test_memory_does_not_grow_with_the_runs(short):
 
 def check_against_closed_form(spec: SimulationSpec) -> float:
     """The largest deviation of a ratio from one that was seen."""
-    result = simulate(spec, closed_form=closed_form)
+    result = simulate(spec, closed_form=closed_form(PAPER, spec))
     low, high = (1 - 4 / math.sqrt(2 * spec.runs), 1 + 4 / math.sqrt(2 * spec.runs))
     # Cycle rms just before the outage: four points a cycle over ten cycles, prior and posterior at the fix.
     cycle = (result.time_s > 390.0) & (result.time_s <= 400.0)
@@ -117,7 +101,7 @@ def check_against_closed_form(spec: SimulationSpec) -> float:
         columns = [0, 1, 3, 4, 6, 7] + ([2, 5] if after <= 45.0 else [])
         assert np.all((ratio[columns] > low) & (ratio[columns] < high)), after
         seen.append(np.abs(ratio[columns] - 1).max())
-    found = departures(result, chain(Design({"flight.speed": 50.0}), spec))
+    found = departures(result, chain(PAPER, spec))
     assert not any(d.group == "position" and d.axis == "north" and d.start_s > 400.0 for d in found)
     assert all(d.reason for d in found)
     share = result.tilt_share_m[-1, 0] / result.closed_form_sigma[-1, 0]
