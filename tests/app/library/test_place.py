@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from behind_its_back import sql
 
 from app.library.place import look_at
 from app.library.store import Library
@@ -61,10 +62,7 @@ def test_a_library_on_read_only_media_is_read_and_says_so(shelf: Path, mems: Bud
 
 
 def test_an_old_library_on_read_only_media_is_refused(shelf: Path) -> None:
-    raw = sqlite3.connect(shelf)
-    raw.execute("UPDATE schema_version SET version = 1")
-    raw.commit()
-    raw.close()
+    sql(shelf, "UPDATE schema_version SET version = 1")
     with _as_somebody_without_rights(), pytest.raises(InputError, match="upgraded to this version"):
         Library(shelf)
 

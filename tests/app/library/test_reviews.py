@@ -1,10 +1,10 @@
 """Reviews: frozen revisions, comments, decisions, and a valid signature."""
 
-import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from behind_its_back import decided, sql
 from sqlalchemy import create_engine, text
 
 from app.document.pane import html_of
@@ -19,13 +19,6 @@ from nav_model.budget import Budget
 def review(library: Library, mems: Budget, tactical: Budget) -> Review:
     keys = [library.save(budget, "Ann").key for budget in (mems, tactical)]
     return open_review(library, "PDR <script>", "Ann", keys)
-
-
-def _decided(library: Library, review: Review) -> Review:
-    for place, name in review.open_points():
-        checks = {check.name: check for check in review.revisions[place - 1].budget().verdict.checks}
-        review = decide(library, review.id, place, name, checks[name].met, "Bob", "as computed", figure="1 m / 2 m")
-    return review
 
 
 def test_a_review_freezes_revisions_by_hash(library: Library, review: Review, mems: Budget, tactical: Budget) -> None:
@@ -110,7 +103,7 @@ def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> Non
 def test_a_signed_review_never_changes(library: Library, review: Review) -> None:
     with pytest.raises(InputError, match=r"requirements still need a decision\. Next: .* \(D1\)"):
         sign(library, review.id, "Chief", review.version)
-    review = _decided(library, review)
+    review = decided(library, review)
     with pytest.raises(Conflict, match="after you opened it"):
         sign(library, review.id, "Chief", review.version - 1)
     signed = sign(library, review.id, "Chief", review.version)
@@ -147,12 +140,9 @@ def test_a_signed_review_never_changes(library: Library, review: Review) -> None
 def test_a_change_behind_the_librarys_back_is_found(
     library: Library, review: Review, tmp_path: Path, change: str
 ) -> None:
-    review = _decided(library, review)
+    review = decided(library, review)
     assert sign(library, review.id, "Chief", review.version).intact
-    raw = sqlite3.connect(tmp_path / "library.db")
-    raw.execute(change)
-    raw.commit()
-    raw.close()
+    sql(tmp_path / "library.db", change)
     assert not load_review(library, review.id).intact
 
 
@@ -181,7 +171,7 @@ def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: L
     assert _overview_cells(review)[:5] == [f"Open, {left} to decide", "2", str(left), "0", "0"]
     assert _overview_cells(review)[6].endswith("Ann")
     review = add_comment(library, review.id, 1, "", "Bob", "late")
-    review = _decided(library, review)  # what is not met is rejected
+    review = decided(library, review)  # what is not met is rejected
     failed = sum(not check.met for revision in review.revisions for check in revision.budget().verdict.checks)
     assert failed > 0
     assert _overview_cells(review)[:5] == ["Open, all decided: can be signed", "2", "0", str(failed), "1"]
@@ -195,7 +185,7 @@ def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: L
 def test_the_list_holds_what_each_review_says_of_itself(library: Library, review: Review, mems: Budget) -> None:
     other = open_review(library, "Second", "Bob", [library.save(mems, "Bob").key, review.items[1].key])
     add_comment(library, other.id, 2, "tilt", "Bob", "shared with the first")
-    signed = _decided(library, review)
+    signed = decided(library, review)
     sign(library, review.id, "Ann", signed.version)
     listed = list_reviews(library)
     assert {own.id for own in listed} == {review.id, other.id}
@@ -232,8 +222,7 @@ def test_one_damaged_row_takes_no_other_review(library: Library, review: Review,
 
 
 def test_a_review_that_was_signed_is_not_opened_again(library: Library, review: Review) -> None:
-    decided = _decided(library, review)
-    sign(library, review.id, "Chief", decided.version)
+    sign(library, review.id, "Chief", decided(library, review).version)
     with library.write() as connection:
         connection.execute(text("UPDATE reviews SET signed = NULL"))
     with pytest.raises(InputError, match="never changes"):

@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from behind_its_back import decided
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 from sqlalchemy import text
 
 from app.library import reviews, seal
-from app.library.reviews import Review, decide, load_review, open_review, sign
+from app.library.reviews import Review, load_review, open_review, sign
 from app.library.store import Library
 from app.subjects.review.overview import state_of
 from app.subjects.review.report import audit_table
@@ -35,8 +36,7 @@ def key(tmp_path: Path) -> Iterator[Path]:
 @pytest.fixture
 def signed(library: Library, tactical: Budget, key: Path) -> Review:
     review = open_review(library, "Gate 2", "Ann", [library.save(tactical, "Ann").key])
-    for place, name in review.points():
-        review = decide(library, review.id, place, name, True, "Bob", "as computed")
+    review = decided(library, review)
     return sign(library, review.id, "Chief", review.version)
 
 
@@ -111,8 +111,7 @@ def test_a_key_that_cannot_be_used_is_told_and_nothing_is_signed(
     library: Library, tactical: Budget, key: Path
 ) -> None:
     review = open_review(library, "Gate 3", "Ann", [library.save(tactical, "Ann").key])
-    for place, name in review.points():
-        review = decide(library, review.id, place, name, True, "Bob", "as computed")
+    review = decided(library, review)
     for content in (b"", b"not a key"):
         key.write_bytes(content)
         with pytest.raises(InputError, match=r"--review-key: .* holds no Ed25519 key"):

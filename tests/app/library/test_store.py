@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from behind_its_back import sql
 from waiting import PATIENCE
 
 from app.library.schema import STEPS
@@ -171,9 +172,7 @@ def test_kills_during_saves_lose_nothing_that_was_answered(
 ) -> None:
     path = tmp_path / "library.db"
     answered = kill_during_saves(str(path), kills, saves, seed)
-    raw = sqlite3.connect(path)
-    assert raw.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
-    raw.close()
+    assert sql(path, "PRAGMA integrity_check") == [("ok",)]
     library = Library(path)
     check_whole(library, answered)
     library.close()
@@ -231,11 +230,8 @@ def test_an_older_library_is_brought_up_with_what_it_holds(tmp_path: Path, mems:
 def test_old_and_new_libraries_end_with_the_same_tables(tmp_path: Path) -> None:
     def tables(path: Path) -> list[tuple[object, ...]]:
         Library(path).close()
-        raw = sqlite3.connect(path)
         query = "SELECT m.name, c.name, c.type, c.[notnull], c.pk FROM sqlite_master m, pragma_table_info(m.name) c"
-        found = sorted(raw.execute(query).fetchall())
-        raw.close()
-        return found
+        return sorted(sql(path, query))
 
     _old_library(tmp_path / "old.db", 1)
     assert tables(tmp_path / "old.db") == tables(tmp_path / "new.db")
@@ -248,18 +244,13 @@ def test_a_migration_that_fails_leaves_the_old_library(tmp_path: Path, monkeypat
     )
     with pytest.raises(InputError, match="already exists"):
         Library(tmp_path / "library.db")
-    raw = sqlite3.connect(tmp_path / "library.db")
-    assert raw.execute("SELECT version FROM schema_version").fetchall() == [(1,)]
-    assert not raw.execute("SELECT * FROM sqlite_master WHERE name IN ('extra', 'reviews')").fetchall()
-    raw.close()
+    assert sql(tmp_path / "library.db", "SELECT version FROM schema_version") == [(1,)]
+    assert not sql(tmp_path / "library.db", "SELECT * FROM sqlite_master WHERE name IN ('extra', 'reviews')")
 
 
 def test_a_newer_or_foreign_file_is_refused(tmp_path: Path) -> None:
     _old_library(tmp_path / "library.db", len(STEPS))
-    raw = sqlite3.connect(tmp_path / "library.db")
-    raw.execute("UPDATE schema_version SET version = 99")
-    raw.commit()
-    raw.close()
+    sql(tmp_path / "library.db", "UPDATE schema_version SET version = 99")
     with pytest.raises(InputError, match="schema version 99"):
         Library(tmp_path / "library.db")
     (tmp_path / "photo.db").write_bytes(b"\xff\xd8\xff" * 1000)

@@ -20,6 +20,9 @@ _REQUIREMENTS = {
 }  # fmt: skip
 
 
+_SYSTEMATIC = ("time tag", "datum")
+
+
 @cache
 def _budget(seed: int) -> Budget:
     draw = random.Random(seed)
@@ -39,25 +42,23 @@ def _budget(seed: int) -> Budget:
     return analyse(Design(changes, own=Own(own)))
 
 
+def _combined(values: dict[str, float]) -> float:
+    """As a figure is: the root of the random ones' squares, and the systematic ones."""
+    square = sum(value**2 for source, value in values.items() if source not in _SYSTEMATIC)
+    return math.sqrt(square) + sum(value for source, value in values.items() if source in _SYSTEMATIC)
+
+
 def _whole(found: Allocation) -> float:
-    """The entries combined as a figure is."""
-    square = linear = 0.0
-    for entry in found.entries:
-        if entry.source in ("time tag", "datum"):
-            linear += entry.allocated
-        else:
-            square += entry.allocated**2
-    return math.sqrt(square) + linear
+    return _combined({entry.source: entry.allocated for entry in found.entries})
 
 
 def test_today_combines_to_the_value_that_is_checked() -> None:
     for seed in range(10):
         for check in _budget(seed).verdict.checks:
             entries = allocate(_budget(seed), check.name).entries
-            square = sum(e.estimated**2 for e in entries if e.source not in ("time tag", "datum"))
-            linear = sum(e.estimated for e in entries if e.source in ("time tag", "datum"))
             if check.name != "islr":
-                assert math.sqrt(square) + linear == pytest.approx(check.value, rel=1e-9), check.name
+                today = _combined({entry.source: entry.estimated for entry in entries})
+                assert today == pytest.approx(check.value, rel=1e-9), check.name
 
 
 def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
@@ -78,9 +79,7 @@ def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
         values = {entry.source: entry.allocated for entry in found.entries}
         assert locks.items() <= values.items()
         assert {entry.source for entry in found.entries if entry.locked} == locks.keys()
-        linear = sum(value for source, value in locks.items() if source in ("time tag", "datum"))
-        square = sum(value**2 for source, value in locks.items() if source not in ("time tag", "datum"))
-        if math.sqrt(square) + linear < target:
+        if _combined(locks) < target:
             assert found.closes
             assert _whole(found) == pytest.approx(target, rel=1e-9)
             assert all(entry.allocated >= 0 for entry in found.entries)
@@ -109,7 +108,7 @@ def test_the_cheapest_is_that_of_a_numerical_optimiser(seed: int) -> None:
         found = allocate(budget, name, "cheapest", reserve)
         target = (1 - reserve) * found.limit
         e = np.array([entry.estimated for entry in found.entries])
-        linear = np.array([entry.source in ("time tag", "datum") for entry in found.entries])
+        linear = np.array([entry.source in _SYSTEMATIC for entry in found.entries])
         ours = np.array([entry.allocated for entry in found.entries]) / e
 
         def left(x: Any, e: Any = e, linear: Any = linear, target: float = target) -> float:

@@ -24,6 +24,21 @@ NONE = np.zeros(0)
 TABLE = Curve(np.array([0.05, 1.0, 20.0, 2000.0]), np.array([1e-3, 2e-3, 0.5, 0.01]))
 
 
+def _summed(f: Array, density: Array, aperture: float, lobe: float) -> dict[str, float]:
+    """What sinusoids of these powers become through an aperture, by SciPy's Bessel functions."""
+    j = [spherical_jn(m, np.pi * f * aperture) for m in range(4)]
+    cells = f * aperture / lobe
+    return {
+        "quadratic": density @ (9 / 4 * 25 * j[2] ** 2),
+        "cubic": density @ (25 / 4 * 49 * j[3] ** 2),
+        "slope": density @ (9 * j[1] ** 2),
+        "left_1": density @ (1 - j[0] ** 2 - 3 * j[1] ** 2),
+        "left_2": density @ (1 - j[0] ** 2 - 3 * j[1] ** 2 - 5 * j[2] ** 2),
+        "scattered": density @ (cells > 1),
+        "near": density @ ((cells > 1) & (cells < 11)),
+    }
+
+
 @pytest.mark.parametrize(("bandwidth", "delay"), [(None, 0.4), (200.0, 0.0), (200.0, 5e-3)])
 def test_integrals(bandwidth, delay, compared):
     """Against a sum over two million frequencies, SciPy's Bessel functions, the transfer as complex numbers."""
@@ -36,15 +51,7 @@ def test_integrals(bandwidth, delay, compared):
     answer = np.exp(-1j * w * delay) / (1 if bandwidth is None else 1 + 1j * f / bandwidth)
     table = np.exp(np.interp(np.log(f), np.log(TABLE.frequency), np.log(TABLE.density)))
     density = table * np.abs(1 - answer) ** 2 / w**4 * np.diff(edges)
-    j = [spherical_jn(m, w * aperture / 2) for m in range(4)]
-    by_hand = {
-        "quadratic": density @ (9 / 4 * 25 * j[2] ** 2),
-        "cubic": density @ (25 / 4 * 49 * j[3] ** 2),
-        "left_1": density @ (1 - j[0] ** 2 - 3 * j[1] ** 2),
-        "left_2": density @ (1 - j[0] ** 2 - 3 * j[1] ** 2 - 5 * j[2] ** 2),
-        "scattered": density @ (f * aperture > lobe),
-        "near": density @ ((f * aperture > lobe) & (f * aperture < 11 * lobe)),
-    }
+    by_hand = _summed(f, density, aperture, lobe)
     off = [float(getattr(made, name)) / value - 1 for name, value in by_hand.items()]
     compared(
         "Vibration after compensation, through the aperture",
@@ -99,13 +106,7 @@ def test_narrow_bands_far_above_the_oscillation(low, high, delay):
     count = 200_000
     f, weights = low + (high - low) * (np.arange(count) + 0.5) / count, np.full(count, (high - low) / count)
     density = weights if delay is None else weights * 4 * np.sin(np.pi * f * delay) ** 2
-    j = [spherical_jn(m, np.pi * f * aperture) for m in range(4)]
-    by_hand = {
-        "quadratic": density @ (9 / 4 * 25 * j[2] ** 2), "cubic": density @ (25 / 4 * 49 * j[3] ** 2),
-        "slope": density @ (9 * j[1] ** 2), "left_1": density @ (1 - j[0] ** 2 - 3 * j[1] ** 2),
-        "scattered": density.sum(),
-    }  # fmt: skip
-    for name, theirs in by_hand.items():
+    for name, theirs in _summed(f, density, aperture, lobe).items():
         assert float(getattr(made, name)) == pytest.approx(theirs, rel=2e-3), name
 
 
