@@ -1,9 +1,15 @@
-"""Random tables for the inputs of a design that are tables."""
+"""Random designs, and tables for their inputs that are tables."""
 
 from typing import Any
 
 from hypothesis import strategies as st
 
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import INPUTS
+from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
 from nav_model.design.table import MOST_ROWS, Table
 
@@ -35,3 +41,32 @@ def _cell(column: Any) -> st.SearchStrategy[Any]:
         return _NAMES.map(lambda text: " ".join(text.split())) | st.sampled_from(["line 1", "<b>é & co</b>"])
     number = st.floats(*column.limits)
     return st.none() | number if column.allow_None else number
+
+
+@st.composite
+def any_design(draw: st.DrawFn, reciprocals: bool = False) -> Design:
+    """Any design at all, on presets or none, its values in any of their units, or as the reciprocal input."""
+    values: dict[str, Any] = {"name": draw(st.text(max_size=30)), "description": draw(st.text(max_size=60))}
+    written: dict[str, str] = {}
+    for section in ("imu", "radar"):
+        names = [n for n, e in catalogue(section).items() if section == "radar" or len(e.values) == 2]
+        if name := draw(st.none() | st.sampled_from(names)):
+            values |= preset_fill(section, name)[0]
+    for section, inputs in INPUTS.items():
+        for name, declaration in inputs.items():
+            key = f"{section}.{name}"
+            if isinstance(declaration, Table):
+                values[key] = draw(rows_of(declaration, 9))
+            elif not isinstance(declaration, BaseQuantity):
+                values[key] = draw(st.sampled_from(declaration.objects))
+            elif draw(st.booleans()):
+                low, high = declaration.limits
+                include_low, include_high = declaration.inclusive_bounds
+                values[key] = draw(st.floats(low, high, exclude_min=not include_low, exclude_max=not include_high))
+                if declaration.dimension:
+                    units = list(DIMENSIONS[declaration.dimension].units)
+                    if reciprocals and declaration.alternative:
+                        other = declaration.alternative
+                        units += [f"{other.key}:{unit}" for unit in DIMENSIONS[other.dimension].units]
+                    written[key] = draw(st.sampled_from(units))
+    return Design(values, written)

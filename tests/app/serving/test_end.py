@@ -9,13 +9,11 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, ClassVar
 
 import pytest
 from open_page import Tab
 from waiting import PATIENCE, soon, until
 
-from app.work import alone as long_run
 from app.work import pool as workers
 
 pytestmark = pytest.mark.long
@@ -89,24 +87,10 @@ def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path:
         assert process.wait(PATIENCE) == 0
 
 
-def test_heavy_work_steps_back_behind_the_pages(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_heavy_work_steps_back_behind_the_pages() -> None:
+    """That runs in processes of their own do too is shown in tests/app/work/test_alone."""
     try:
         assert asyncio.run(workers.elsewhere(os.nice, 0)) == min(os.nice(0) + 10, 19)
     finally:
         workers.stop()
         workers.pool.cache_clear()
-    stepped: list[bool] = []
-    monkeypatch.setattr(workers, "step_back", lambda _: stepped.append(True))
-
-    class Ends:
-        asked: ClassVar[list[Any]] = [(lambda progress: len(stepped), ())]
-        answers: ClassVar[list[Any]] = []
-        send = answers.append
-
-        def recv(self) -> Any:
-            if not self.asked:
-                raise EOFError
-            return self.asked.pop()
-
-    long_run._work(Ends(), None)
-    assert [answer[:2] for answer in Ends.answers] == [("done", 1)]

@@ -27,16 +27,17 @@ def nobody_waits() -> Iterator[None]:
         asyncio.run(alone._waiting.pop().end())
 
 
-def _who(_: object = None, *, progress: Any) -> int:
+def _who(_: object = None, *, progress: Any) -> tuple[int, int]:
+    """The process, and how far it steps back behind others."""
     progress(0.5, "looking")
-    return os.getpid()
+    return os.getpid(), os.nice(0)
 
 
 def _refuse(*, progress: Any) -> None:
     raise ValueError("not this one")
 
 
-def test_a_process_that_stayed_small_does_the_next_run_and_no_other_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_process_that_stayed_small_does_the_next_run_behind_the_pages(monkeypatch: pytest.MonkeyPatch) -> None:
     async def runs() -> None:
         said: list[str] = []
         first = await run_alone(_who, progress=lambda _, what: said.append(what))
@@ -46,7 +47,9 @@ def test_a_process_that_stayed_small_does_the_next_run_and_no_other_waits(monkey
         assert await run_alone(_who, progress=lambda *_: None) == first
         assert said == ["looking"]
         assert not alone._waiting
-        assert first not in [child.pid for child in multiprocessing.active_children()]
+        process, niceness = first
+        assert process not in [child.pid for child in multiprocessing.active_children()]
+        assert niceness == min(os.nice(0) + 10, 19)
 
     asyncio.run(runs())
 

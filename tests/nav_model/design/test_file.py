@@ -5,55 +5,22 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from design_tables import rows_of
+from design_tables import any_design
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import nav_model
-from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
-from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import deviations, preset_fill
-from nav_model.design.table import Table
 
 EXAMPLES = sorted((Path(nav_model.__file__).parent.parent / "examples").glob("*.toml"))
 
 
-@st.composite
-def designs(draw):
-    """Any design at all, its values written in any of their units or as the reciprocal input."""
-    values = {"name": draw(st.text(max_size=30)), "description": draw(st.text(max_size=60))}
-    written = {}
-    for section, inputs in INPUTS.items():
-        for name, declaration in inputs.items():
-            key = f"{section}.{name}"
-            if not isinstance(declaration, BaseQuantity):
-                values[key] = draw(
-                    rows_of(declaration)
-                    if isinstance(declaration, Table)
-                    else st.sampled_from(list(declaration.objects))
-                )
-                continue
-            if declaration.allow_None and draw(st.booleans()):
-                continue
-            low, high = declaration.softbounds
-            values[key] = draw(st.floats(min_value=low, max_value=high))
-            if not declaration.dimension:
-                continue
-            units = list(DIMENSIONS[declaration.dimension].units)
-            if declaration.alternative:
-                other = declaration.alternative
-                units += [f"{other.key}:{unit}" for unit in DIMENSIONS[other.dimension].units]
-            written[key] = draw(st.sampled_from(units))
-    return Design(values, written)
-
-
 @settings(max_examples=40)
-@given(designs())
+@given(any_design(reciprocals=True))
 def test_writing_and_reading_again_gives_the_same_design_and_the_same_text(design):
     text = format_design(design)
     back = parse_design(text)

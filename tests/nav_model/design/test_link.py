@@ -1,52 +1,19 @@
 """Links: a design survives the address bar, and a forged address is refused by name."""
 
 import string
-from typing import Any
 
 import pytest
-from design_tables import rows_of
+from design_tables import any_design
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError
 from nav_model.base.units import parse_quantity
 from nav_model.design import Design
-from nav_model.design.catalogue import catalogue
-from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import from_query, to_query
-from nav_model.design.parts import INPUTS
-from nav_model.design.presets import preset_fill
-from nav_model.design.table import Table
-
-
-@st.composite
-def designs(draw: st.DrawFn) -> Design:
-    values: dict[str, Any] = {"name": draw(st.text(max_size=30)), "description": draw(st.text(max_size=30))}
-    written: dict[str, str] = {}
-    for section in ("imu", "radar"):
-        names = [n for n, e in catalogue(section).items() if section == "radar" or len(e.values) == 2]
-        if name := draw(st.none() | st.sampled_from(names)):
-            values |= preset_fill(section, name)[0]
-    for section, inputs in INPUTS.items():
-        for name, declaration in inputs.items():
-            if not draw(st.booleans()):
-                continue
-            key = f"{section}.{name}"
-            if isinstance(declaration, BaseQuantity):
-                low, high = declaration.limits
-                include_low, include_high = declaration.inclusive_bounds
-                values[key] = draw(st.floats(low, high, exclude_min=not include_low, exclude_max=not include_high))
-                if declaration.dimension:
-                    written[key] = draw(st.sampled_from(list(DIMENSIONS[declaration.dimension].units)))
-            else:
-                table = isinstance(declaration, Table)
-                values[key] = draw(rows_of(declaration, 9) if table else st.sampled_from(declaration.objects))
-    return Design(values, written)
 
 
 @settings(max_examples=60)
-@given(designs())
+@given(any_design())
 def test_round_trip(design: Design) -> None:
     assert from_query(to_query(design)) == design
 

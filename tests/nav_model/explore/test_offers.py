@@ -42,11 +42,6 @@ def test_the_cheapest_that_passes_is_first_and_a_cheap_failure_is_not() -> None:
     assert rows[1].power is None
 
 
-def test_without_offers_the_widest_margin_is_first() -> None:
-    rows = search(read_design("examples/tactical_x_band.toml"), {**offer("b", 0.02), **offer("a", 0.001)}, {})
-    assert [row.margin for row in rows] == sorted((row.margin for row in rows), reverse=True)
-
-
 def test_a_pair_costs_both_or_is_not_priced() -> None:
     receivers = read_catalogue(
         '[[gnss]]\nname = "rx"\nposition_noise = { value = "1 m", status = "assumed", source = "s" }\n'

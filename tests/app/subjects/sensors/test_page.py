@@ -9,7 +9,7 @@ from html import unescape
 import numpy as np
 import panel as pn
 import pytest
-from bench_log import ANGLE_WALK, VELOCITY_WALK, log
+from bench_log import ANGLE_WALK, VELOCITY_WALK, log, table
 from bokeh.models import ColumnDataSource
 
 from app.document.pane import html_of
@@ -146,11 +146,9 @@ def test_origin_says_catalogue_hand_or_log():
     assert "set by hand" in html_of(origin_table(design.replace({"imu.angle_random_walk": 1e-5})))
 
 
-def test_charts_carry_confidence_and_fit(sensors: SensorsPage):
-    panel = sensors.log
-    panel.boxes["rate"].value = "100"
-    asyncio.run(panel.take("bench.csv", log(6000)))
-    analysis = panel.static.analysis
+def test_charts_carry_confidence_and_fit():
+    rates, forces = np.hsplit(table(6000), 2)
+    analysis = analyse_log(ImuLog(rates, forces, 100.0))
     for quantity, truth in (("gyro", 0.3 * 60.0), ("accelerometer", VELOCITY_WALK / 9.80665e-6)):
         chart = triad_chart(analysis, quantity)
         assert len(chart.bands) == 3
