@@ -6,7 +6,7 @@ Jinja escapes every text; equations become MathML through Typst, so that they ar
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
@@ -128,17 +128,17 @@ def _math(report: Report) -> dict[str, Markup]:
     for block in report.blocks():
         if isinstance(block, Equations | Symbols):
             wanted |= {item.math: isinstance(block, Equations) for item in block.items}
-    return dict(zip(wanted, map(Markup, mathml(tuple(wanted.items()))), strict=True))
+    return {math: Markup(set_) for (math, _), set_ in mathml(tuple(wanted.items())).items()}
 
 
 @cache
-def mathml(items: tuple[tuple[str, bool], ...]) -> tuple[str, ...]:
-    """MathML of Typst math; each item says whether it is a separate block."""
+def mathml(items: tuple[tuple[str, bool], ...]) -> Mapping[tuple[str, bool], str]:
+    """Items of Typst math -> MathML; each says whether it is a separate block."""
     data = json.dumps([{"math": math, "block": block} for math, block in items], ensure_ascii=False)
     page = typst.compile(_TYPST_MATH.encode(), format="html", sys_inputs={"items": data}).decode()
     # A browser without a mathematical font leaves out the sign of a root, which makes the equation a wrong one.
     page = page.replace("<msqrt>", _ROOT).replace("</msqrt>", "</mrow></mrow>")
-    return tuple(_MATH.findall(page))
+    return dict(zip(items, _MATH.findall(page), strict=True))
 
 
 def _data_url(text: str, kind: str) -> str:

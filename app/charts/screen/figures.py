@@ -19,7 +19,6 @@ from bokeh.models import (
     GlyphRenderer,
     HoverTool,
     Label,
-    Range1d,
     Scatter,
     Segment,
     VArea,
@@ -56,17 +55,14 @@ class Figure:
 
     def _feed_frame(self, chart: Chart) -> None:
         for renderer, line in zip(self._lines, chart.lines, strict=True):
-            if renderer.name != _hovered(line):  # such as which run a line is
-                renderer.name = _hovered(line)
+            renderer.name = _hovered(line)  # such as which run a line is
         for span in chart.spans:
             box, label = self._spans[span.key]
-            shown = not math.isnan(span.start)
-            if box.visible != shown:
-                box.visible = label.visible = shown
-            if shown and (box.left, box.right) != (span.start, span.stop):
+            box.visible = label.visible = not math.isnan(span.start)
+            if box.visible:
                 box.update(left=span.start, right=span.stop)
                 label.x = span.start
-        if chart.y_range is not None and (self.plot.y_range.start, self.plot.y_range.end) != chart.y_range:
+        if chart.y_range is not None:
             start, end = chart.y_range
             self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
 
@@ -134,8 +130,7 @@ def _curves(chart: Chart, height: int | None) -> Figure:
         tools=TOOLS,
         toolbar_location="right",
         active_drag=None,
-        **({"y_range": Range1d(*chart.y_range)} if chart.y_range else {}),
-        **({"x_range": Range1d(*chart.x_range)} if chart.x_range else {}),
+        **{name: ends for name in ("x_range", "y_range") if (ends := getattr(chart, name))},
     )
     if height is None:
         fill(plot)
@@ -144,7 +139,7 @@ def _curves(chart: Chart, height: int | None) -> Figure:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)
     sources = Sources(_columns(chart), f"{chart.key} ")
-    spans = {span.key: _span(plot, span.label, span.start, span.stop) for span in chart.spans}
+    spans = {span.key: _span(plot, span.label) for span in chart.spans}
     for band in chart.bands:
         style = STYLES[band.style]
         source = sources[f"band {band.key}"]
@@ -172,7 +167,9 @@ def _curves(chart: Chart, height: int | None) -> Figure:
         glyph = Segment(x0="x0", y0="y", x1="x1", y1="y", **line_look(STYLES["limit"]))
         renderer = add_glyph(plot, sources["limits"], glyph)
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
-    return Figure(plot, sources, spans, lines)
+    made = Figure(plot, sources, spans, lines)
+    made.feed(chart)  # places the spans
+    return made
 
 
 def add_glyph(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:
@@ -195,12 +192,9 @@ def _hover(plot: figure, renderers: list[Any], tooltip: str) -> None:
     plot.add_tools(HoverTool(renderers=renderers, tooltips=tooltip, visible=False))
 
 
-def _span(plot: figure, text: str, start: float, stop: float) -> tuple[BoxAnnotation, Label]:
-    box = BoxAnnotation(left=start, right=stop, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
-    label = Label(x=start, y=6, x_offset=3, y_units="screen", text=text, background_fill_color=INK, **CHIP)
-    if math.isnan(start):
-        box.update(left=0.0, right=0.0, visible=False)
-        label.update(x=0.0, visible=False)
+def _span(plot: figure, text: str) -> tuple[BoxAnnotation, Label]:
+    box = BoxAnnotation(left=0.0, right=0.0, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
+    label = Label(x=0.0, y=6, x_offset=3, y_units="screen", text=text, background_fill_color=INK, **CHIP)
     plot.add_layout(box)
     plot.add_layout(label)
     return box, label

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from bokeh.events import MouseLeave, MouseMove
 from bokeh.models import (
-    BoxAnnotation,
     ColumnDataSource,
     CrosshairTool,
     CustomJS,
     Range1d,
     Segment,
     Text,
+    VStrip,
 )
 from bokeh.models import Line as LineGlyph
 from bokeh.models import Span as Rule
@@ -70,9 +70,8 @@ class Timelines:
         self._was = ColumnDataSource(self._nothing, name="timelines compared")
         self._x_range = beside.plots[0].x_range if beside else Range1d(*_ends(charts))
         crosshair = CrosshairTool(overlay=Rule(dimension="height", line_dash="dotted", line_color=GREY))
-        self._boxes: list[list[BoxAnnotation]] = []
         self.plots: tuple[figure, ...] = tuple(
-            self._plot(chart, height, crosshair, chart is charts[-1])
+            self._plot(chart, height, crosshair, chart is first, chart is charts[-1])
             for chart, height in zip(charts, heights, strict=True)
         )
         self._read_out(charts)
@@ -119,21 +118,12 @@ class Timelines:
 
     def _feed_frame(self, charts: Sequence[Chart], heights: Sequence[_Range]) -> None:
         start, end = _ends(charts)
-        if (self._x_range.start, self._x_range.end) != (start, end):
-            self._x_range.update(start=start, end=end, reset_start=start, reset_end=end)
-        for plot, chart, (low, high), boxes in zip(self.plots, charts, heights, self._boxes, strict=True):
-            if plot.yaxis[0].axis_label != chart.y_label:
-                plot.yaxis[0].axis_label = chart.y_label
-            if (plot.y_range.start, plot.y_range.end) != (low, high):
-                plot.y_range.update(start=low, end=high, reset_start=low, reset_end=high)
-            for box, span in zip(boxes, chart.spans, strict=True):
-                shown = math.isfinite(span.start)
-                if box.visible != shown:
-                    box.visible = shown
-                if shown and (box.left, box.right) != (span.start, span.stop):
-                    box.update(left=span.start, right=span.stop)
+        self._x_range.update(start=start, end=end, reset_start=start, reset_end=end)
+        for plot, chart, (low, high) in zip(self.plots, charts, heights, strict=True):
+            plot.yaxis[0].axis_label = chart.y_label
+            plot.y_range.update(start=low, end=high, reset_start=low, reset_end=high)
 
-    def _plot(self, chart: Chart, height: _Range, crosshair: CrosshairTool, last: bool) -> figure:
+    def _plot(self, chart: Chart, height: _Range, crosshair: CrosshairTool, first: bool, last: bool) -> figure:
         plot = empty_figure(
             chart,
             y_log=chart.y_log,
@@ -143,7 +133,7 @@ class Timelines:
             x_range=self._x_range,
             y_range=Range1d(*height),
             tools="xpan,xbox_zoom,reset,save",
-            toolbar_location=None if self._boxes else "above",
+            toolbar_location="above" if first else None,
             toolbar_inner=True,
             active_drag=None,
             min_border_left=_LEFT,
@@ -153,12 +143,8 @@ class Timelines:
         )
         plot.toolbar.autohide = True
         plot.xaxis.visible = last
-        boxes = [
-            BoxAnnotation(left=0.0, right=0.0, fill_color=GREY, fill_alpha=0.2, line_alpha=0) for _ in chart.spans
-        ]
-        for box in boxes:
-            plot.add_layout(box)
-        self._boxes.append(boxes)
+        strips = VStrip(x0="x0", x1="x1", fill_color=GREY, fill_alpha=0.2, line_alpha=0)
+        add_glyph(plot, self._sources[f"{chart.key} spans"], strips)
         for line in chart.lines:
             look = line_look(STYLES[line.style])
             name = _column(chart, line.key)
@@ -193,6 +179,10 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
             "x0": [limit.start for limit in chart.limits],
             "x1": [limit.stop for limit in chart.limits],
             "y": [limit.level for limit in chart.limits],
+        }
+        columns[f"{chart.key} spans"] = {
+            "x0": [span.start for span in chart.spans],
+            "x1": [span.stop for span in chart.spans],
         }
         columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1])
     return columns

@@ -13,8 +13,7 @@ from app.document.pane import html_of
 from app.document.wording import design_labels
 from app.library.store import Revision
 from app.report import report_bytes
-from app.report.comparison import closing_words, difference_tables
-from app.report.comparison_charts import phase_comparison, position_comparison
+from app.report.comparison import closing_words, difference_tables, phase_comparison, position_comparison
 from app.subjects.review.desk import LOOK, Desk, listed
 from app.ui.chart_pane import ChartPane, described, source_note, takes
 from app.ui.html_pane import html_pane

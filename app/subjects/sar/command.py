@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +41,26 @@ def _sar(options: argparse.Namespace) -> int:
 
 
 def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
-    """The study asked for as plain data; with the simulator the error model's study beside it.
+    """The study asked for as plain data; with the simulator the error model's study beside it."""
+    from app.console.progress import COMPILES
+    from nav_model.sar.agreement import LEAST_BESIDE
+    from nav_model.sar.design_study import design_study
+    from nav_model.sar.study_json import to_json
+    from nav_model.simulation.monte_carlo import local_pool
+
+    if options.workers is not None and options.workers < 1:
+        raise InputError("--workers", f"{options.workers} is not allowed. Enter 1 or more.")
+    if options.engine == "fast":
+        return to_json(studied(design, options.runs, options.seed))
+    print(COMPILES, file=sys.stderr, flush=True)
+    workers = options.workers or max(1, (os.cpu_count() or 2) - 1)
+    with nullcontext() if workers == 1 else local_pool(workers) as pool:
+        flown = studied(design, options.runs, options.seed, engine="simulator", pool=pool)
+    return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
+
+
+def studied(design: Design, runs: int, seed: int, what: str = "", **how: Any) -> SarStudy:
+    """A study of so many runs, progress on standard error; ``how`` as `design_study` takes it.
 
     Raises
     ------
@@ -48,37 +68,14 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
         Naming the option or the key of the design that cannot be run.
     """
     from app.console.progress import count_runs
-    from nav_model.sar.agreement import LEAST_BESIDE
-    from nav_model.sar.design_study import chunks, design_study
-    from nav_model.sar.study_json import to_json
-
-    if options.seed < 0:
-        raise InputError("--seed", f"{options.seed} is not allowed. Enter zero or a positive whole number.")
-    if options.workers is not None and options.workers < 1:
-        raise InputError("--workers", f"{options.workers} is not allowed. Enter 1 or more.")
-    try:
-        chunks(options.runs)
-    except InputError as error:
-        raise error.under("--runs") from error
-    if options.engine == "fast":
-        with count_runs() as progress:
-            return to_json(design_study(design, options.runs, options.seed, progress))
-    flown = _flown(design, options)
-    return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
-
-
-def _flown(design: Design, options: argparse.Namespace) -> SarStudy:
-    from app.console.progress import COMPILES, count_runs
     from nav_model.sar.design_study import design_study
-    from nav_model.simulation.monte_carlo import local_pool
 
-    print(COMPILES, file=sys.stderr, flush=True)
-    workers = options.workers or max(1, (os.cpu_count() or 2) - 1)
+    if seed < 0:
+        raise InputError("--seed", f"{seed} is not allowed. Enter zero or a positive whole number.")
     try:
-        with count_runs() as progress:
-            if workers == 1:
-                return design_study(design, options.runs, options.seed, progress, engine="simulator")
-            with local_pool(workers) as pool:
-                return design_study(design, options.runs, options.seed, progress, engine="simulator", pool=pool)
+        with count_runs(what) as progress:
+            return design_study(design, runs, seed, progress, **how)
+    except InputError as error:
+        raise (error.under("--runs") if error.key == "runs" else error) from error
     except ArithmeticError as error:
         raise InputError("--engine", str(error)) from error

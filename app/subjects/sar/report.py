@@ -3,19 +3,17 @@
 import argparse
 
 from app.charts.kinds import Drawing
-from app.console.progress import count_runs
 from app.document.blocks import Block, Section, Text, chart_block
 from app.document.numbers import degrees
 from app.document.wording import identified
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
+from app.subjects.sar.command import studied
 from app.subjects.sar.run import SarResult
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables
 from nav_model.aperture.geometry import metres_to_phase
-from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
 from nav_model.sar.design_case import design_case
-from nav_model.sar.design_study import design_study
 from nav_model.sar.pictures import point_pictures, scene_pictures
 
 REFERENCES = (
@@ -35,16 +33,7 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
     InputError
         For an option or a key of the design that cannot be used.
     """
-    runs = _RUNS if options.runs is None else options.runs
-    if options.seed < 0:
-        raise InputError("--seed", f"{options.seed} is not allowed. Enter zero or a positive whole number.")
-    try:
-        with count_runs("SAR: ") as progress:
-            found = design_study(design, runs, options.seed, progress)
-    except InputError as error:
-        if error.key != "runs":
-            raise
-        raise error.under("--runs") from error
+    found = studied(design, _RUNS if options.runs is None else options.runs, options.seed, "SAR: ")
     return SarResult(design_case(found.budget), found, point_pictures(found.budget, found.typical))
 
 

@@ -61,7 +61,7 @@ class TheoryPage(View):
 def theory() -> str:
     """The page's text."""
     items = [(equation.math, True) for equation in ALL_EQUATIONS] + [(symbol.math, False) for symbol in ALL_SYMBOLS]
-    set_ = dict(zip(items, mathml(tuple(items)), strict=True))
+    set_ = mathml(tuple(items))
     parts = []
     for letter, title in _PARTS.items():
         equations = [e for e in ALL_EQUATIONS if e.mark.startswith(letter)]

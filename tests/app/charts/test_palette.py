@@ -8,7 +8,7 @@ import pytest
 from app.charts.kinds import Chart
 from app.charts.styles import DASHES, STYLES
 from app.examples import EXAMPLES, example
-from app.report.comparison_charts import phase_comparison, position_comparison
+from app.report.comparison import phase_comparison, position_comparison
 from app.subjects.budget import charts as budget_charts
 from app.ui.theme import DARK, LIGHT
 from nav_model.budget import analyse
