@@ -46,7 +46,7 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         PhaseLine(
             source,
             *(each.sizes.get(source, 0.0) for each in (one, two, three)),
-            *(each.shares.get(source, 0.0) for each in (one, two, three)),
+            *(each.shares.get(source, 0.0) for each in (one, three)),
         )
         for source in dict.fromkeys((*one.sizes, *two.sizes, *three.sizes))
     )
@@ -64,8 +64,8 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         detrended=three.sigma,
         along_track_quadratic=found["along_track_quadratic_phase"].sigma,
         lines=lines,
+        shares=FrozenMapping({name: each.shares for name, each in found.items()}),
         tilt_shares=shares[INITIAL_TILT],
-        velocity_shares=found["along_track_quadratic_phase"].shares,
         half_power_extent=(
             None if one.sigma > NO_IMAGE else half_power_extent(one.sigma, x.window)  # type: ignore[arg-type]
         ),

@@ -9,7 +9,7 @@ from nav_model.budget.allocation import Allocation
 from nav_model.budget.contributors import size_of
 from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Spectral, Verdict
-from nav_model.design.contributors import ENTERED, Contributor
+from nav_model.design.contributors import COASTING, ENTERED, Contributor
 from nav_model.processing.paired_echo import NOTHING
 
 
@@ -22,6 +22,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
         budget.sar,
         budget.verdict,
     )
+    ends = [coast.checked[name] for name in COASTING]
     return {
         "design": {"name": design.name, "content_hash": design.content_hash, "inputs": dict(design.items())},
         "steady_state": {
@@ -45,11 +46,8 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "initial_tilt_position_sigma_m": coast.initial_tilt.tolist(),
             "end": {
                 "time_s": coast.duration,
-                "refined_position_sigma_m": {
-                    "horizontal": coast.end_refined_horizontal,
-                    "vertical": coast.end_refined_vertical,
-                },
-                "shares": {"horizontal": dict(coast.shares_horizontal), "vertical": dict(coast.shares_vertical)},
+                "refined_position_sigma_m": _pair(*(end.sigma for end in ends)),
+                "shares": _pair(*(dict(end.shares) for end in ends)),
             },
         },
         "sar": {

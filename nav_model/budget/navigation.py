@@ -84,9 +84,8 @@ def outage_of(
 ) -> Outage:
     """Errors `time` [s] after the last fix; `posterior` is the filter there, `sized` has value and shares of
     `COASTING` and of limits in the outage."""
-    duration = float(x.duration)
     free = {name: np.sqrt(variance) for name, variance in free_growth(x, closed, time).items()}
-    refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, np.append(time, duration)))
+    refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, time))
     perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, time)
     curves = {
         "time": time,
@@ -96,30 +95,15 @@ def outage_of(
         "velocity_vertical": free["coast_vertical_velocity"],
         "tilt": free["coast_tilt"],
         "yaw_growth": free["coast_heading"],
-        "refined_horizontal": refined_horizontal[:-1],
-        "refined_vertical": refined_vertical[:-1],
+        "refined_horizontal": refined_horizontal,
+        "refined_vertical": refined_vertical,
         "perfect_start_horizontal": np.sqrt(perfect[0]),
         "perfect_start_vertical": np.sqrt(perfect[1]),
         "initial_tilt": np.sqrt(growth.initial_tilt(closed.horizontal.p33, x.g, time)),
     }
-    level_end, upright_end = (
-        composed(float(curve[-1]), sized[name][1], entering(x.own, name, post_processed=False))
-        for name, curve in zip(COASTING, (refined_horizontal, refined_vertical), strict=True)
-    )
-    limited = {
-        limit.name: composed(*sized[limit.name], entering(x.own, limit.name, post_processed=False))
-        for limit in x.limits
-        if in_outage(limit)
-    }
-    return Outage(
-        duration=duration,
-        end_refined_horizontal=level_end.sigma,
-        end_refined_vertical=upright_end.sigma,
-        shares_horizontal=level_end.shares,
-        shares_vertical=upright_end.shares,
-        limited=FrozenMapping(limited),
-        **curves,
-    )
+    names = (*COASTING, *(limit.name for limit in x.limits if in_outage(limit)))
+    checked = {name: composed(*sized[name], entering(x.own, name, post_processed=False)) for name in names}
+    return Outage(duration=float(x.duration), checked=FrozenMapping(checked), **curves)
 
 
 def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:

@@ -82,9 +82,8 @@ class Outage:
     """Sigmas against time since the last fix, arrays of one length: s, m, m/s, rad.
 
     ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
-    quadrature; ``refined_*`` is [T-17] with the same biases. ``shares_horizontal`` and ``shares_vertical``
-    split the variance of position at the end of ``duration``. ``limited`` has what limits of the user's own limit in
-    the outage.
+    quadrature; ``refined_*`` is [T-17] with the same biases. ``checked`` has, with contributors, the refined
+    positions at the end of ``duration`` and what limits of the user's own limit in the outage.
     """
 
     duration: float
@@ -100,11 +99,7 @@ class Outage:
     perfect_start_horizontal: Array
     perfect_start_vertical: Array
     initial_tilt: Array
-    end_refined_horizontal: float
-    end_refined_vertical: float
-    shares_horizontal: Shares
-    shares_vertical: Shares
-    limited: Mapping[str, Composed]
+    checked: Mapping[str, Composed]
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
@@ -126,7 +121,6 @@ class PhaseLine:
     cubic: float
     detrended: float
     share: float
-    cubic_share: float
     detrended_share: float
 
 
@@ -137,8 +131,8 @@ class Sar:
     ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
     what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe, and so is
     ``half_power_extent`` [cells], the width of the first.
-    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18], ``velocity_shares`` the
-    variance of along-track velocity at the start of the aperture.
+    ``shares`` gives, for each phase that a requirement can limit, the share of each source in its variance;
+    ``tilt_shares`` splits the initial tilt by the source that put it there [T-18].
     """
 
     wavelength: float
@@ -152,8 +146,8 @@ class Sar:
     detrended: float
     along_track_quadratic: float
     lines: tuple[PhaseLine, ...]
+    shares: Mapping[str, Shares]
     tilt_shares: Shares
-    velocity_shares: Shares
     half_power_extent: float | None
     respond: Callable[[float], ImpulseResponse | None] = field(repr=False, compare=False)
 

@@ -7,7 +7,7 @@ from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Parts, composed, entering, with_contributors
 from nav_model.budget.fast import LEVELS
-from nav_model.budget.figures import FIGURES, PLACING
+from nav_model.budget.figures import FIGURES, IMAGING, PLACING, SETTLED
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.response import NO_IMAGE, limited_of
 from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
@@ -129,22 +129,19 @@ def judge(
     return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest)
 
 
+def _phases(of: Sar | PostProcessed) -> dict[str, float]:
+    """Figures of `IMAGING`."""
+    return dict(zip(IMAGING, (of.quadratic, of.along_track_quadratic, of.cubic, of.detrended), strict=True))
+
+
 def _smoothed(smoothed: PostProcessed) -> dict[str, _Figure]:
     """Every figure that post-processing changes; the end of an outage stays that of real time."""
-    sigmas = smoothed.sigmas
-    values = {
-        "quadratic_phase": (smoothed.quadratic, "[P-5]"),
-        "along_track_quadratic_phase": (smoothed.along_track_quadratic, "[P-5]"),
-        "cubic_phase": (smoothed.cubic, "[P-5]"),
-        "detrended_phase": (smoothed.detrended, "[P-5]"),
-        "horizontal_position": (sigmas.position_horizontal, "[P-3]"),
-        "vertical_position": (sigmas.position_vertical, "[P-3]"),
-        "horizontal_velocity": (sigmas.velocity_horizontal, "[P-3]"),
-        "vertical_velocity": (sigmas.velocity_vertical, "[P-3]"),
-        "tilt": (sigmas.tilt, "[P-3]"),
+    marked = ((_phases(smoothed), "[P-5]"), (smoothed.sigmas.named(), "[P-3]"))
+    return {
+        name: _Figure(sigma, "smoothed", mark, smoothed.shares[name])
+        for sigmas, mark in marked
+        for name, sigma in sigmas.items()
     }
-    basis = "smoothed"
-    return {name: _Figure(sigma, basis, mark, smoothed.shares[name]) for name, (sigma, mark) in values.items()}
 
 
 def _levels(spectral: Spectral, own: Parts) -> dict[str, _Figure]:
@@ -167,7 +164,7 @@ def _of_limits(
     """What limits of the user's own limit."""
     found = {}
     for limit in design.limits:
-        if whole := coast.limited.get(limit.name):
+        if whole := coast.checked.get(limit.name):
             when = "at its end" if limit.at is None else f"after {limit.at:g} s"
             found[limit.name] = _Figure(whole.sigma, f"in the outage, {when}", outage_mark(limit.on), whole.shares)
         elif limit.on in ENTERED:
@@ -205,7 +202,8 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
     sigmas = steady_state.moment(chosen).named()
     label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
 
-    def settled(name: str, closed_mark: str) -> _Figure:
+    def settled(name: str) -> _Figure:
+        closed_mark = upright if name.startswith("vertical") else level
         mark = "[T-8]" if chosen != "closed" else closed_mark
         entered = entering(steady_state.own, name, post_processed=False)
         whole = composed(sigmas[name], steady_state.shares[name], entered)
@@ -213,26 +211,14 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
 
     slow = design.gnss.correlated
     budget = "closed form" if not slow else "closed form, with the tilt that the slow GNSS error adds"
-
-    own = {part.name for parts in steady_state.own.values() for part in parts}
-
-    def by_source(field: str) -> dict[str, float]:
-        """Shares of the model's sources and of the contributors that enter."""
-        shares = {line.source: getattr(line, field) for line in sar.lines}
-        return {source: share for source, share in shares.items() if share or source not in own}
-
+    marks = ("[S-5]", "[S-2]", "[S-6]", "[T-15], [S-6]")
+    phases = {
+        name: _Figure(sigma, budget, mark, sar.shares[name])
+        for (name, sigma), mark in zip(_phases(sar).items(), marks, strict=True)
+    }
+    ends = {name: coast.checked[name] for name in COASTING}
     return {
-        "quadratic_phase": _Figure(sar.quadratic, budget, "[S-5]", by_source("share")),
-        "along_track_quadratic_phase": _Figure(sar.along_track_quadratic, budget, "[S-2]", sar.velocity_shares),
-        "cubic_phase": _Figure(sar.cubic, budget, "[S-6]", by_source("cubic_share")),
-        "detrended_phase": _Figure(sar.detrended, budget, "[T-15], [S-6]", by_source("detrended_share")),
-        "horizontal_position": settled("horizontal_position", level),
-        "vertical_position": settled("vertical_position", upright),
-        "horizontal_velocity": settled("horizontal_velocity", level),
-        "vertical_velocity": settled("vertical_velocity", upright),
-        "tilt": settled("tilt", level),
-        "coast_horizontal_position": _Figure(
-            coast.end_refined_horizontal, "refined", "[T-17]", coast.shares_horizontal
-        ),
-        "coast_vertical_position": _Figure(coast.end_refined_vertical, "refined", "[T-17]", coast.shares_vertical),
+        **phases,
+        **{name: settled(name) for name in SETTLED},
+        **{name: _Figure(end.sigma, "refined", "[T-17]", end.shares) for name, end in ends.items()},
     }

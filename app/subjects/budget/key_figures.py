@@ -100,10 +100,10 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
             *(settled(*names) for names in fields),
             figure(
                 "Horizontal position after the outage",
-                coast.end_refined_horizontal,
+                coast.checked["coast_horizontal_position"].sigma,
                 "length",
                 f"after {show(coast.duration, 'time', given=True)}, in real time [T-17]; "
-                f"vertical {display.show(coast.end_refined_vertical, 'length')}",
+                f"vertical {display.show(coast.checked['coast_vertical_position'].sigma, 'length')}",
                 "coast_horizontal_position",
             ),
             phase("Quadratic phase", "quadratic", "quadratic_phase", "[S-5]", autofocus),

@@ -112,7 +112,11 @@ def test_the_numbers_of_the_pdf_are_the_budgets(mems, mems_words):
         for moment in (mems.steady_state.closed, mems.steady_state.prior, mems.steady_state.posterior)
         for x in (moment.position_horizontal, moment.position_vertical)
     ]
-    for quantity in (*degrees, *lengths, format_quantity(mems.coast.end_refined_horizontal, "m", "length", 3)):
+    for quantity in (
+        *degrees,
+        *lengths,
+        format_quantity(mems.coast.checked["coast_horizontal_position"].sigma, "m", "length", 3),
+    ):
         assert squeezed(quantity) in text, quantity
     for check in mems.verdict.checks:
         margin = 100 * check.margin

@@ -115,7 +115,7 @@ def test_other_times_are_refused(times):
 
 
 def test_the_end_of_the_coast_does_not_depend_on_the_times():
-    assert analyse(BASE, [1.0]).coast.end_refined_horizontal == pytest.approx(
+    assert analyse(BASE, [1.0]).coast.checked["coast_horizontal_position"].sigma == pytest.approx(
         analyse(BASE).coast.refined_horizontal[-1], rel=1e-12
     )
 
@@ -156,8 +156,8 @@ def test_slow_error_through_the_whole_budget():
     assert budget.steady_state.closed == analyse(BASE).steady_state.closed  # and the page says so
     assert any("slow GNSS error" in sentence for sentence in cautions(budget))
     for shares in (
-        *budget.steady_state.shares.values(), budget.coast.shares_horizontal, budget.coast.shares_vertical,
-        budget.sar.tilt_shares, budget.sar.velocity_shares,
+        *budget.steady_state.shares.values(), *(end.shares for end in budget.coast.checked.values()),
+        budget.sar.tilt_shares, budget.sar.shares["along_track_quadratic_phase"],
     ):  # fmt: skip
         assert math.fsum(shares.values()) == pytest.approx(1, abs=1e-12)
         assert shares["slow GNSS error"] > 0
@@ -165,10 +165,9 @@ def test_slow_error_through_the_whole_budget():
 
 def _all_shares(budget):
     yield from budget.steady_state.shares.values()
-    yield budget.coast.shares_horizontal
-    yield budget.coast.shares_vertical
+    yield from (end.shares for end in budget.coast.checked.values())
     yield budget.sar.tilt_shares
-    yield budget.sar.velocity_shares
+    yield from budget.sar.shares.values()
     yield {line.source: line.share for line in budget.sar.lines}
     yield {line.source: line.detrended_share for line in budget.sar.lines}
 
@@ -194,7 +193,9 @@ def test_coast_shares_are_what_each_source_alone_leaves():
     budget = analyse(full)
     for key, source in (("imu.accelerometer_bias", "accelerometer bias"), ("imu.gyro_bias", "gyro bias")):
         without = end(full.replace({key: 0.0}))
-        assert budget.coast.shares_horizontal[source] == pytest.approx(1 - without / end(full), rel=1e-9)
+        assert budget.coast.checked["coast_horizontal_position"].shares[source] == pytest.approx(
+            1 - without / end(full), rel=1e-9
+        )
 
 
 def test_sar_numbers_hang_together():

@@ -63,8 +63,9 @@ def test_the_lines_of_the_phase_budget_name_it_and_add_up() -> None:
     size = 4 * math.pi / alone.wavelength * 1e-3
     assert {line.source for line in sar.lines} - {line.source for line in alone.lines} == {"lever arm", "other"}
     assert sar.cubic == pytest.approx(alone.cubic + size, rel=1e-14)
-    for share in ("share", "cubic_share", "detrended_share"):
+    for share in ("share", "detrended_share"):
         assert math.fsum(getattr(line, share) for line in sar.lines) == pytest.approx(1, rel=1e-14)
+    assert math.fsum(sar.shares["cubic_phase"].values()) == pytest.approx(1, rel=1e-14)
 
 
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])

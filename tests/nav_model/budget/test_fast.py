@@ -93,8 +93,8 @@ def test_rectification_is_a_bias(open_design):
     made = analyse(open_design.replace(motion))
     assert made.sar.quadratic == pytest.approx(stated.sar.quadratic, rel=1e-12)
     np.testing.assert_allclose(made.coast.position_horizontal, stated.coast.position_horizontal, rtol=1e-12)
-    assert made.coast.shares_horizontal["vibration rectification"] == pytest.approx(
-        stated.coast.shares_horizontal["accelerometer bias"], rel=1e-9
+    assert made.coast.checked["coast_horizontal_position"].shares["vibration rectification"] == pytest.approx(
+        stated.coast.checked["coast_horizontal_position"].shares["accelerometer bias"], rel=1e-9
     )
     assert made.post_processed.quadratic == pytest.approx(stated.post_processed.quadratic, rel=1e-12)
 

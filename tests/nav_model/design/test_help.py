@@ -49,8 +49,8 @@ def fleet():
                 "range_shift": budget.placement.range,
                 "ce90": budget.placement.ce90,
                 "le90": budget.placement.le90,
-                "coast_horizontal_position": budget.coast.end_refined_horizontal,
-                "coast_vertical_position": budget.coast.end_refined_vertical,
+                "coast_horizontal_position": budget.coast.checked["coast_horizontal_position"].sigma,
+                "coast_vertical_position": budget.coast.checked["coast_vertical_position"].sigma,
             }
             grade = next(g for g in ("navigation", "tactical", "MEMS") if g in entry.grade)
             found.append((grade, figures))

@@ -110,8 +110,8 @@ def test_real_time_with_velocity_printed(named):
         assert ours.velocity_horizontal == pytest.approx(velocity, abs=6e-6)
         assert math.degrees(ours.tilt) == pytest.approx(tilt, abs=6e-7)
     assert math.degrees(budget.sar.quadratic) == pytest.approx(117.81, abs=0.005)
-    for shares in (*steady.shares.values(), budget.coast.shares_horizontal, budget.coast.shares_vertical,
-                   budget.sar.velocity_shares):  # fmt: skip
+    for shares in (*steady.shares.values(), *(end.shares for end in budget.coast.checked.values()),
+                   budget.sar.shares["along_track_quadratic_phase"]):  # fmt: skip
         assert math.fsum(shares.values()) == pytest.approx(1, abs=1e-9)
         assert shares["GNSS velocity noise"] > 0.001
 

@@ -120,8 +120,8 @@ def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
             np.testing.assert_allclose(mine[at], [horizontal, horizontal, vertical], rtol=0.01)
         for name in ("quadratic", "cubic", "detrended"):
             assert real.image[f"{name}_phase"][at] == pytest.approx(getattr(sar, name), rel=0.01)
-        for name, field in (("quadratic", "share"), ("cubic", "cubic_share"), ("detrended", "detrended_share")):
-            shares = {line.source: getattr(line, field) for line in sar.lines}
+        for name in ("quadratic", "cubic", "detrended"):
+            shares = dict(sar.shares[f"{name}_phase"])
             by_tilt = shares.pop("initial tilt")
             for source, share in sar.tilt_shares.items():
                 shares[source] = shares.get(source, 0.0) + by_tilt * share

@@ -44,7 +44,7 @@ def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
         steady.prior.position_vertical,
         steady.prior.velocity_horizontal,
         steady.prior.tilt,
-        mems.coast.end_refined_horizontal,
+        mems.coast.checked["coast_horizontal_position"].sigma,
         sar.quadratic,
         sar.detrended,
         sar.along_track_quadratic,
