@@ -5,7 +5,7 @@ systematic is the limit times (1 - reserve). Source: ECSS-E-ST-60-10C, apportion
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,23 +75,7 @@ def check_of(budget: Budget, requirement: str | None = None) -> Check:
     return checks[requirement]
 
 
-def locks_of(budget: Budget, check: Check) -> dict[str, float]:
-    """Locks of the design for a requirement, SI; a length along the line of sight is a phase where that is one."""
-    plan = budget.design.allocation or Allotment()
-    return {
-        lock.name: turned(lock.value, lock.dimension, check.dimension, budget.sar.wavelength)
-        for lock in plan.locks
-        if lock.requirement == check.name
-    }
-
-
-def allocate(
-    budget: Budget,
-    requirement: str | None = None,
-    split: str | None = None,
-    reserve: float | None = None,
-    locks: Mapping[str, float] | None = None,
-) -> Allocation:
+def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | None = None) -> Allocation:
     """Split a requirement's limit among the sources that are above zero.
 
     Parameters
@@ -99,37 +83,32 @@ def allocate(
     budget : Budget
     requirement : str, optional
         Name of a check of the budget's verdict; by default the tightest.
-    split : str, optional
-        How what the locks leave is split; by default as the design says, or by shares. "equal": every entry has the
-        same value. "shares": all have the same ratio to their estimates, so that they keep their shares among each
-        other. "cheapest": the sum over the free entries of the squared relative change,
+    plan : Allotment, optional
+        By default that of the design. Its `reserve` is the part of the limit that is not allocated, its `locks` are
+        what sources of this requirement take, and its `split` says how the rest is split. "equal": every entry has
+        the same value. "shares": all have the same ratio to their estimates, so that they keep their shares among
+        each other. "cheapest": the sum over the free entries of the squared relative change,
         ((allocated - estimated) / estimated)², is as small as it can be; an entry that this takes below zero is zero.
-    reserve : float, optional
-        Part of the limit that is not allocated, from 0 to less than 1; by default that of the design, or 0.2.
-    locks : mapping, optional
-        Source -> its allocated value, SI, at the confidence of the limit; by default those of the design.
 
     Raises
     ------
     InputError
-        As `check_of`, for a measure of the impulse response, and for a reserve out of bounds, an unknown split, and
-        a lock of an unknown source or of a value that is not above zero.
+        As `check_of`, for a measure of the impulse response, and for a lock of an unknown source.
     """
-    check, plan = check_of(budget, requirement), budget.design.allocation or Allotment()
+    check, plan = check_of(budget, requirement), plan or budget.design.allocation or Allotment()
     if check.on in RESPONSE:
         said = f"{check.label} is no sum of its sources. Allocate the quadratic phase that widens the response."
         raise InputError("requirement", said, check.name)
-    split, reserve = split or plan.split, plan.reserve if reserve is None else reserve
-    Allotment(split, reserve)  # which refuses what is not allowed
-    locked = locks_of(budget, check) if locks is None else dict(locks)
+    locked = {
+        lock.name: turned(lock.value, lock.dimension, check.dimension, budget.sar.wavelength)
+        for lock in plan.locks
+        if lock.requirement == check.name
+    }
     sizes, systematic = _sizes(budget, check)
-    for source, value in locked.items():
-        if source not in sizes:
-            sources = f"{check.name} has {', '.join(sizes)}" if sizes else f"{check.name} has no source"
-            raise InputError("lock", f"{source!r} is no source here; {sources}.", source)
-        if not 0 < value < math.inf:
-            raise InputError("lock", f"{source} must be locked at more than zero.", value)
-    target = check.limit * (1 - reserve)
+    for source in locked.keys() - sizes.keys():
+        sources = f"{check.name} has {', '.join(sizes)}" if sizes else f"{check.name} has no source"
+        raise InputError("lock", f"{source!r} is no source here; {sources}.", source)
+    target = check.limit * (1 - plan.reserve)
     free = [source for source in sizes if source not in locked]
     square = sum(value**2 for source, value in locked.items() if source not in systematic)
     left = target - sum(value for source, value in locked.items() if source in systematic)
@@ -142,8 +121,8 @@ def allocate(
     if free and not blocked:
         estimates = np.array([sizes[source] for source in free])
         linear = np.array([source in systematic for source in free])
-        start = np.ones(len(free)) if split == "equal" else estimates
-        if split == "cheapest":
+        start = np.ones(len(free)) if plan.split == "equal" else estimates
+        if plan.split == "cheapest":
             start = _cheapest(estimates, linear, square, left)
         split_up = start * _factor(start, linear, square, left)
         allocated |= dict(zip(free, split_up.tolist(), strict=True))
@@ -152,7 +131,7 @@ def allocate(
         Entry(source, allocated[source], size, owners.get(source, ""), source in locked, source in systematic)
         for source, size in sizes.items()
     )
-    return Allocation(check.name, check.limit, reserve, blocked, entries)
+    return Allocation(check.name, check.limit, plan.reserve, blocked, entries)
 
 
 def _sizes(budget: Budget, check: Check) -> tuple[dict[str, float], frozenset[str]]:

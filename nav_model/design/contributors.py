@@ -12,7 +12,7 @@ from typing import Any, ClassVar, TypeVar
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.base.units import QuantityError, format_quantity, parse_quantity
-from nav_model.design.declaration import BaseQuantity
+from nav_model.design.declaration import BaseQuantity, Quantity
 from nav_model.design.parts import INPUTS
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -77,15 +77,18 @@ def label_of(name: str) -> str:
 
 
 _SOURCES = frozenset(
-    declaration.source
+    declaration.source.casefold()
     for names in INPUTS.values()
     for declaration in names.values()
     if isinstance(declaration, BaseQuantity) and declaration.source
 ) | {
-    "initial tilt", "coast before aperture", "vibration", "unsensed motion", "oscillator", "vibration rectification",
-    "no such source",
+    "initial tilt", "coast before aperture", "vibration", "unsensed motion", "oscillator", "no such source"
 }  # fmt: skip
-"""Names that budgets give to sources of the model."""
+"""Names that budgets give to sources of the model, in lower case."""
+
+_ALLOWANCE = Quantity(
+    default=0.0, dimension="ratio", unit="%", short="", bounds=(0.0, 1e9), label="allowance", variable=False
+)
 
 _LARGEST = 1e9  # SI; no figure is limited there
 _LONGEST = 200  # characters of a text
@@ -161,7 +164,7 @@ class Contributor(Sized):
             check_text(f"{self.where}.{key}", getattr(self, key))
         if not self.name:
             raise InputError("contributors", "one has no name. Give each a name.")
-        if self.name.casefold() in _SOURCES_FOLDED:
+        if self.name.casefold() in _SOURCES:
             raise InputError(self.where, "is the name of a source of the model. Choose another name.", self.name)
         for key, options in (("enters", ENTERED), ("kind", KINDS), ("processing", PROCESSINGS)):
             if getattr(self, key) not in options:
@@ -170,10 +173,8 @@ class Contributor(Sized):
             raise InputError(
                 f"{self.where}.value", _misfit(f"a {self.dimension}", self.enters, dimensions_of(self.enters))
             )
-        for key in ("value", "allowance"):
-            number = getattr(self, key)
-            if not 0 <= number <= _LARGEST:  # NaN lands here too
-                raise InputError(f"{self.where}.{key}", f"{number:g} is not allowed. Give zero or more.", number)
+        if not 0 <= self.value <= _LARGEST:  # NaN lands here too
+            raise InputError(f"{self.where}.value", f"{self.value:g} is not allowed. Give zero or more.", self.value)
         if self.enters in ALIKE and self.processing != BOTH:
             raise InputError(
                 f"{self.where}.processing", f'{label_of(self.enters)} is the same in both processings. Write "both".'
@@ -191,9 +192,6 @@ class Contributor(Sized):
         if self.allowance:
             texts["allowance"] = format_quantity(self.allowance, "%", "ratio")
         return texts | {key: text for key in ("owner", "source") if (text := getattr(self, key))}
-
-
-_SOURCES_FOLDED = frozenset(name.casefold() for name in _SOURCES)
 
 
 def dimensions_of(enters: str) -> tuple[str, ...]:
@@ -263,38 +261,35 @@ def given_tables(
 def _read(where: str, texts: dict[str, str]) -> Contributor:
     if texts["enters"] not in ENTERED:
         raise InputError(f"{where}.enters", not_a_choice(texts["enters"], ENTERED), texts["enters"])
-    value, unit, dimension = read_size(f"{where}.value", texts.pop("value"), texts["enters"])
-    allowance = read_ratio(f"{where}.allowance", texts.pop("allowance", "0 %"))
+    value, unit, dimension = read_size(
+        f"{where}.value", texts.pop("value"), texts["enters"], dimensions_of(texts["enters"])
+    )
+    allowance = read_like(_ALLOWANCE, f"{where}.allowance", texts.pop("allowance", "0 %"))
     return Contributor(value=value, dimension=dimension, allowance=allowance, unit=unit, **texts)
 
 
-def read_ratio(where: str, text: str) -> float:
-    """A ratio from a text such as "20 %".
+def read_like(declaration: BaseQuantity[Any], where: str, text: Any) -> float:
+    """A number as an input with this declaration is read.
 
     Raises
     ------
     InputError
-        If it is none; `where` names what is wrong.
+        As its `read`; `where` names what is wrong.
     """
     try:
-        return parse_quantity(str(text), "ratio").value
-    except QuantityError as error:
-        raise InputError(where, f'{shown(text)} is not a ratio. Write for example "20 %".', text) from error
+        return declaration.read(text).value
+    except InputError as error:
+        raise error.under(where) from error
 
 
-def read_size(
-    where: str, text: str, figure: str, dimensions: tuple[str, ...] | None = None
-) -> tuple[float, str, str]:
-    """A size in a figure, or along the line of sight where that is a phase: its value in SI, unit and dimension.
-
-    `dimensions` are those allowed, by default `dimensions_of` the figure.
+def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> tuple[float, str, str]:
+    """A size in a figure, in one of the dimensions that are `allowed`: its value in SI, unit and dimension.
 
     Raises
     ------
     InputError
         If the unit does not fit; `where` names what is wrong.
     """
-    allowed = dimensions or dimensions_of(figure)
     for dimension in allowed:
         with suppress(QuantityError):
             return *parse_quantity(str(text), dimension), dimension

@@ -20,17 +20,22 @@ from nav_model.design.contributors import (
     given_tables,
     label_of,
     read_contributors,
-    read_ratio,
+    read_like,
     read_size,
 )
+from nav_model.design.declaration import Quantity
 from nav_model.design.parts import Coast, Requirements
 
 OWN_KEYS = ("contributors", "limits", "allocation")
 """Their tables in a design file."""
 
 SPLITS = ("equal", "shares", "cheapest")
-_LIKE = {"confidence": Requirements.param["confidence"], "at": Coast.param["duration"]}
+_LIKE: dict[str, Any] = {"confidence": Requirements.param["confidence"], "at": Coast.param["duration"]}
 """Keys of a limit -> the input whose bounds they have."""
+RESERVE = Quantity(
+    default=0.2, dimension="ratio", unit="%", short="", bounds=(0.0, 1.0), inclusive_bounds=(True, False),
+    label="reserve", variable=False,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -88,7 +93,7 @@ class Limit(Sized):
 
 @dataclass(frozen=True)
 class Lock(Sized):
-    """What a source may take of a requirement, set by hand: at the confidence of the limit."""
+    """What a source may take of a requirement, set by hand: more than zero, at the confidence of the limit."""
 
     requirement: str
     name: str
@@ -96,21 +101,27 @@ class Lock(Sized):
     dimension: str
     unit: str = field(default="", compare=False)
 
+    def __post_init__(self) -> None:
+        if not 0 < self.value < math.inf:
+            where = f"allocation.locks.{self.requirement}.{self.name}"
+            raise InputError(where, "must be locked at more than zero.", self.value)
+
 
 @dataclass(frozen=True)
 class Allotment:
     """How limits are split among their sources."""
 
     split: str = "shares"
-    reserve: float = 0.2
+    reserve: float = RESERVE.default
     locks: tuple[Lock, ...] = ()
 
     def __post_init__(self) -> None:
         if self.split not in SPLITS:
             raise InputError("allocation.split", not_a_choice(self.split, SPLITS), self.split)
         if not 0 <= self.reserve < 1:
-            said = f"{self.reserve:g} is not allowed. Give 0 % or more and less than 100 %."
-            raise InputError("allocation.reserve", said, self.reserve)
+            raise InputError(
+                "allocation.reserve", f"{self.reserve:g} is not allowed. {RESERVE.allowed()}", self.reserve
+            )
 
     def record(self) -> dict[str, Any]:
         """The table ``[allocation]`` of a design file."""
@@ -209,20 +220,12 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
         dimensions = _allowed(f"{where}.on", on, own)[:1]  # of a phase the angle
         value, unit, dimension = read_size(f"{where}.limit", texts["limit"], on, dimensions)
         numbers: dict[str, Any] = {
-            key: _read_like(f"{where}.{key}", declaration, texts[key])
+            key: read_like(declaration, f"{where}.{key}", texts[key])
             for key, declaration in _LIKE.items()
             if key in texts
         }
         found.append(Limit(texts["name"], on, value, dimension, unit=unit, **numbers))
     return checked(found)
-
-
-def _read_like(where: str, declaration: Any, text: str) -> float:
-    """A number with the bounds of an input."""
-    try:
-        return float(declaration.read(text).value)
-    except InputError as error:
-        raise error.under(where) from error
 
 
 def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
@@ -246,8 +249,6 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
         dimensions = lock_dimensions(requirement, limits)
         for source, text in entries.items():
             value, unit, dimension = read_size(f"{where}.{source}", text, requirement, dimensions)
-            if not 0 < value < math.inf:
-                raise InputError(f"{where}.{source}", "must be locked at more than zero.", text)
             locks.append(Lock(requirement, source, value, dimension, unit))
-    reserve = read_ratio("allocation.reserve", table.get("reserve", "20 %"))
+    reserve = read_like(RESERVE, "allocation.reserve", table.get("reserve", "20 %"))
     return Allotment(table.get("split", "shares"), reserve, tuple(locks))

@@ -13,14 +13,11 @@ from app.document.verdict import SAID, check_words
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.allocation import allocate, check_of
-from nav_model.budget.contributors import turned
 from nav_model.budget.json import allocation_json, to_json
 from nav_model.budget.provenance import cautions
-from nav_model.budget.result import Check
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
-from nav_model.design.contributors import read_ratio, read_size
-from nav_model.design.own import SPLITS, lock_dimensions
+from nav_model.design.own import SPLITS, Allotment, read_allocation
 
 
 def add_to(commands: Any) -> None:
@@ -138,27 +135,27 @@ def _allocate(options: argparse.Namespace) -> int:
     budget = analyse(read_design(path, options.changes))
     try:
         check = check_of(budget, options.requirement)
-        locks = None if options.lock is None else _locks(options.lock, budget, check)
-        reserve = None if options.reserve is None else read_ratio("reserve", options.reserve)
-        found = allocate(budget, check.name, options.split, reserve, locks)
+        plan = (budget.design.allocation or Allotment()).record()
+        plan |= {key: given for key in ("split", "reserve") if (given := getattr(options, key)) is not None}
+        if options.lock is not None:
+            plan["locks"] = {check.name: _locks(options.lock)}
+        found = allocate(budget, check.name, read_allocation(plan, budget.design.limits))
     except InputError as error:
-        option = error.key.removeprefix("allocation.")
+        option = "lock" if "locks" in error.key else error.key.removeprefix("allocation.")
         raise (error.under(f"--{option}") if option in ("requirement", "reserve", "lock") else error) from error
     return put_json(lambda: allocation_json(found)) or int(not found.closes)
 
 
-def _locks(texts: list[str], budget: Budget, check: Check) -> dict[str, float]:
-    """Sources and their values in SI; a length along the line of sight is a phase where the figure is one."""
-    locks: dict[str, float] = {}
-    allowed = lock_dimensions(check.name, budget.design.limits)
+def _locks(texts: list[str]) -> dict[str, str]:
+    """Sources and their values as texts."""
+    locks: dict[str, str] = {}
     for text in texts:
-        source, equals, value = text.rpartition("=")
+        source, equals, value = (part.strip() for part in text.rpartition("="))
         if not equals:
             raise InputError("lock", f'{text!r} has no "=". Write SOURCE=VALUE, such as "gyro noise=5 deg".', text)
-        if source.strip() in locks:
-            raise InputError("lock", f"{source.strip()!r} is locked twice.", text)
-        size, _, dimension = read_size("lock", value.strip(), check.label, allowed)
-        locks[source.strip()] = turned(size, dimension, check.dimension, budget.sar.wavelength)
+        if source in locks:
+            raise InputError("lock", f"{source!r} is locked twice.", text)
+        locks[source] = value
     return locks
 
 

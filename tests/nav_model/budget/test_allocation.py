@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from nav_model import Budget, Design, InputError, analyse
 from nav_model.budget.allocation import Allocation, allocate
 from nav_model.design.contributors import Contributor
-from nav_model.design.own import SPLITS, Own
+from nav_model.design.own import SPLITS, Allotment, Lock, Own
 
 _REQUIREMENTS = {
     "detrended_phase": 0.3, "quadratic_phase": 1.0, "ce90": 5.0, "horizontal_position": 1.0, "tilt": 1e-3,
@@ -67,7 +67,7 @@ def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
         budget = _budget(number % 20)
         name = draw.choice([check.name for check in budget.verdict.checks if check.name != "islr"])
         reserve, split = draw.uniform(0, 0.99), draw.choice(SPLITS)
-        plain = allocate(budget, name, split, reserve)
+        plain = allocate(budget, name, Allotment(split, reserve))
         target = plain.limit * (1 - reserve)
         assert plain.closes
         assert _whole(plain) == pytest.approx(target, rel=1e-9)
@@ -75,7 +75,9 @@ def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
         locks = {
             source: target * draw.uniform(0.05, 1.2) for source in draw.sample(sources, min(2, len(sources) - 1))
         }
-        found = allocate(budget, name, split, reserve, locks)
+        check = next(check for check in budget.verdict.checks if check.name == name)
+        locked = tuple(Lock(name, source, value, check.dimension) for source, value in locks.items())
+        found = allocate(budget, name, Allotment(split, reserve, locked))
         values = {entry.source: entry.allocated for entry in found.entries}
         assert locks.items() <= values.items()
         assert {entry.source for entry in found.entries if entry.locked} == locks.keys()
@@ -93,11 +95,11 @@ def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
 
 def test_equal_ones_are_equal_and_shares_keep_their_ratio() -> None:
     budget = _budget(1)
-    equal = [e.allocated for e in allocate(budget, "detrended_phase", "equal").entries]
+    equal = [e.allocated for e in allocate(budget, "detrended_phase", Allotment("equal")).entries]
     assert equal == pytest.approx([equal[0]] * len(equal), rel=1e-12)
-    ratios = [e.allocated / e.estimated for e in allocate(budget, "detrended_phase", "shares").entries]
+    ratios = [e.allocated / e.estimated for e in allocate(budget, "detrended_phase", Allotment("shares")).entries]
     assert ratios == pytest.approx([ratios[0]] * len(ratios), rel=1e-12)
-    margins = [e.margin for e in allocate(budget, "detrended_phase", "shares").entries]
+    margins = [e.margin for e in allocate(budget, "detrended_phase", Allotment("shares")).entries]
     assert margins == pytest.approx([1 - 1 / ratios[0]] * len(ratios), rel=1e-9)
 
 
@@ -105,7 +107,7 @@ def test_equal_ones_are_equal_and_shares_keep_their_ratio() -> None:
 def test_the_cheapest_is_that_of_a_numerical_optimiser(seed: int) -> None:
     budget = _budget(seed)
     for name, reserve in (("detrended_phase", 0.2), ("ce90", 0.2), ("detrended_phase", 0.95)):
-        found = allocate(budget, name, "cheapest", reserve)
+        found = allocate(budget, name, Allotment("cheapest", reserve))
         target = (1 - reserve) * found.limit
         e = np.array([entry.estimated for entry in found.entries])
         linear = np.array([entry.source in _SYSTEMATIC for entry in found.entries])
@@ -135,21 +137,31 @@ def test_the_cheapest_is_that_of_a_numerical_optimiser(seed: int) -> None:
 @pytest.mark.parametrize(
     ("named", "options"),
     [
-        ("requirement", {"requirement": "yaw"}),
-        ("requirement", {"requirement": "le90"}),
         ("allocation.split", {"split": "fair"}),
         ("allocation.reserve", {"reserve": 1.0}),
         ("allocation.reserve", {"reserve": -0.1}),
         ("allocation.reserve", {"reserve": math.nan}),
-        ("lock", {"requirement": "tilt", "locks": {"lever arm": 1.0}}),
-        ("lock", {"requirement": "tilt", "locks": {"gyro noise": 0.0}}),
-        ("lock", {"requirement": "tilt", "locks": {"gyro noise": math.nan}}),
     ],
 )
-def test_what_is_wrong_is_refused_by_name(named: str, options: dict[str, Any]) -> None:
+def test_a_plan_that_is_wrong_is_refused_by_name(named: str, options: dict[str, Any]) -> None:
     with pytest.raises(InputError) as refused:
-        allocate(_budget(1), **options)
+        Allotment(**options)
     assert refused.value.key == named
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_a_lock_is_more_than_zero(value: float) -> None:
+    with pytest.raises(InputError) as refused:
+        Lock("tilt", "gyro noise", value, "angle")
+    assert refused.value.key == "allocation.locks.tilt.gyro noise"
+
+
+def test_what_is_not_there_is_refused_by_name() -> None:
+    for requirement in ("yaw", "le90"):
+        with pytest.raises(InputError, match="requirement"):
+            allocate(_budget(1), requirement)
+    with pytest.raises(InputError, match="lock: 'lever arm' is no source here"):
+        allocate(_budget(1), "tilt", Allotment(locks=(Lock("tilt", "lever arm", 1.0, "angle"),)))
 
 
 def test_a_design_without_requirements_has_nothing_to_allocate() -> None:

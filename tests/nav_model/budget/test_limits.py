@@ -12,7 +12,7 @@ from nav_model.budget.allocation import allocate
 from nav_model.budget.json import to_json
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
-from nav_model.design.own import read_own
+from nav_model.design.own import Allotment, read_own
 from nav_model.explore.margins import ratios
 from nav_model.explore.solve import solve
 from nav_model.explore.sweep import whole_sweep
@@ -174,10 +174,9 @@ def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None
     free = {entry.allocated for entry in found.entries if not entry.locked}
     assert max(free) == pytest.approx(min(free))
     assert math.sqrt(sum(entry.allocated**2 for entry in found.entries)) == pytest.approx(0.9 * 3.0)
-    assert not any(entry.locked for entry in allocate(budget, locks={}).entries)
-    assert allocate(budget, reserve=0.5, split="shares", locks={}) == allocate(
-        analyse(design.replace({}, own=read_own({"contributors": [_ARM]}))), reserve=0.5
-    )
+    assert not any(entry.locked for entry in allocate(budget, plan=Allotment()).entries)
+    plain = analyse(design.replace({}, own=read_own({"contributors": [_ARM]})))
+    assert allocate(budget, plan=Allotment(reserve=0.5)) == allocate(plain, plan=Allotment(reserve=0.5))
 
 
 @pytest.mark.parametrize(
