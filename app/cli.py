@@ -13,6 +13,7 @@ from importlib.metadata import version
 from typing import Any, NoReturn
 
 from app.console.ending import BAD_INPUT, run_to_end
+from app.console.files import spare_what_is_read
 from app.report import command as report
 from app.serving import command as serve
 from app.subjects import SUBJECTS
@@ -38,6 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     options = _parser().parse_args(arguments)
+    spare_what_is_read(options)
     return int(options.run(options))
 
 

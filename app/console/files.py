@@ -1,5 +1,6 @@
 """Atomic writing of files: a reader sees the old file or the new one, never half of it."""
 
+import argparse
 import os
 import secrets
 from collections.abc import Iterator
@@ -46,10 +47,24 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
             draft.unlink(missing_ok=True)
 
 
-def spare(source: str, target: Path | None, option: str) -> None:
-    """Refuse to write the result over the file that it is made from; InputError under the option."""
-    if target is not None and target.exists() and Path(source).exists() and target.samefile(source):
-        raise InputError(option, f"{str(target)!r} is the file that was read; name another")
+def spare_what_is_read(options: argparse.Namespace) -> None:
+    """Refuse to write the result over a file that any other argument of the command names.
+
+    Raises
+    ------
+    InputError
+        Under ``-o`` or ``--save``.
+    """
+    given = vars(options)
+    for option, name in (("-o", "output"), ("--save", "save")):
+        target = Path(given.get(name) or "")
+        if target.is_file() and any(
+            isinstance(word, str | Path) and Path(word).is_file() and target.samefile(word)
+            for other, value in given.items()
+            if other != name
+            for word in (value if isinstance(value, list | tuple) else [value])
+        ):
+            raise InputError(option, f"{str(target)!r} is the file that was read; name another")
 
 
 @contextmanager

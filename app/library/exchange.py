@@ -7,6 +7,7 @@ import io
 import json
 import re
 import zipfile
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -177,8 +178,9 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
         raise
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(_LIST, f"is not the list of an exported library: {error!r}"[:300]) from error
-    if (count := sum(len(rows) for rows, _ in designs)) > _MAX_FILES:
-        raise InputError(_LIST, f"names {count} revisions; at most {_MAX_FILES} are read")
+    named = Counter(row["file"] for rows, _ in designs for row in rows)
+    if twice := next((path for path, count in named.items() if count > 1), None):
+        raise InputError(_LIST, f"names {twice[:80]!r} more than once; every revision has its own file")
     if any(not rows for rows, _ in designs):
         raise InputError(_LIST, "names a design without a revision")
     return designs

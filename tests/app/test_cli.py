@@ -184,3 +184,24 @@ def test_openblas_has_one_thread_unless_the_environment_says_otherwise(monkeypat
 def test_the_way_in_leaves_numpy_to_the_command():
     code = "import sys, app.__main__; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        (["suborbital", "READ"], "--save"),
+        (["sar", "READ"], "-o"),
+        (["trajectory", "READ", "--duration", "20"], "-o"),
+        (["trajectory", MEMS, "--trajectory", "READ"], "-o"),
+        (["allan", "READ", "--rate", "10"], "-o"),
+        (["allan", "log.csv", "--rate", "10", "--against", "READ"], "-o"),
+    ],
+)
+def test_what_was_read_is_not_written_over(tmp_path, command, option, capsys):
+    read, link = tmp_path / "mine.toml", tmp_path / "link.toml"
+    read.write_bytes(Path(MEMS).read_bytes())
+    link.symlink_to(read)
+    for target in (read, link):
+        assert main([str(read) if word == "READ" else word for word in (*command, option, str(target))]) == 2
+        assert capsys.readouterr().err == f"navbudget: {option}: '{target}' is the file that was read; name another\n"
+    assert read.read_bytes() == Path(MEMS).read_bytes()

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
-from app.console.files import spare
 from nav_model.base.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,7 +34,6 @@ def add_to(commands: Any) -> None:
 
 def _sar(options: argparse.Namespace) -> int:
     (path,) = paths_of(options)
-    spare(path, options.output, "-o")
     design = read_design(path, options.changes)
     return put_json(lambda: _study(design, options), options.output)
 

@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from app.console.arguments import content_of, paths_of, put_json
-from app.console.files import put_file, spare
+from app.console.files import put_file
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -98,7 +98,6 @@ def _asked(options: argparse.Namespace) -> tuple[Settings, Design | None, tuple[
         study = parse_study(data, where)
         settings, flown = study.settings, study.trajectory
     elif data is not None:
-        spare(where, options.save, "--save")
         design = parse_design(data, where, of_design)
         settings = from_design(DEFAULTS, design)
     return read_changes(settings, asked, "command line"), design, flown

@@ -71,19 +71,6 @@ def test_every_section_of_a_design_may_be_changed() -> None:
     assert said.startswith("navbudget: motion.wings: unknown key; [motion] has ")
 
 
-@pytest.mark.parametrize(("command", "option"), [("suborbital", "--save"), ("sar", "-o")])
-def test_a_design_is_not_written_over(
-    tmp_path: Path, command: str, option: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    design, link = tmp_path / "mine.toml", tmp_path / "link.toml"
-    design.write_bytes(Path(MEMS).read_bytes())
-    link.symlink_to(design)
-    for target in (design, link):
-        assert main([command, str(design), option, str(target)]) == 2
-        assert f"navbudget: {option}: '{target}' is the file that was read" in capsys.readouterr().err
-    assert design.read_bytes() == Path(MEMS).read_bytes()
-
-
 def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp_path: Path) -> None:
     file, flown = tmp_path / "mine.toml", tmp_path / "flown.csv"
     flown.write_bytes(format_flight(reference_flight(), every=5))
