@@ -71,7 +71,11 @@ class Trajectory(Part):
         500.0, "s", "time", (1.0, 360_000.0), "tdu", "Flight time",
         "How long a flight without lines or waypoints takes.", "300 to 3600 s",
     )  # fmt: skip
-    lines = _number(4.0, "", "", (1.0, 100.0), "tn", "Lines", "How many parallel lines are flown.", "1 to 20")
+    lines = _number(
+        4.0, "", "", (1.0, 100.0), "tn", "Lines",
+        "How many parallel lines are flown. The first begins at the first waypoint, or at the flight's latitude.",
+        "1 to 20",
+    )  # fmt: skip
     length = _number(5000.0, "km", "length", (1.0, 1e6), "tle", "Line length", "Of the parallel lines.", "2 to 50 km")
     spacing = _number(
         1000.0, "km", "length", (-1e6, 1e6), "tsp", "Line spacing",

@@ -30,14 +30,13 @@ _BEYOND = 1 / 25740
 
 
 class Apertures(NamedTuple):
-    """Apertures of a flight, one a row: the output it belongs to, its first and last node, weights on position and
-    velocity errors from the first node on (apertures, nodes, COLUMNS, 6), and `speed` [m/s] (apertures)."""
+    """Apertures of a flight, one a row: the output it belongs to, its first and last node, and weights on position
+    and velocity errors from the first node on (apertures, nodes, COLUMNS, 6)."""
 
     output: NDArray[np.int64]
     first: NDArray[np.int64]
     last: NDArray[np.int64]
     weights: FloatArray
-    speed: FloatArray
 
 
 def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> Apertures:
@@ -48,7 +47,7 @@ def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> 
     """
     if shape is None:
         none = np.zeros(0, dtype=np.int64)
-        return Apertures(none, none, none, np.zeros((0, 1, COLUMNS, 6)), np.zeros(0))
+        return Apertures(none, none, none, np.zeros((0, 1, COLUMNS, 6)))
     time_s, half = model.time_s, 0.5 * shape.duration
     begin = time_s[model.outputs] - half
     fixes = np.concatenate([[-np.inf], time_s[model.is_fix]])
@@ -63,7 +62,8 @@ def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> 
     velocity = model.truth.velocity[np.minimum(middle, len(time_s) - 1)]
     sight, across = directions(velocity, shape)
     speed = np.linalg.norm(velocity[:, :2], axis=1)
-    slope = _lever(shape, speed)[:, None]
+    # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
+    slope = (2 * shape.slant_range / (speed * math.cos(shape.squint) * shape.duration))[:, None]
     for step in range(weights.shape[1] - 1):
         on = np.flatnonzero(first + step < last)
         left, right, start = time_s[first[on] + step], time_s[first[on] + step + 1], begin[on]
@@ -87,7 +87,7 @@ def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> 
                 place[:, ORDERS] = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
                 weights[on, step + offset, :, states] += place
     weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
-    return Apertures(output, first, last, weights, speed)
+    return Apertures(output, first, last, weights)
 
 
 def directions(velocity: FloatArray, shape: Aperture) -> tuple[FloatArray, FloatArray]:
@@ -102,7 +102,7 @@ def directions(velocity: FloatArray, shape: Aperture) -> tuple[FloatArray, Float
     return sight, (along - s * sight) / math.cos(shape.squint)
 
 
-def figures(variances: FloatArray, shape: Aperture, speed: FloatArray, white: FloatArray) -> Mapping[str, FloatArray]:
+def figures(variances: FloatArray, shape: Aperture, white: FloatArray) -> Mapping[str, FloatArray]:
     """Variances of the image figures by name, of those of the sums (sources, apertures, COLUMNS); [rad²], [m²].
 
     white: density of the accelerometers' noise by source [m²/s³] (sources), which the coefficients do not exhaust.
@@ -116,7 +116,7 @@ def figures(variances: FloatArray, shape: Aperture, speed: FloatArray, white: Fl
         "quadratic_phase": 9 / 4 * phase * variances[..., 2],
         "cubic_phase": 25 / 4 * phase * variances[..., 3],
         "detrended_phase": phase * (left + _BEYOND * shape.duration**3 * white[:, None]),
-        "azimuth_shift": _lever(shape, speed) ** 2 * variances[..., 1],
+        "azimuth_shift": moved.azimuth,
         "range_shift": moved.range,
         "ce90": along + across,
     }
@@ -126,11 +126,6 @@ def circular(variances: FloatArray, shape: Aperture) -> FloatArray:
     """CE90 [m] of variances of the sums (apertures, COLUMNS), with the error of the scene's height. [P-7]"""
     on_ground = ground_covariance(_shifts(variances), shape.grazing_angle, shape.scene_height_error, shape.squint)
     return np.asarray(circular_error(*on_ground))
-
-
-def _lever(shape: Aperture, speed: FloatArray) -> FloatArray:
-    """Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]"""
-    return 2 * shape.slant_range / (speed * math.cos(shape.squint) * shape.duration)
 
 
 def _shifts(variances: FloatArray) -> Shifts:

@@ -345,7 +345,7 @@ def _processed(
         if ACCELEROMETER_NOISE in model.sources:
             density = (accelerometer.random_walk * spec.study.imu.vibration_factor) ** 2
             white[model.sources.index(ACCELEROMETER_NOISE)] = density
-        for name, values in aperture.figures(image, shape, looks.speed, white).items():
+        for name, values in aperture.figures(image, shape, white).items():
             groups[name] = np.full((len(variances), len(model.outputs)), np.nan)
             groups[name][:, looks.output] = np.maximum(values, 0.0)
             found[name] = np.sqrt(groups[name].sum(axis=0))

@@ -34,7 +34,7 @@ def plan_like(design: Design) -> Plan:
 
 
 def lines_of(design: Design) -> Plan:
-    """The plan of the design's parallel lines.
+    """The plan of the design's parallel lines: from its first waypoint, or from its latitude, at longitude 0.
 
     Raises
     ------
@@ -44,7 +44,8 @@ def lines_of(design: Design) -> Plan:
     own, flight = design.trajectory, design.flight
     if own.lines != int(own.lines):
         raise InputError("lines", f"{own.lines:g} is not a whole number")
-    first = Waypoint(flight.latitude, 0.0, flight.altitude)
+    places = own.waypoints or ((flight.latitude, 0.0, flight.altitude),)
+    first = Waypoint(*places[0][:3])
     rows = strip(first, flight.heading, own.length, own.spacing, int(own.lines), flight.speed, own.bank)
     return replace(plan_like(design), waypoints=rows.waypoints)
 

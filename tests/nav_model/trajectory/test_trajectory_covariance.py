@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from nav_model.budget import analyse
+from nav_model.budget.figures import free_shifts, placing, sampled, smoothed_figures
+from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.design.file import parse_design, read_design
 from nav_model.simulation.design_study import specification
@@ -86,18 +88,24 @@ def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
             ("detrended_phase", post.detrended),
         ):
             assert smooth.image[mine][at] == pytest.approx(other, rel=0.01)
+        x = inputs_of(design)
+        start = sampled(x).posterior  # [P-7] from just after the fix with which the aperture begins
+        placed = placing(x, free_shifts(x, start), PLACED)
+        for part, expected in ((found.real_time, placed), (smooth, smoothed_figures(x, PLACED))):
+            for name, figure in expected.items():
+                assert part.image[name][at] == pytest.approx(float(figure), rel=0.005)
         assert smooth.position[at, 0] == pytest.approx(post.sigmas.position_horizontal, rel=0.01)
         assert smooth.position[at, 2] == pytest.approx(post.sigmas.position_vertical, rel=0.01)
         assert smooth.velocity[at, 1] == pytest.approx(post.sigmas.velocity_horizontal, rel=0.01)
         for mine, other in (
-            *((name, name) for name in ("quadratic_phase", "cubic_phase", "detrended_phase", "tilt", "range_shift")),
+            *((name, name) for name in ("quadratic_phase", "cubic_phase", "detrended_phase", "tilt", *PLACED[:2])),
             *((f"{name}_{axis}", f"{axis}_{name}") for name in ("position", "velocity") for axis in AXES),
-            ("azimuth_shift", "slope_shift"),
         ):
             same_shares(found.sources, smooth.shares[mine][:, at], post.shares[other])
 
 
 AXES = ("horizontal", "vertical")
+PLACED = ("azimuth_shift", "range_shift", "ce90")
 
 
 def same_shares(sources: tuple[str, ...], mine: np.ndarray, other: Mapping[str, float]) -> None:

@@ -17,7 +17,7 @@ from nav_model.design.parts import declaration_of
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.covariance import covariance
-from nav_model.trajectory.design_study import covariance_specification, planned
+from nav_model.trajectory.design_study import covariance_specification, lines_of, planned
 
 EXAMPLE = (Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml").read_text()
 PLAN = """
@@ -86,6 +86,16 @@ def test_the_flight_passes_the_waypoints_and_flies_the_lines_between_them() -> N
     radius = own.flight.speed**2 / (9.80665 * math.tan(math.radians(20)))
     straight = math.radians(0.1) * 6.372e6 - radius  # the turn of a right angle begins a radius before the waypoint
     assert (flight.lines[0].stop - flight.lines[0].start) * own.flight.speed == pytest.approx(straight, rel=0.03)
+
+
+def test_parallel_lines_begin_at_the_first_waypoint_or_at_the_latitude_of_the_flight() -> None:
+    plan = lines_of(design(flight="lines"))
+    line = next(point for point in plan.waypoints if point.line == "line 1")
+    np.testing.assert_allclose(np.degrees([line.latitude, line.longitude]), [47.0, 8.0], atol=1e-12)
+    assert line.height == 3000.0
+    own = design(flight="lines", waypoints="")
+    line = next(point for point in lines_of(own).waypoints if point.line == "line 1")
+    assert (line.latitude, line.longitude, line.height) == (own.flight.latitude, 0.0, own.flight.altitude)
 
 
 def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
