@@ -124,7 +124,7 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(
         act(page.keyboard.press, "Enter")
     expect(open_rows).to_have_count(0)
     act(press, page, "Sign off")
-    said(page, "4 waivers of 4 you wrote yourself. A signed review never changes.")
+    said(page, "You wrote 4 of the 4 waivers yourself. A signed review never changes.")
     act(press, page, "Accept with 4 waivers, as Ann")
     expect(page.locator(".strip").filter(has_text="CDR")).to_contain_text("Signed off by Ann")
     assert actions <= 20, actions

@@ -119,7 +119,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         return name, *shown, f"{source}, {percent(share)}"
 
     cycle = ", ".join(dict.fromkeys(steady_marks(budget.design)))
-    moments_said = f"Cycle rms {cycle}", "Before a fix [T-8]", "After a fix [T-8]"
+    moments_said = f"Average between fixes {cycle}", "Before a fix [T-8]", "After a fix [T-8]"
     closed = sources["steady_state.position_sigma_m.horizontal"]
     prior = sources["steady_state.discrete.prior"]
     return table(
@@ -127,7 +127,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         f"Errors in real time while fixes come in, {display.spread}",
         (("Error", 1.5), *numbers(*moments_said), ("Largest share [T-18]", 1.2)),
         (row(*names) for names in _STEADY),
-        f"Cycle rms: {closed.method}, {closed.note}. Before and after a fix: {prior.method}. "
+        f"Average between fixes: {closed.method}, {closed.note}. Before and after a fix: {prior.method}. "
         f"Gyro dominance κ = {number(steady.gyro_dominance)} [T-6]; λ Δt = {number(steady.lambda_dt)} [T-8].",
     )
 

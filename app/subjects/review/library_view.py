@@ -311,7 +311,8 @@ def _answer(listing: _Listing | InputError) -> Answer:
         return Answer("The library cannot be opened", "bad", (str(listing),))
     closing = sum(saved.closes is True for saved in listing.found)
     what = counted(len(listing.found), "design") + (" found" if listing.narrowed else " saved")
-    said = f"{closing} of {len(listing.found)} close." if listing.found else "Save the current design."
+    said = f"{closing} of {len(listing.found)} close." if closing else "None closes."
+    said = said if listing.found else "Save the current design."
     return Answer(what, "open", (said,))
 
 

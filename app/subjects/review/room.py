@@ -333,7 +333,7 @@ class ReviewRoom(View):
         self.desk.say("")
         waived, rejected = review.waivers(), review.rejected()
         own = sum(waiver.author == who for waiver in waived)
-        warned = f"{counted(own, 'waiver')} of {len(waived)} you wrote yourself. " if own else ""
+        warned = f"You wrote {own} of the {counted(len(waived), 'waiver')} yourself. " if own else ""
         said = Answer("", "warn" if own or rejected else "open", (f"{warned}A signed review never changes.",))
         self._to_sign.object = html_of(said)
         self._yes.label = (

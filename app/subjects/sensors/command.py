@@ -61,10 +61,15 @@ def _allan(options: argparse.Namespace) -> int:
     def work() -> Any:
         nonlocal passes
         with show_progress() as progress:
-            study = study_log(
-                source, told, "standard input" if piped else None, bench=bench if options.motion else None,
-                progress=lambda share, what: progress(what, share),
-            )  # fmt: skip
+            try:
+                study = study_log(
+                    source, told, "standard input" if piped else None, bench=bench if options.motion else None,
+                    progress=lambda share, what: progress(what, share),
+                )  # fmt: skip
+            except InputError as error:
+                keys = error.key.split(", ")
+                asked = (f"--{key.replace('_', '-')}" if hasattr(told, key) else key for key in keys)
+                raise error.under(", ".join(asked)) from error
         if isinstance(study, MotionAnalysis):
             return motion_to_json(study)
         if design is None:

@@ -57,7 +57,7 @@ def test_archive_of_counts_with_named_arrays(tmp_path: Path, capsys: pytest.Capt
     gyro = told(capsys, *command, "--gyro-unit", "1e-6 rad/s", "--accelerometer-unit", "m/s2")["axes"][0]
     assert gyro["random_walk"]["value"] == pytest.approx(0.3, rel=0.04)
     assert main([*command, "--accelerometer-unit", "m/s2"]) == 2
-    assert "gyro_unit: The file does not give the gyro unit" in capsys.readouterr().err
+    assert "--gyro-unit: The file does not give the gyro unit" in capsys.readouterr().err
 
 
 def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
