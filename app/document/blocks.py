@@ -50,14 +50,17 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table. The first cell of a row heads it, on a page as a button where it has a value; a row of one cell heads
-    the rows that follow."""
+    """A table. The first cell of a row heads it; a row of one cell heads the rows that follow.
+
+    On a page a cell with a value is a button, or, first in a row of a table with ``ticks``, a box to tick.
+    """
 
     key: str
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
+    ticks: bool = False
 
 
 Told = Cell | str
@@ -72,6 +75,7 @@ def table(
     columns: Iterable[Column | str | tuple[str, float]],
     rows: Iterable[Row],
     note: str = "",
+    ticks: bool = False,
 ) -> Table:
     """A table, told by texts where a text says all.
 
@@ -86,6 +90,7 @@ def table(
         tuple(column if isinstance(column, Column) else _column(column) for column in columns),
         tuple(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in row) for row in rows),
         note,
+        ticks,
     )
 
 

@@ -87,20 +87,22 @@ def _row(row: tuple[Cell, ...], table: Table, said: Said) -> str:
         heading = f'<th scope="rowgroup" colspan="{len(table.columns)}">{said(first.text)}</th>'
         return f'</tbody><tbody><tr class="group">{heading}</tr>'
     cells = "".join(
-        f"<td{_css(column)}{_sort(cell)}>{_cell(cell, said)}</td>"
+        f"<td{_css(column)}{_sort(cell)}>{_chosen(cell, said)}</td>"
         for cell, column in zip(others, table.columns[1:], strict=True)
     )
-    return f'<tr><th scope="row"{_sort(first)}>{_heading(first, said)}</th>{cells}</tr>'
+    return f'<tr><th scope="row"{_sort(first)}>{_chosen(first, said, table.ticks)}</th>{cells}</tr>'
 
 
 def _sort(cell: Cell) -> str:
     return "" if cell.sort is None else f' data-sort="{escape(str(cell.sort))}"'
 
 
-def _heading(cell: Cell, said: Said) -> str:
-    """The first cell of a row, with what a person chooses the row by."""
-    text = _cell(cell, said)
-    return f'<button type="button" value="{escape(cell.value)}">{text}</button>' if cell.value else text
+def _chosen(cell: Cell, said: Said, tick: bool = False) -> str:
+    """A cell, with what a person chooses by it."""
+    text, value = _cell(cell, said), escape(cell.value)
+    if tick and value:
+        return f'<label><input type="checkbox" value="{value}"> <span>{text}</span></label>'
+    return f'<button type="button" value="{value}">{text}</button>' if value else text
 
 
 def _cell(cell: Cell, said: Said) -> str:

@@ -22,7 +22,7 @@ export function render({ model }) {
     })
   }
   const draw = () => {
-    const focused = place.getRootNode().activeElement?.value
+    const focused = place.getRootNode().activeElement?.value // of a box or a button
     const { scrollTop, scrollLeft } = place.querySelector(".scroll") ?? { scrollTop: 0, scrollLeft: 0 }
     place.innerHTML = model.html
     place.querySelectorAll("thead th").forEach((head, index) => {
@@ -33,15 +33,22 @@ export function render({ model }) {
       })
     })
     sort()
+    tick()
     place.querySelector(".scroll")?.scrollTo(scrollLeft, scrollTop)
-    const again = focused && [...place.querySelectorAll("tbody button")].find((button) => button.value === focused)
+    const again = [...place.querySelectorAll("tbody input, tbody button")].find(({ value }) => value === focused)
     again?.focus({ preventScroll: true })
   }
+  const tick = () => place.querySelectorAll("input").forEach((box) => { box.checked = model.ticked.includes(box.value) })
+  place.addEventListener("change", ({ target: { value, checked } }) => {
+    model.ticked = checked ? [...model.ticked, value] : model.ticked.filter((each) => each !== value)
+    tick() // a row may be there twice
+  })
   place.addEventListener("click", (event) => {
     const button = event.target.closest("tbody button")
-    if (button) model.chosen = button.value
+    if (button) model.send_msg(button.value)
   })
   model.on("html", draw)
+  model.on("ticked", tick)
   draw()
   return place
 }

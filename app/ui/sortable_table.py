@@ -1,6 +1,6 @@
 """A table that is sorted by pressing its headings, in the browser: no message to the server, no library.
 
-A row is chosen by the button in it, where the table has any.
+A row is chosen by a button in it, or several by their ticks, where the table has any.
 """
 
 from collections.abc import Callable
@@ -21,22 +21,20 @@ class SortableTable(PlainScript):
     """Our own HTML with one table; a column whose heading holds a `<button>` can be sorted.
 
     A cell sorts by its `data-sort` attribute when it has one (a number or a text), else by what it says; an
-    empty `data-sort` goes last in both directions. The order chosen survives new content, and so do the
-    place scrolled to and the focus on a row's button.
+    empty `data-sort` goes last in both directions. The order chosen survives new content, and so do the place
+    scrolled to and the focus on what a row has to press.
     """
 
     html = param.String(default="", doc="Already escaped.")
-    chosen = param.String(default="", doc="Value of the button last pressed.")
+    ticked = param.List(default=[], doc="Values of the rows that are ticked, also of rows that are not shown.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET]
 
     def __init__(self, take: Callable[[str], object] | None = None, **params: Any) -> None:
-        """take: called with the value of a button that is pressed, again if it is pressed again; may be async."""
+        """take: called with the value of a button that is pressed; may be async."""
         super().__init__(**{"sizing_mode": "stretch_width", **params})
         self._take = take
-        self.param.watch(self._pressed, "chosen")
 
-    def _pressed(self, event: Any) -> None:
-        if event.new and self._take is not None:
-            self.chosen = ""
-            pn.state.execute(partial(self._take, event.new), schedule=False)
+    def _handle_msg(self, msg: Any) -> None:
+        if self._take is not None and isinstance(msg, str):
+            pn.state.execute(partial(self._take, msg), schedule=False)

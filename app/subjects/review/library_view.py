@@ -1,10 +1,9 @@
 """The library's part of the Review page: save, find, pick, archive, export and import."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from html import escape
 from typing import Any
 
 import panel as pn
@@ -12,7 +11,8 @@ import panel_material_ui as pmui
 import param
 
 from app.declared import declared, held
-from app.document.blocks import Answer
+from app.document.blocks import Answer, Block, Cell, Row, Text, table
+from app.document.pane import html_of
 from app.document.wording import shortened
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.place import library
@@ -21,6 +21,7 @@ from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
+from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.upload import upload
 from app.ui.view import View
 from nav_model.base.errors import InputError
@@ -31,10 +32,11 @@ _SHOWN = 25  # designs listed at once; a search narrows
 _ANY = "any tag"
 _HINT = '<p class="quiet">Tick designs above to select them, then compare, open, review or export.</p>'
 _OPENING = '<p class="quiet">Opening the library …</p>'
+_HEADS = (("Design", 1.4), ("Verdict", 1.6), "By", "Saved", ("Tags, note", 1.2), "Revisions")
 _EMPTY = (
-    "<p><b>No design saved yet.</b> Enter your name, then press <i>Save as new design</i>. It saves the design "
-    "on the left with its verdict. Each later save is a revision that can be compared and reviewed. "
-    "For an example, load one from <i>Open, Examples</i> and save it as well.</p>"
+    "No design saved yet. Enter your name, then press “Save as new design”. It saves the design on the left with its "
+    "verdict. Each later save is a revision that can be compared and reviewed. For an example, load one from “Open, "
+    "Examples” and save it as well."
 )
 
 
@@ -47,15 +49,14 @@ class LibraryView(View):
     def __init__(self, desk: Desk, compare: Callable[[], Awaitable[None]]) -> None:
         super().__init__(desk=desk)
         self._open_designs: set[str] = set()
-        self._ticks: list[tuple[str, pmui.Checkbox]] = []  # a design's latest revision may have two
-        self._putting = False  # ticks are being set to what is picked
         self._note = pmui.TextInput(label="Note", max_length=4000, width=260, **LOOK)
         self._new = button("Save as new design", partial(self._save, True), variant="contained")
         self._next = button("Save as next revision", partial(self._save, False), visible=False)
         self._search = pmui.TextInput(label="Search name, note, author, tag", width=260, **LOOK)
         self._tag = pmui.Select(label="Tag", options=[_ANY], value=_ANY, width=150, **LOOK)
         self._archived = pmui.Switch(label="Archived", margin=(12, 8))
-        self._rows = pn.Column(html_pane(_OPENING), margin=(2, 0))
+        self._table = SortableTable(self._toggle, html=_OPENING, margin=(2, 10), stylesheets=[WHOLE])
+        self._table.param.watch(self._ticked, "ticked")
         self._asked: object = None
         self._listed: _Listing | InputError | None = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
@@ -84,7 +85,7 @@ class LibraryView(View):
                 align_items="center",
                 margin=(0, 4),
             ),
-            self._rows,
+            self._table,
             self._chosen,
             pn.FlexBox(*self._actions[:-1], self._tags, self._actions[-1], align_items="center", margin=(0, 4)),
         )
@@ -113,61 +114,9 @@ class LibraryView(View):
             return
         self._listed = listing
         self.answer = _answer(listing)
-        if isinstance(listing, InputError):
-            self._rows.objects = [html_pane(f"<p>The library cannot be opened. {escape(str(listing))}</p>")]
-            return
-        self._ticks = []
-        rows = [row for saved in listing.found[:_SHOWN] for row in self._design_rows(saved, listing.histories)]
-        if not listing.found:
-            rows = [html_pane("<p>No design matches.</p>" if listing.narrowed else _EMPTY)]
-        if len(listing.found) > _SHOWN:
-            rows.append(
-                html_pane(
-                    f"<p class='quiet'>{_SHOWN} of {len(listing.found)} designs. Search to narrow the list.</p>"
-                )
-            )
-        if listing.read_only:
-            rows.insert(0, html_pane("<p>This library is read-only: its file or folder cannot be written.</p>"))
-        self._rows.objects = rows
-        if self._tag.options != [_ANY, *listing.tags]:
+        self._table.html = html_of(*_blocks(listing))
+        if not isinstance(listing, InputError) and self._tag.options != [_ANY, *listing.tags]:
             self._tag.options = [_ANY, *listing.tags]
-
-    def _design_rows(self, saved: Saved, histories: Mapping[str, tuple[Revision, ...]]) -> list[Any]:
-        many = saved.number > 1
-        shown = saved.design in histories
-        history = button(
-            f"{'Hide' if shown else 'Show'} {saved.number} revisions" if many else "1 revision",
-            partial(self._toggle, saved.design), variant="text", disabled=not many, margin=(0, 4), width=150,
-        )  # fmt: skip
-        tags = "".join(f'<span class="tag">{escape(tag)}</span>' for tag in saved.tags)
-        when = f"<span>{moment(saved.saved)}</span>"
-        cells = f'{_verdict(saved.closes, saved.verdict)}<span class="who">{escape(saved.author)}</span>{when}{tags}'
-        rows = [self._row(saved, shortened(saved.name, 60), cells, history)]
-        if shown and many:
-            rows += [
-                self._row(r, f"Revision {r.number}: {shortened(r.name, 44)}", _revision_cells(r), None, indent=28)
-                for r in histories[saved.design]
-            ]
-        return rows
-
-    def _row(self, revision: Revision, label: str, cells: str, extra: Any, indent: int = 0) -> pn.FlexBox:
-        picked = revision.key in {own.key for own in self.desk.picked}
-        tick = pmui.Checkbox(label=label, value=picked, width=330 - indent, margin=(0, 4, 0, 6 + indent))
-
-        def ticked(event: Any) -> None:
-            if self._putting:
-                return
-            if event.new:
-                self.desk.pick(revision)
-            else:
-                self.desk.put_back(revision.key)
-            self._picks()  # also where one too many was refused
-
-        tick.param.watch(ticked, "value")
-        self._ticks.append((revision.key, tick))
-        parts = [tick, html_pane(f'<div class="line">{cells}</div>', margin=(2, 6)), *([extra] if extra else [])]
-        parts[1].param.update(sizing_mode=None, styles={"flex": "1 1 280px"})
-        return pn.FlexBox(*parts, align_items="center", styles=_RULE)
 
     async def _toggle(self, design: str) -> None:
         self._open_designs ^= {design}
@@ -175,17 +124,22 @@ class LibraryView(View):
 
     # --- the chosen ones -------------------------------------------------------------------------------
 
+    def _ticked(self, event: Any) -> None:
+        """Pick what was ticked, unless as many are picked as go side by side."""
+        picked = {revision.key for revision in self.desk.picked}
+        for key in picked.difference(event.new):
+            self.desk.put_back(key)
+        if isinstance(self._listed, _Listing):
+            for revision in self._listed.shown:
+                if revision.key in event.new and revision.key not in picked:
+                    self.desk.pick(revision)
+                    picked.add(revision.key)
+        self._picks()  # also where one too many was refused
+
     @param.depends("desk.picked", watch=True)
     def _picks(self) -> None:
-        picked = {own.key for own in self.desk.picked}
-        with pn.io.hold():
-            self._putting = True
-            try:
-                for key, tick in self._ticks:
-                    tick.value = key in picked
-            finally:
-                self._putting = False
-            self._say_picked()
+        self._table.ticked = [own.key for own in self.desk.picked]
+        self._say_picked()
 
     def _say_picked(self) -> None:
         picked = self.desk.picked
@@ -297,12 +251,54 @@ class _Listing:
     narrowed: bool
     read_only: bool
 
+    @property
+    def shown(self) -> Iterator[Revision]:
+        """What is listed: each design, with its revisions where they are unfolded."""
+        for saved in self.found[:_SHOWN]:
+            yield saved
+            yield from self.histories.get(saved.design, ())
+
 
 def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: frozenset[str]) -> _Listing:
     found = place.designs(search, tag, archived=archived)
-    shown = [saved.design for saved in found[:_SHOWN] if saved.design in unfolded]
+    shown = [saved.design for saved in found[:_SHOWN] if saved.design in unfolded and saved.number > 1]
     histories = {design: place.revisions(design) for design in shown}
     return _Listing(found, place.tags(), histories, bool(search or tag or archived), place.read_only)
+
+
+def _blocks(listing: _Listing | InputError) -> Iterator[Block]:
+    """The list, or why there is none."""
+    if isinstance(listing, InputError):
+        yield Text(f"The library cannot be opened. {listing}")
+        return
+    if listing.read_only:
+        yield Text("This library is read-only: its file or folder cannot be written.")
+    if not listing.found:
+        yield Text("No design matches." if listing.narrowed else _EMPTY)
+        return
+    many = len(listing.found) > _SHOWN
+    more = f"{_SHOWN} of {len(listing.found)} designs. Search to narrow the list." if many else ""
+    rows = (_row(revision, listing) for revision in listing.shown)
+    yield table("library", "Saved designs", _HEADS, rows, more, ticks=True)
+
+
+def _row(revision: Revision, listing: _Listing) -> Row:
+    whole = isinstance(revision, Saved)
+    name = shortened(revision.name, 60) if whole else f"Revision {revision.number}: {shortened(revision.name, 44)}"
+    more, unfold = f"{revision.content_hash[:12]} {shortened(revision.note, 120)}", Cell("")
+    if isinstance(revision, Saved):
+        more, unfold = ", ".join(revision.tags), Cell("1 revision")
+        if revision.number > 1:
+            verb = "Hide" if revision.design in listing.histories else "Show"
+            unfold = Cell(f"{verb} {revision.number} revisions", value=revision.design)
+    return (
+        Cell(name, value=revision.key),
+        shortened(revision.verdict, 110),
+        f"{revision.author}{' (imported)' if revision.origin and not whole else ''}",
+        moment(revision.saved),
+        more,
+        unfold,
+    )
 
 
 def _answer(listing: _Listing | InputError) -> Answer:
@@ -314,20 +310,3 @@ def _answer(listing: _Listing | InputError) -> Answer:
     said = f"{closing} of {len(listing.found)} close." if closing else "None closes."
     said = said if listing.found else "Save the current design."
     return Answer(what, "open", (said,))
-
-
-_RULE = {"border-bottom": "1px solid color-mix(in srgb, currentColor 12%, transparent)"}
-
-
-def _verdict(closes: bool | None, whole: str) -> str:
-    word = {True: "✓ closes", False: "✗ does not close", None: "– not checked"}[closes]
-    return f'<span class="mark" title="{escape(whole)}">{word}</span>'
-
-
-def _revision_cells(revision: Revision) -> str:
-    note = f'<span class="quiet">{escape(shortened(revision.note, 120))}</span>' if revision.note else ""
-    origin = " (imported)" if revision.origin else ""
-    return (
-        f'{_verdict(revision.closes, revision.verdict)}<span class="who">{escape(revision.author)}{origin}</span>'
-        f'<span>{moment(revision.saved)}</span><span class="quiet">{revision.content_hash[:12]}</span>{note}'
-    )

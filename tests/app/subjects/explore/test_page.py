@@ -89,15 +89,14 @@ def test_a_solved_value_is_taken_and_then_the_design_closes_at_its_limit(explore
     solved = explore.question
     assert not explore.session.budget.verdict.closes
     assert solved.answer.word == "Closes if angle random walk is at most 0.0360 °/√h"
-    solved._table.chosen = "Angle random walk: at most 0.0360 °/√h"
+    solved._table._handle_msg("Angle random walk: at most 0.0360 °/√h")
     verdict = explore.session.budget.verdict
     assert verdict.closes
     assert 0 <= verdict.tightest.margin < 0.01  # rounded down to three digits
     assert 'angle_random_walk = "0.036 °/√h"' in format_design(explore.session.design)
-    assert solved._table.chosen == ""
     explore.session.undo()
     assert "not enough: velocity random walk, vibration factor, position noise" in solved._table.html
-    solved._table.chosen = "Angle random walk: at most 0.0370 °/√h"  # of a table that is no longer there
+    solved._table._handle_msg("Angle random walk: at most 0.0370 °/√h")  # of a table that is no longer there
     assert explore.session.design == first_design()
 
 
@@ -120,7 +119,7 @@ def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) ->
     assert "Added Our &lt;b&gt;unit&lt;/b&gt;, Our receiver" in _open(explore, OWN.encode())
     assert search._table.html.count("<tr>") > before
     assert "<b>unit" not in search._table.html
-    search._table.chosen = "Our <b>unit</b> with Our receiver"
+    search._table._handle_msg("Our <b>unit</b> with Our receiver")
     design = search.session.design
     assert design["imu.preset"] is None
     assert design.imu.angle_random_walk == pytest.approx(0.01 * 3.14159265 / 180 / 60)
@@ -139,7 +138,7 @@ def test_the_example_offered_is_such_a_file(explore: ExplorePage) -> None:
 
 def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> None:
     search = _search(explore)
-    search._table.chosen = "LN-200 with a kite"
+    search._table._handle_msg("LN-200 with a kite")
     assert search.session.design == first_design()
 
 
@@ -278,7 +277,7 @@ def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(expl
     assert "each data sheet" in explore._strip._text.object
     sheet = catalogue("imu")["HG4930"].extra
     row = next(row for row in search._found if row.imu == "HG4930")
-    search._table.chosen = row.pair
+    search._table._handle_msg(row.pair)
     design = explore.session.design
     assert design.imu.gyro_bias == sheet["gyro_bias"].value
     assert design.imu.accelerometer_bias == sheet["accelerometer_bias"].value
@@ -319,7 +318,7 @@ def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> Non
     best = int(np.argmax(1 - sweep_ratios(columns)))
 
     async def taken_up() -> None:
-        sweep._table.chosen = str(best)
+        sweep._table._handle_msg(str(best))
         sweep.estimate.cancel()
 
     asyncio.run(taken_up())

@@ -1,6 +1,7 @@
 """The library of the Review page: designs ticked are picked."""
 
 import asyncio
+import re
 from pathlib import Path
 
 import pytest
@@ -25,12 +26,19 @@ class _Scene:
         asyncio.run(self.view.refresh())
 
     def tick(self, names: str, value: bool = True) -> None:
+        table = self.view._table
         for name in names:
-            next(tick for _, tick in self.view._ticks if tick.label == name).value = value
+            others = [key for key in table.ticked if self.names[key] != name]
+            table.ticked = [*others, *(key for key, own in self.names.items() if own == name and value)]
+
+    @property
+    def names(self) -> dict[str, str]:
+        """What the list shows, by what a tick says."""
+        return dict(re.findall(r'<input type="checkbox" value="(.*?)"> <span>(.*?)</span>', self.view._table.html))
 
     @property
     def ticked(self) -> str:
-        return "".join(sorted(tick.label for _, tick in self.view._ticks if tick.value))
+        return "".join(sorted(self.names[key] for key in self.view._table.ticked))
 
     @property
     def picked(self) -> str:
