@@ -24,7 +24,7 @@ class Cell:
     """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set.
 
     ``sort`` replaces the text when the table is sorted; an empty text puts the row last. ``value`` is what
-    a person chooses with the button that the first cell of a row then is.
+    a person chooses with the button, or the tick, that the cell then is.
     """
 
     text: str

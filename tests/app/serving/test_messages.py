@@ -155,7 +155,7 @@ def test_nobody_saves_under_another_name(serving: Any, people: Path, tmp_path: P
             assert field["attributes"]["disabled"]
             await tab.set(field["id"], disabled=False, value=name)
             await tab.click(tab.find(label="Save as new design")["id"])
-            await tab.until(label="1 revision")
+            await tab.until(label="Save as revision 2 of MEMS IMU at X band")
             await tab.close()
 
         asyncio.run(forge("bob"))
