@@ -27,7 +27,7 @@ def region_names(chart: MapChart) -> dict[int, tuple[float, float, str]]:
     boxes: list[tuple[float, float, float, float]] = []
     drawn_x = np.concatenate([chart.contour.x, *(points.x for points in chart.points)])
     drawn_y = np.concatenate([chart.contour.y, *(points.y for points in chart.points)])
-    marks = _share(drawn_x, chart.x), _share(drawn_y, chart.y)
+    marks = share(drawn_x, chart.x), share(drawn_y, chart.y)
     # The smallest region first: it has the least choice.
     for index in np.argsort(np.bincount(chart.winner.ravel(), minlength=len(chart.names)), kind="stable"):
         rows, columns = np.nonzero(chart.winner == index)
@@ -35,7 +35,7 @@ def region_names(chart: MapChart) -> dict[int, tuple[float, float, str]]:
             continue
         lines = chart.names[index].replace(", ", ",\n").split("\n")
         half_x, half_y = max(map(len, lines)) * _LETTER / 2 + _AROUND[0], len(lines) * _LINE / 2 + _AROUND[1]
-        x, y = _share(chart.x[columns], chart.x), _share(chart.y[rows], chart.y)
+        x, y = share(chart.x[columns], chart.x), share(chart.y[rows], chart.y)
         cost = (x - x.mean()) ** 2 + (y - y.mean()) ** 2
         cost += 100 * (np.maximum(half_x - np.minimum(x, 1 - x), 0) + np.maximum(half_y - np.minimum(y, 1 - y), 0))
         for other_x, other_y, wide, high in boxes:
@@ -48,6 +48,8 @@ def region_names(chart: MapChart) -> dict[int, tuple[float, float, str]]:
     return placed
 
 
-def _share(values: Array, axis: Array) -> Array:
-    """Position of values along a log axis: 0 at its beginning, 1 at its end."""
-    return np.asarray(np.log(values / axis[0]) / np.log(axis[-1] / axis[0]))
+def share(values: Array, axis: Array, *, is_log: bool = True) -> Array:
+    """Position of values along an axis: 0 at its beginning, 1 at its end."""
+    if is_log:
+        values, axis = np.log(values), np.log(axis)
+    return np.asarray((values - axis[0]) / (axis[-1] - axis[0]))

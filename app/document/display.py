@@ -68,26 +68,13 @@ class Display:
         if self == ONE_SIGMA:
             return chart
         turned = self.units == SI and chart.y_label.endswith("[°]")
-        unit = math.radians(1) if turned else 1.0
-
-        def pair(label: str) -> bool:
-            return "horizontal" in label or "horizontal" in chart.y_label
 
         def of(label: str) -> float:
-            return unit * self.factor(pair=pair(label))
+            pair = "horizontal" in label or "horizontal" in chart.y_label
+            return (math.radians(1) if turned else 1.0) * self.factor(pair=pair)
 
-        limits = tuple(
-            replace(
-                limit,
-                level=limit.level * of(limit.key),
-                label=limit.label.replace("1σ", self.named(pair="horizontal" in limit.key)),
-            )
-            for limit in chart.limits
-        )
-        told = dict.fromkeys(self.named(pair=pair(line.label)) for line in chart.lines)
+        told = dict.fromkeys(self.named(pair="horizontal" in line.label + chart.y_label) for line in chart.lines)
         label = chart.y_label.replace("1σ", " and ".join(told))
-        if turned:
-            label = label.replace("[°]", "[rad]")
         low, high = chart.y_range or (math.nan, math.nan)
         factors = [of(line.label) for line in chart.lines]
         return replace(
@@ -96,8 +83,15 @@ class Display:
             bands=tuple(
                 replace(band, low=band.low * of(band.label), high=band.high * of(band.label)) for band in chart.bands
             ),
-            limits=limits,
-            y_label=label,
+            limits=tuple(
+                replace(
+                    limit,
+                    level=limit.level * of(limit.key),
+                    label=limit.label.replace("1σ", self.named(pair="horizontal" in limit.key)),
+                )
+                for limit in chart.limits
+            ),
+            y_label=label.replace("[°]", "[rad]") if turned else label,
             y_range=(low * min(factors), high * max(factors)) if chart.y_range else None,
         )
 

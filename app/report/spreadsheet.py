@@ -19,7 +19,7 @@ from app.document.numbers import percent
 from app.document.verdict import SAID
 from app.document.wording import printable, title_of
 from app.report.inputs import shown_value
-from app.report.workings import CHOICE, RULE, STATES, Sum, Traces, followed, own_key, symbol_of, traces_of
+from app.report.workings import CHOICE, RULE, STATES, Sum, Traces, followed, own_key, symbol_of
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
@@ -60,7 +60,7 @@ class _Sheets:
 
     def __init__(self, book: Workbook, budget: Budget) -> None:
         self.book, self.budget, self.design = book, budget, budget.design
-        self.traces: Traces = traces_of(budget.design)
+        self.traces = Traces(budget.design)
         self.values = {row.symbol: row for row in self.traces.workings.rows if row.symbol}
         self.bold = book.add_format({"bold": True})
         self.head = book.add_format({"bold": True, "bottom": 1, "text_wrap": True, "valign": "top"})

@@ -33,7 +33,7 @@ _SOURCES = (
 )
 
 
-def supplier_report(design: Design, unit: Unit, now: datetime | None = None) -> Report:
+def supplier_report(design: Design, unit: Unit) -> Report:
     """The sheet of one unit.
 
     Raises
@@ -41,7 +41,7 @@ def supplier_report(design: Design, unit: Unit, now: datetime | None = None) -> 
     InputError
         As `nav_model.explore.supplier.required`.
     """
-    now = (now or datetime.now(UTC)).astimezone(UTC)
+    now = datetime.now(UTC)
     lines = required(design, unit)
     values = _values(design, unit, lines), Bullets(_conditions(design, unit))
     proof = Text(_proof(design, unit)), Text(_decision(design, unit))

@@ -5,7 +5,7 @@ Where there is none, the budget's value is taken: the sampled filter with veloci
 vibration, unsensed motion and oscillator do over the aperture, and levels in decibels.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -76,20 +76,6 @@ class Sum:
     mark: str
 
 
-@dataclass(frozen=True)
-class Traces:
-    """Workings of a design: `sums` in order, and for each source of phase the symbols of its variances [m²].
-
-    `contributors` are those of each figure that has any, their size in a cell; the root of what is random is in the
-    cell named root_FIGURE.
-    """
-
-    workings: Workings
-    sums: tuple[Sum, ...]
-    sources: Mapping[str, phase.PhaseVariances]
-    contributors: Mapping[str, Sequence[Part]]
-
-
 def followed(design: Design) -> tuple[str, ...]:
     """Keys of the inputs that the formulas follow; each is a cell in SI under the name of `symbol_of`."""
     given = _VELOCITY if design.gnss.velocity_noise is not None else ()
@@ -101,18 +87,24 @@ def symbol_of(key: str) -> str:
     return key.replace(".", "_")
 
 
-def traces_of(design: Design) -> Traces:
-    """The workings of a design in real time, whatever its processing."""
-    plain = replace(inputs_of(design), post_processed=False)
-    made = _Making(design, plain)
-    return Traces(made.workings, tuple(made.sums), made.sources, made.contributors)
+class Traces:
+    """The workings of a design in real time, whatever its processing: made group by group.
 
+    Attributes
+    ----------
+    workings : Workings
+    sums : list of Sum
+        In order.
+    sources : mapping of str to PhaseVariances
+        Source of phase -> the symbols of its variances [m²].
+    contributors : mapping of str to list of Part
+        Those of each figure that has any, their size in a cell; the root of what is random is in the cell named
+        root_FIGURE.
+    """
 
-class _Making:
-    """Workings while they are made, group by group."""
-
-    def __init__(self, design: Design, plain: Inputs) -> None:
-        self.design, self.plain, self.workings = design, plain, Workings()
+    def __init__(self, design: Design) -> None:
+        self.design, self.plain = design, replace(inputs_of(design), post_processed=False)
+        self.workings = Workings()
         self.sums: list[Sum] = []
         self.sources: dict[str, phase.PhaseVariances] = {}
         self.contributors: dict[str, list[Part]] = {}

@@ -38,10 +38,10 @@ def to_svg(chart: Drawing) -> str:
     with _settings():
         figure = Figure(layout="constrained")
         canvas = FigureCanvasSVG(figure)
-        _draw(figure, chart)
+        height = _draw(figure, chart)
         handles = _legend_of(figure.axes[0])
         columns = 3 if len(handles) != 4 else 2
-        height = _height(chart) + _LEGEND_ROW * math.ceil(len(handles) / columns)
+        height += _LEGEND_ROW * math.ceil(len(handles) / columns)
         figure.set_size_inches(WIDTH / 25.4, height / 25.4)
         if handles:
             figure.legend(handles=handles, loc="outside lower left", ncols=columns, frameon=False, handlelength=3.4)
@@ -54,36 +54,30 @@ def to_svg(chart: Drawing) -> str:
     return text.getvalue().replace(_MEASURED_IN, f"'{FONT}'")
 
 
-def _draw(figure: Any, chart: Drawing) -> None:
+def _draw(figure: Any, chart: Drawing) -> float:
+    """Draw a chart; its height without the legend [mm]."""
     if isinstance(chart, PictureChart):
         draw_pictures(figure, chart)
-        return
+        return pictures_height(chart, WIDTH)
     axes = figure.add_subplot()
     plain(axes)
     if isinstance(chart, Chart):
         _curves(axes, chart)
-    elif isinstance(chart, BarChart):
+        return _SQUARE_HEIGHT if chart.square else PLOT_HEIGHT
+    if isinstance(chart, BarChart):
         _bars(axes, chart)
-    elif isinstance(chart, DotChart):
+        return PLOT_HEIGHT
+    if isinstance(chart, DotChart):
         draw_dots(axes, chart)
-    else:
-        draw_map(axes, chart)
+        return 13.0 + ROW_HEIGHT * len(chart.dots)
+    draw_map(axes, chart)
+    return _MAP_HEIGHT
 
 
 def _legend_of(axes: Any) -> list[Any]:
     """What is drawn under a name, each name once."""
     handles, labels = axes.get_legend_handles_labels()
     return [handle for place, handle in enumerate(handles) if labels[place] not in labels[:place]]
-
-
-def _height(chart: Drawing) -> float:
-    if isinstance(chart, Chart):
-        return _SQUARE_HEIGHT if chart.square else PLOT_HEIGHT
-    if isinstance(chart, BarChart):
-        return PLOT_HEIGHT
-    if isinstance(chart, DotChart):
-        return 13.0 + ROW_HEIGHT * len(chart.dots)
-    return _MAP_HEIGHT if isinstance(chart, MapChart) else pictures_height(chart, WIDTH)
 
 
 def _named_once(points: Sequence[Points]) -> list[Points]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import Any
 
+import numpy as np
 from bokeh.core.properties import field as field_of
 from bokeh.core.properties import value
 from bokeh.models import (
@@ -19,6 +20,7 @@ from bokeh.models import (
     GlyphRenderer,
     HoverTool,
     Label,
+    LinearColorMapper,
     Scatter,
     Segment,
     VArea,
@@ -26,9 +28,9 @@ from bokeh.models import (
 from bokeh.models import Line as LineGlyph
 from bokeh.plotting import figure
 
-from app.charts.kinds import Chart, Line, MapChart, Plotted
+from app.charts.kinds import Array, Chart, Line, MapChart, Plotted
+from app.charts.region import region_names
 from app.charts.screen.axes import TOOLS, empty_figure, line_look
-from app.charts.screen.grid import columns_of, draw
 from app.charts.screen.sources import Sources
 from app.charts.styles import INK, STYLES
 
@@ -71,11 +73,7 @@ def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
     """A figure for a chart, as wide as its place; with a height of None also as high as its place."""
     if isinstance(chart, Chart):
         return _curves(chart, height)
-    sources = Sources(columns_of(chart), f"{chart.key} ")
-    plot = draw(chart, sources, height or _LEAST)
-    if height is None:
-        fill(plot)
-    return Figure(plot, sources)
+    return _regions(chart, height)
 
 
 def fill(plot: figure) -> None:
@@ -87,16 +85,16 @@ def fill(plot: figure) -> None:
 
 def _columns(chart: Plotted) -> dict[str, dict[str, Any]]:
     """Source name -> columns. Lines that share an x array share a source."""
-    if isinstance(chart, MapChart):
-        return columns_of(chart)
     columns: dict[str, dict[str, Any]] = {}
+    for points in chart.points:
+        sizes = {} if points.sizes is None else {"size": points.sizes}
+        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names), **sizes}
+    if isinstance(chart, MapChart):
+        return columns | _map_columns(chart)
     for line in chart.lines:
         columns.setdefault(_line_source(chart, line.x), {"x": line.x})[_column(line)] = line.y
     for band in chart.bands:
         columns[f"band {band.key}"] = {"x": band.x, "low": band.low, "high": band.high}
-    for points in chart.points:
-        sizes = {} if points.sizes is None else {"size": points.sizes}
-        columns[f"points {points.key}"] = {"x": points.x, "y": points.y, "name": list(points.names), **sizes}
     if chart.limits:
         columns["limits"] = {
             "x0": [limit.start for limit in chart.limits],
@@ -105,6 +103,35 @@ def _columns(chart: Plotted) -> dict[str, dict[str, Any]]:
             "name": [limit.label for limit in chart.limits],
         }
     return columns
+
+
+def _map_columns(chart: MapChart) -> dict[str, dict[str, Any]]:
+    places = list(region_names(chart).values())
+    return {
+        "map": image_columns(chart.winner.astype(np.uint8), chart.x, chart.y, x_log=True, y_log=True),
+        "regions": {
+            "x": [x for x, _, _ in places],
+            "y": [y for _, y, _ in places],
+            "name": [name for *_, name in places],
+        },
+        "contour": {"x": chart.contour.x, "y": chart.contour.y},
+    }
+
+
+def image_columns(cells: np.ndarray, x: Array, y: Array, *, x_log: bool, y_log: bool) -> dict[str, Any]:
+    """Columns of a picture of cells (m, n) with their points in the middle. The grid is even where the axis is
+    straight, so the corners place every cell."""
+    (left, right), (bottom, top) = _edges(x, x_log), _edges(y, y_log)
+    return {"image": [cells], "x": [left], "y": [bottom], "dw": [right - left], "dh": [top - bottom]}
+
+
+def _edges(values: Array, is_log: bool) -> tuple[float, float]:
+    """Where the first cell begins and the last one ends."""
+    straight = np.log(values) if is_log else values
+    half = (straight[-1] - straight[0]) / (len(straight) - 1) / 2
+    ends = np.array([straight[0] - half, straight[-1] + half])
+    low, high = np.exp(ends) if is_log else ends
+    return float(low), float(high)
 
 
 def _column(line: Line) -> str:
@@ -170,6 +197,39 @@ def _curves(chart: Chart, height: int | None) -> Figure:
     made = Figure(plot, sources, spans, lines)
     made.feed(chart)  # places the spans
     return made
+
+
+def _regions(chart: MapChart, height: int | None) -> Figure:
+    """Regions by colour and name, points and one contour."""
+    sources = Sources(_columns(chart), f"{chart.key} ")
+    plot = empty_figure(
+        chart, x_log=True, y_log=True, height=height or _LEAST, sizing_mode="stretch_width", tools=TOOLS,
+        toolbar_location="right", active_drag=None,
+    )  # fmt: skip
+    plot.x_range.range_padding = plot.y_range.range_padding = 0
+    plot.grid.visible = False
+    colours = [STYLES[style].colour for style in chart.styles]
+    mapper = LinearColorMapper(palette=colours, low=-0.5, high=len(colours) - 0.5)
+    plot.image("image", x="x", y="y", dw="dw", dh="dh", source=sources["map"], color_mapper=mapper, global_alpha=0.55)
+    plot.text(
+        "x", "y", text="name", source=sources["regions"], text_align="center", text_baseline="middle",
+        text_font_size="12px", text_color="#1b2329", background_fill_color="#ffffff", background_fill_alpha=0.8,
+        padding=4, border_radius=4,
+    )  # fmt: skip
+    look = line_look(STYLES[chart.contour.style]) | {"line_width": 2.2}
+    plot.line("x", "y", source=sources["contour"], **look)
+    for points in chart.points:
+        style = STYLES[points.style]
+        look = {"size": 7, "line_width": 0.8, "line_color": "#ffffff"}
+        if points.marker == "cross":
+            look = {"size": 16, "line_width": 3, "line_color": style.colour}
+        marks = plot.scatter(
+            "x", "y", source=sources[f"points {points.key}"], marker=points.marker, fill_color=style.colour, **look
+        )
+        _hover(plot, [marks], f"<b>@name</b>: {escape(points.source)}")
+    if height is None:
+        fill(plot)
+    return Figure(plot, sources)
 
 
 def add_glyph(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:

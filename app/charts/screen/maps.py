@@ -14,8 +14,9 @@ from bokeh.models import (
 )
 
 from app.charts.kinds import LEVELS, Array, TradeMapChart
+from app.charts.region import share
 from app.charts.screen.axes import empty_figure
-from app.charts.screen.figures import fill
+from app.charts.screen.figures import fill, image_columns
 from app.charts.screen.sources import Sources
 from app.charts.styles import STYLES
 from nav_model.explore.trade_map import MapPoint
@@ -88,26 +89,11 @@ def _columns(chart: TradeMapChart, room: tuple[float, float, float]) -> dict[str
     """Source name -> columns."""
     curves = zip(LEVELS, chart.contours, strict=True)
     return {
-        "image": _image(chart),
+        "image": image_columns(chart.ratio, chart.x, chart.y, x_log=chart.x_log, y_log=chart.y_log),
         **{f"contour {_CONTOUR[level][2]}": {"x": x, "y": y} for level, (x, y) in curves},
         "catalogue": _points(chart, room),
         "design": {"x": [chart.here[0]], "y": [chart.here[1]]},
     }
-
-
-def _image(chart: TradeMapChart) -> dict[str, Any]:
-    # The grid is even where the axis is straight, so the picture's corners place every cell, the point in its middle.
-    (left, right), (bottom, top) = _edges(chart.x, chart.x_log), _edges(chart.y, chart.y_log)
-    return {"image": [chart.ratio], "x": [left], "y": [bottom], "dw": [right - left], "dh": [top - bottom]}
-
-
-def _edges(values: Array, is_log: bool) -> tuple[float, float]:
-    """Where the first cell begins and the last one ends."""
-    straight = np.log(values) if is_log else values
-    half = (straight[-1] - straight[0]) / (len(straight) - 1) / 2
-    ends = np.array([straight[0] - half, straight[-1] + half])
-    low, high = np.exp(ends) if is_log else ends
-    return float(low), float(high)
 
 
 def _points(chart: TradeMapChart, room: tuple[float, float, float]) -> dict[str, Any]:
@@ -132,16 +118,8 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
 def _labels(chart: TradeMapChart, wide: float, high: float, reach: float) -> dict[str, list[Any]]:
     """The place of each name beside its mark: the first that covers no other name or mark on a map of this size in
     pixels, or on a larger one, where marks are further apart. A name without a place is shown on hover only."""
-    x, y = (
-        (values - ends[0]) / (ends[-1] - ends[0])
-        for values, ends in (
-            (np.log(values), np.log(ends)) if is_log else (values, ends)
-            for values, ends, is_log in (
-                (chart.points_x, chart.x, chart.x_log),
-                (chart.points_y, chart.y, chart.y_log),
-            )
-        )
-    )
+    x = share(chart.points_x, chart.x, is_log=chart.x_log)
+    y = share(chart.points_y, chart.y, is_log=chart.y_log)
     # A box is left, top, right and bottom; each has a row for each of the sizes.
     marks = np.stack([wide * np.outer(_SIZES[:, 0], x), -high * np.outer(_SIZES[:, 1], y)] * 2, axis=-1)
     taken = list(np.moveaxis(marks + np.array([-6, -6, 6, 6]), 1, 0))

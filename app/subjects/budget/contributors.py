@@ -11,6 +11,7 @@ from app.document.allocation import NOTHING, SPLIT_WORDS, entry_texts, outcome
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
+from app.subjects.budget.tables import CONTRIBUTORS_ENTER
 from app.ui.html_pane import html_pane
 from app.ui.row_editor import Field, RowEditor, Rows
 from app.ui.theme import PRINT_NOTHING
@@ -87,24 +88,10 @@ class Contributors(View):
         for choice in (self._split, self._reserve):
             choice.param.watch(lambda _: self._plan(), "value")
         choices = pn.FlexBox(self._requirement, self._split, self._reserve, stylesheets=[PRINT_NOTHING])
-        self._note = html_pane(
-            html_of(
-                Text(
-                    "Random contributors add in quadrature, systematic ones linearly, each with its allowance. A "
-                    "length along the line of sight enters a phase by 4π/λ. One of CE90 or LE90 is a 90 % value."
-                )
-            )
-        )
         self._view = pn.Column(
-            ready,
-            self._made_said,
-            self._contributors,
-            self._note,
-            self._limits,
-            choices,
-            self._entries,
-            self._outcome,
-        )
+            ready, self._made_said, self._contributors, html_pane(html_of(Text(CONTRIBUTORS_ENTER))), self._limits,
+            choices, self._entries, self._outcome,
+        )  # fmt: skip
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""

@@ -20,6 +20,11 @@ from nav_model.processing.paired_echo import NOTHING
 
 ALONG_TRACK = "along-track"
 """What the along-track phase is called beside the sources across it."""
+CONTRIBUTORS_ENTER = (
+    "Random contributors add in quadrature, systematic ones linearly, each with its allowance. A length along the "
+    "line of sight enters a phase by 4π/λ. One of CE90 or LE90 is a 90 % value."
+)
+"""How the design's own contributors enter its figures."""
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 
 
@@ -235,8 +240,7 @@ def contributor_table(budget: Budget, key: str) -> Table:
             )
             for one in budget.design.contributors
         ),
-        "A random contributor adds in quadrature, a systematic one linearly, each with its allowance. A length along "
-        "the line of sight enters a phase by 4π/λ. One of CE90 or LE90 is a 90 % value.",
+        CONTRIBUTORS_ENTER,
     )  # fmt: skip
 
 

@@ -15,7 +15,6 @@ from app.document.numbers import NONE, hundredths, number
 from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
-from nav_model.budget.result import Check
 from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
@@ -59,7 +58,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     if budget.verdict.processing == REAL_TIME and smoothed is not None:
         said.append(f"Post-processed, {NAMES['9']}: {_degrees(smoothed, budget)}° by formula.")
     word, tone = f"Use {NAMES[key]}", "open"
-    check = detrended_check(budget)
+    check = next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
     if check is not None:
         words = check_words(budget.design, check)
         own = NAMES[judged(budget.design)]
@@ -74,11 +73,6 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         Text(f"Why: {advice.because}"),
         Text(f"What would change it: {advice.would_change}"),
     )
-
-
-def detrended_check(budget: Budget) -> Check | None:
-    """The check of the detrended phase, in the budget's verdict; None where the design has no such limit."""
-    return next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
 
 
 def judged_along(budget: Budget) -> str:

@@ -9,8 +9,8 @@ from app.charts.kinds import Chart
 from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.suborbital.charts import Shown
 from app.subjects.suborbital.charts.camera_noise import NOISES, camera_noise_answer, camera_noise_chart
+from app.subjects.suborbital.charts.shown import Shown
 from app.ui.first_screen import first_screen
 from app.ui.follower import Follower
 from app.ui.html_pane import html_pane

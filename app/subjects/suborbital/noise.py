@@ -6,7 +6,7 @@ import panel_material_ui as pmui
 
 from app.declared import chosen, held
 from app.session import Session
-from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts.shown import Shown
 from app.ui.run_bar import RunBar
 from app.ui.view import View
 from app.work.alone import run_alone

@@ -15,7 +15,7 @@ from app.document.tiles import tiles_html
 from app.session import Session
 from app.subjects.suborbital.answer import WAITING, answer
 from app.subjects.suborbital.camera import CameraNoisePanel
-from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts.shown import Shown
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
 from app.subjects.suborbital.noise import NoisePanel
 from app.subjects.suborbital.studies import fly_study, kept_study

@@ -10,7 +10,8 @@ from app.console.progress import show_progress
 from app.document.blocks import Block, Row, Section, Table, Text, chart_block, table
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer
-from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
+from app.subjects.suborbital.charts import attitude, errors, flight, sensors
+from app.subjects.suborbital.charts.shown import Shown
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS

@@ -13,8 +13,8 @@ import param
 from app.charts.kinds import Chart
 from app.declared import chosen, declared, perhaps
 from app.document.pane import html_of
-from app.subjects.suborbital.charts import Shown, attitude, errors, flight, sensors
-from app.subjects.suborbital.charts.shown import CHANNELS, SUM
+from app.subjects.suborbital.charts import attitude, errors, flight, sensors
+from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown
 from app.subjects.suborbital.tables import (
     NumberTable,
     gap_table,

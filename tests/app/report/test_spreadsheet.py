@@ -16,7 +16,7 @@ import pytest
 
 from app.examples import EXAMPLES, example
 from app.report.spreadsheet import LIVE, OTHER, TAKEN, workbook_bytes
-from app.report.workings import traces_of
+from app.report.workings import Traces
 from nav_model import Design, analyse
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.figures import FIGURES, SETTLED, figures
@@ -217,7 +217,7 @@ def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int)
 )  # fmt: skip
 def test_what_has_no_formula_says_so(tmp_path: Path, changes: dict[str, Any], symbol: str) -> None:
     design = example("mems_x_band").replace(changes)
-    rows = {row.symbol: row for row in traces_of(design).workings.rows}
+    rows = {row.symbol: row for row in Traces(design).workings.rows}
     assert rows[symbol].taken
     for name, value in expected(design).items():
         assert rows[name].value == pytest.approx(value, rel=1e-9)
@@ -237,7 +237,7 @@ def test_names_are_texts_and_there_is_no_macro_or_link(tmp_path: Path) -> None:
 
 
 def test_names_of_cells_are_none_of_a_cell() -> None:
-    for row in traces_of(example("mems_x_band")).workings.rows:
+    for row in Traces(example("mems_x_band")).workings.rows:
         assert not re.fullmatch(r"[A-Za-z]{1,3}\d+|[RrCc]\d*", row.symbol)
         assert len(row.text) < 400
 

@@ -16,7 +16,7 @@ from app.report.content import report_of
 from app.report.studies import belonging, study_sections
 from app.session import Session
 from app.subjects.sar.run import SarResult
-from app.subjects.suborbital.charts import Shown
+from app.subjects.suborbital.charts.shown import Shown
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.equations import SYMBOLS

@@ -1,6 +1,2 @@
 """The charts of the suborbital study, as plain data. Each takes a `Shown` and draws what is in it; none computes
 an error."""
-
-from app.subjects.suborbital.charts.shown import Shown
-
-__all__ = ["Shown"]

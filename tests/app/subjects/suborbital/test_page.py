@@ -19,8 +19,9 @@ from app.session import Session
 from app.subjects.suborbital import studies
 from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.camera import CameraNoisePanel
-from app.subjects.suborbital.charts import Shown, attitude, errors, sensors
+from app.subjects.suborbital.charts import attitude, errors, sensors
 from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
+from app.subjects.suborbital.charts.shown import Shown
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
