@@ -19,6 +19,7 @@ from functools import cache, lru_cache
 from typing import NamedTuple
 
 from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
+from nav_model.base.errors import shown
 
 
 class QuantityError(ValueError):
@@ -115,7 +116,7 @@ def unit_symbol(unit: str, dimension: str) -> str:
         *most, last = [*table.units, "Hz"] if rate else table.units
         choice = f"{', '.join(most)} or {last}" if most else last
         name = "time" if rate else table.name
-        raise QuantityError(f"{_shown(unit.strip())} is not a unit of {name}. Use {choice}.", unit)
+        raise QuantityError(f"{shown(unit.strip())} is not a unit of {name}. Use {choice}.", unit)
     return text
 
 
@@ -152,7 +153,7 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
     try:
         return Parsed(float(exact), symbol)
     except OverflowError as error:
-        raise QuantityError(f"{_shown(text)} is too large.", text) from error
+        raise QuantityError(f"{shown(text)} is too large.", text) from error
 
 
 def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, str]:
@@ -161,7 +162,7 @@ def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, 
     `advice` is the sentence that says what to write instead of a text that is no quantity; empty: an example.
     """
     table = DIMENSIONS[dimension]
-    refused = f"{_shown(text)} is not {_article(table.name)}. {advice or f'Try {table.examples[0]}.'}"
+    refused = f"{shown(text)} is not {_article(table.name)}. {advice or f'Try {table.examples[0]}.'}"
     stripped = with_point(text.strip())
     match = _NUMBER.match(stripped)
     if match is None or len(stripped) > 100:
@@ -169,11 +170,11 @@ def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, 
     number, unit = match[0].replace("−", "-"), stripped[match.end() :]
     if not unit.strip():
         example = join_quantity(match[0], table.examples[0].lstrip("-.0123456789e "))
-        raise QuantityError(f"{_shown(text)} has no unit. Write for example {example}.", text)
+        raise QuantityError(f"{shown(text)} has no unit. Write for example {example}.", text)
     if re.match(r",\d", unit):
-        raise QuantityError(f"{_shown(text)} can be read in two ways. Write it without the comma.", text)
+        raise QuantityError(f"{shown(text)} can be read in two ways. Write it without the comma.", text)
     if re.match(r"\s+\d", unit):
-        raise QuantityError(f"{_shown(text)} has a space in its number. Write it without.", text)
+        raise QuantityError(f"{shown(text)} has a space in its number. Write it without.", text)
     if dimension == "interval" and _canonical_spelling(unit) in DIMENSIONS["frequency"].units:
         rate = parse_exact(stripped, "frequency")[0]  # "5 Hz" is 0.2 s
         if rate <= 0:
@@ -201,12 +202,8 @@ def with_point(text: str) -> str:
 def _decimal(number: str, text: str) -> Fraction:
     exponent = number.lower().partition("e")[2]
     if exponent and abs(int(exponent)) > MAX_EXPONENT:
-        raise QuantityError(f"{_shown(text)} is too large or too small.", text)
+        raise QuantityError(f"{shown(text)} is too large or too small.", text)
     return Fraction(number)
-
-
-def _shown(text: str) -> str:
-    return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
 def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
@@ -315,21 +312,10 @@ def shortest_decimal(exact: Fraction, reads_back: Callable[[Fraction], bool]) ->
 
 def plain_number(number: float, digits: int, *, zeros: bool = False) -> str:
     """Decimal text of `number` with `digits` significant digits; `zeros`: those at the end too, but for a zero."""
-    mantissa, _, exponent = f"{number:.{digits - 1}e}".partition("e")  # rounded once, from the exact value
-    if not exponent:  # not finite
-        return str(Decimal(number))
-    if not number:
-        return "0"
-    sign, figures, place = "-" if number < 0 else "", mantissa.lstrip("-").replace(".", ""), int(exponent)
-    if not zeros:
-        figures = figures.rstrip("0")
-    if not _POSITIONAL[0] <= place <= _POSITIONAL[1]:
-        point = "." if len(figures) > 1 else ""
-        return f"{sign}{figures[0]}{point}{figures[1:]}e{place}"
-    if place < 0:
-        return f"{sign}0.{'0' * (-place - 1)}{figures}"
-    whole, part = figures[: place + 1].ljust(place + 1, "0"), figures[place + 1 :]
-    return f"{sign}{whole}{'.' if part else ''}{part}"
+    rounded = Decimal(f"{number:.{digits - 1}e}")  # once, from the exact value
+    if not rounded.is_finite():
+        return str(rounded)
+    return _plain_decimal(rounded if zeros else rounded.normalize())
 
 
 _POSITIONAL = -5, 9

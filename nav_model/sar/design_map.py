@@ -12,10 +12,11 @@ from nav_model.budget import Budget
 from nav_model.design.catalogue import catalogue
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.design_case import conditions
-from nav_model.sar.winners import WinnerMap, map_of_winners
+from nav_model.sar.winners import map_of_winners
 
 _FloatArray = NDArray[np.float64]
 POINTS = 80
+_APERTURE_SPAN = (0.5, 100.0)  # s
 _GNSS_SPAN = (0.003, 30.0)  # m
 _ARW_SPAN = (math.radians(1e-3) / 60, math.radians(10.0) / 60)
 
@@ -60,12 +61,10 @@ def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
                     )
                 )
             )  # fmt: skip
-    span = _aperture_axis(budget, points)
     # The vertical fix noise, if it has one of its own, goes with the horizontal.
     upright = (budget.design.gnss.vertical_position_noise or own) / own * noise
-    changes = {"gnss.position_noise": noise[:, None], "gnss.vertical_position_noise": upright[:, None]}
-    result = _winners(budget, span, changes)
-    return _made(budget, result, span, noise, own, tuple(names), np.array(spans), np.full(len(spans), own))
+    changes = {"gnss.position_noise": noise, "gnss.vertical_position_noise": upright}
+    return _made(budget, changes, own, names, np.array(spans), np.full(len(spans), own))
 
 
 def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
@@ -73,30 +72,22 @@ def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
     own = budget.design.imu.angle_random_walk
     walk = _axis(own, _ARW_SPAN, points)
     known = [entry for entry in catalogue("imu").values() if "angle_random_walk" in entry.values]
-    span = _aperture_axis(budget, points)
-    result = _winners(budget, span, {"imu.angle_random_walk": walk[:, None]})
     values = np.array([entry.values["angle_random_walk"].value for entry in known])
-    names = tuple(entry.name for entry in known)
-    return _made(budget, result, span, walk, own, names, np.full(len(known), budget.sar.aperture_time), values)
-
-
-def _winners(budget: Budget, span: _FloatArray, changes: dict[str, _FloatArray]) -> WinnerMap:
-    """The map over apertures; the whole-leg smoother is computed where it may win."""
-    smoothed = budget.design.processing.mode == POST_PROCESSED
-    grid = changes | {"radar.aperture_time": span[None, :]}
-    return map_of_winners(conditions(budget, grid, smoothed=smoothed))
+    names = [entry.name for entry in known]
+    apertures = np.full(len(known), budget.sar.aperture_time)
+    return _made(budget, {"imu.angle_random_walk": walk}, own, names, apertures, values)
 
 
 def _made(
-    budget: Budget,
-    result: WinnerMap,
-    span: _FloatArray,
-    other: _FloatArray,
-    own: float,
-    names: tuple[str, ...],
-    x: _FloatArray,
-    y: _FloatArray,
+    budget: Budget, changes: dict[str, _FloatArray], own: float, names: list[str], x: _FloatArray, y: _FloatArray
 ) -> DesignMap:
+    """The map over apertures and what the first of the changes changes; the whole-leg smoother is computed where it
+    may win."""
+    other = next(iter(changes.values()))
+    span = _axis(budget.sar.aperture_time, _APERTURE_SPAN, len(other))
+    grid = {key: values[:, None] for key, values in changes.items()} | {"radar.aperture_time": span[None, :]}
+    smoothed = budget.design.processing.mode == POST_PROCESSED
+    result = map_of_winners(conditions(budget, grid, smoothed=smoothed))
     inside = (x >= span[0]) & (x <= span[-1]) & (y >= other[0]) & (y <= other[-1])
     return DesignMap(
         strategies=result.strategies,
@@ -109,10 +100,6 @@ def _made(
         x=x[inside],
         y=y[inside],
     )
-
-
-def _aperture_axis(budget: Budget, points: int) -> _FloatArray:
-    return _axis(budget.sar.aperture_time, (0.5, 100.0), points)
 
 
 def _axis(own: float, span: tuple[float, float], points: int) -> _FloatArray:

@@ -55,18 +55,18 @@ def point_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
     return Pictures(azimuth * budget.sar.cell_length, ranges * cell, np.swapaxes(power, -1, -2), cell, cut)
 
 
-def scene_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
+def scene_pictures(budget: Budget, residual: _FloatArray) -> Pictures:
     """Eight point targets on the ground under each residual (k, n) [m], dB over a unit target."""
     case = design_case(budget)
     cell, cut = _range_cell(budget)
     along, away = budget.sar.cell_length, cell / np.cos(case.geometry.grazing_angle)
     size = max(along, away)
     targets = np.array([(x * size, y * size) for x, y, _ in _TARGETS])
-    scene = scene_images(
+    axis, power = scene_images(
         case.geometry, case.aperture_time, case.wavelength, SPEED_OF_LIGHT / (2 * cell), targets, residual,
         [amplitude for *_, amplitude in _TARGETS], _SCENE_CELLS * size, _SCENE_PIXELS, case.window,
     )  # fmt: skip
-    return Pictures(scene.x, scene.y, scene.power_db, cell, cut)
+    return Pictures(axis, axis, power, cell, cut)
 
 
 def uploaded_pictures(

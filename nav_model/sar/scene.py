@@ -1,7 +1,5 @@
 """Images of a small scene of point targets by the design's radar, for each navigation error."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -17,32 +15,26 @@ _ROOM = 1.5
 _LEAST = 64
 
 
-class Scene(NamedTuple):
-    """Ground axes x along track and y away from the track [m], power (..., y, x) [dB over a unit target]."""
-
-    x: _FloatArray
-    y: _FloatArray
-    power_db: _FloatArray
-
-
 def scene_images(
     geometry: ApertureGeometry,
     aperture_time: float,
     wavelength: float,
     bandwidth: float,
-    targets: ArrayLike,
-    range_error: ArrayLike = 0.0,
-    amplitudes: ArrayLike = 1.0,
-    half_width: float = 10.0,
-    pixels: int = 128,
-    window: Window = "taylor",
-) -> Scene:
-    """Images of targets (m, 2) [m] on the ground, one for each ``range_error`` (..., n) [m].
+    targets: _FloatArray,
+    range_error: _FloatArray,
+    amplitudes: ArrayLike,
+    half_width: float,
+    pixels: int,
+    window: Window,
+) -> tuple[_FloatArray, _FloatArray]:
+    """Images of targets (m, 2) [m] on the ground, one for each ``range_error`` (k, n) [m].
 
     The errors run from end to end of the aperture. Pulses and frequencies are as many as the scene of
     +- ``half_width`` [m] needs not to fold.
+
+    Returns the ground axis [m], along the track and away from it alike, and the power (k, y, x) [dB over a unit
+    target].
     """
-    targets = np.atleast_2d(np.asarray(targets, float))
     azimuth_cell = cell_length(wavelength, geometry.slant_range, geometry.speed, aperture_time, geometry.squint)
     range_cell = SPEED_OF_LIGHT / (2 * bandwidth)
     diagonal = 2 * np.sqrt(2) * half_width * _ROOM
@@ -57,12 +49,8 @@ def scene_images(
         np.column_stack([targets, np.zeros(len(targets))]),
         amplitudes,
     )
-    errors = np.asarray(range_error, float)
-    if errors.ndim == 0:
-        errors = np.full(2, errors)
-    laid = pulse_errors(np.linspace(0, aperture_time, errors.shape[-1]), errors, pulses)
+    laid = pulse_errors(np.linspace(0, aperture_time, range_error.shape[-1]), range_error, pulses)
     axis = np.linspace(-half_width, half_width, pixels)
-    images = [back_project(history, axis, axis, range_error=one, window=window) for one in laid.reshape(-1, pulses)]
+    images = [back_project(history, axis, axis, range_error=one, window=window) for one in laid]
     with np.errstate(divide="ignore"):
-        power = 20 * np.log10(np.abs(np.stack(images)))
-    return Scene(axis, axis, power.reshape(*laid.shape[:-1], pixels, pixels))
+        return axis, 20 * np.log10(np.abs(np.stack(images)))

@@ -10,7 +10,7 @@ from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import Decomposition, autofocus, decompose, fix_rate_harmonics, run_responses
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
-from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, damping_loop, tracking_filter
+from nav_model.sar.strategies import StrategyErrors, Tuning, damping_loop, tracking_filter
 
 _FloatArray = NDArray[np.float64]
 FIX_HARMONICS = 3
@@ -103,16 +103,18 @@ def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: i
     """
     own = np.random.SeedSequence([seed, 1])
     rate = max(min(25.0, 2000.0 / aperture_time), 200.0 / aperture_time)
-    histories = simulate_histories(model, aperture_time, 0.0, runs, own, rate)
+    h = simulate_histories(model, aperture_time, 0.0, runs, own, rate)
 
     def score(output: _FloatArray) -> float:
         return float(np.median(np.sqrt(np.mean(autofocus(output) ** 2, axis=-1))))
 
     def track(turns: float) -> float:
-        return score(_tracked(histories, Tuning(natural_frequency=turns / aperture_time)))
+        tuning = Tuning(natural_frequency=turns / aperture_time)
+        return score(tracking_filter(h.time, h.ins_velocity, h.filter_position, h.filter_velocity, tuning))
 
     def damp(gains: tuple[float, float]) -> float:
-        return score(_damped(histories, Tuning(proportional_gain=gains[0], integral_gain=gains[1])))
+        tuning = Tuning(proportional_gain=gains[0], integral_gain=gains[1])
+        return score(damping_loop(h.time, h.filter_position, h.fix_time, h.filter_correction, tuning))
 
     natural = min(_TRACKING_TURNS, key=track) / aperture_time
     pairs = [
@@ -120,11 +122,3 @@ def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: i
     ]
     proportional, integral = min(pairs, key=damp)
     return Tuning(natural_frequency=natural, proportional_gain=proportional, integral_gain=integral)
-
-
-def _tracked(h: NavigationHistories, tuning: Tuning) -> _FloatArray:
-    return tracking_filter(h.time, h.ins_velocity, h.filter_position, h.filter_velocity, tuning)
-
-
-def _damped(h: NavigationHistories, tuning: Tuning) -> _FloatArray:
-    return damping_loop(h.time, h.filter_position, h.fix_time, h.filter_correction, tuning)
