@@ -18,7 +18,7 @@ from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity
+from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
 from nav_model.design.own import Own
 from nav_model.design.parts import INPUTS, declaration_of
@@ -265,6 +265,8 @@ def _change_in_words(old: Design, new: Design) -> str:
     declaration, value = declaration_of(keys[0]), old[keys[0]]
     if value is None:
         return f"{declaration.label}: not given"
+    if isinstance(declaration, Choice):
+        return f"{declaration.label} {declaration.options[value]}"
     if isinstance(declaration, Table):
         assert isinstance(value, tuple)
         told = declaration.show(value, 3) or "not given"

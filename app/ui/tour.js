@@ -79,9 +79,10 @@ export function render({ model }) {
   at(".next").onclick = () => turn(1)
   at(".skip").onclick = close
   card.addEventListener("keydown", (event) => { if (event.key === "Escape") close() })
-  const ask = () => { if (!known() && card.hidden) { dress(offer); offered(true) } }
   // It lies over the inputs, so it goes with the first press beside it; the bar's button still starts the tour.
-  const elsewhere = (event) => { if (!event.composedPath().includes(place)) offered(false) }
+  let passed = false
+  const ask = () => { if (!known() && !passed && card.hidden) { dress(offer); offered(true) } }
+  const elsewhere = (event) => { if (!event.composedPath().includes(place)) { passed = true; offered(false) } }
   addEventListener("pointerdown", elsewhere, { capture: true, once: true })
   model.on("offers", ask)
   requestAnimationFrame(ask)

@@ -109,7 +109,7 @@ class SarPage(View):
                     "Error histories and impulse responses",
                     lambda: runs.charts(*(_of_study(draw) for draw in RUN_CHARTS), height=320),
                 ),
-                ("Parts of the error, impulse response in figures", lambda: runs.text(self._tables)),
+                ("Parts of the error, impulse response in numbers", lambda: runs.text(self._tables)),
                 ("Quadratic phase before autofocus", lambda: design.text(self._quadratic)),
                 ("Best strategy by angle random walk", lambda: design.chart(arw_winner_chart, 400)),
                 ("Eight point targets", lambda: runs.later(self._scene)),
