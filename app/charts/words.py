@@ -6,17 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from app.charts.kinds import (
-    Array,
-    BarChart,
-    Chart,
-    DotChart,
-    Drawing,
-    Line,
-    MapChart,
-    PictureChart,
-    TradeMapChart,
-)
+from app.charts.kinds import Array, BarChart, Chart, DotChart, Drawing, Line, MapChart, PictureChart, TradeMapChart
 
 _MOST = 6  # rows told one by one
 

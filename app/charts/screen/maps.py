@@ -4,14 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bokeh.models import (
-    ColorBar,
-    CustomJSTickFormatter,
-    FixedTicker,
-    HoverTool,
-    LogColorMapper,
-    Range1d,
-)
+from bokeh.models import ColorBar, CustomJSTickFormatter, FixedTicker, HoverTool, LogColorMapper, Range1d
 
 from app.charts.kinds import LEVELS, Array, TradeMapChart
 from app.charts.region import share

@@ -9,15 +9,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import MouseLeave, MouseMove
-from bokeh.models import (
-    ColumnDataSource,
-    CrosshairTool,
-    CustomJS,
-    Range1d,
-    Segment,
-    Text,
-    VStrip,
-)
+from bokeh.models import ColumnDataSource, CrosshairTool, CustomJS, Range1d, Segment, Text, VStrip
 from bokeh.models import Line as LineGlyph
 from bokeh.models import Span as Rule
 from bokeh.plotting import figure

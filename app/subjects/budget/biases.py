@@ -8,8 +8,8 @@ ZERO, IN_RUN = "Residual biases 0", "in-run of data sheet"
 _KEYS = ("imu.accelerometer_bias", "imu.gyro_bias")
 
 
-def bias_choices(design: Design) -> tuple[dict[str, dict[str, Value]], dict[str, str]]:
-    """What each button says -> the values that it gives, and the units of the data sheet's."""
+def bias_choices(design: Design) -> tuple[dict[str, dict[str, Value]], dict[str, str], str]:
+    """What each button says -> the values that it gives, the units of the data sheet's, and the choice in force."""
     entry = entry_of(design, "imu")
     sheet = {f"imu.{name}": item for name, item in entry.in_run.items()} if entry else {}
     choices: dict[str, dict[str, Value]] = {ZERO: dict.fromkeys(_KEYS, 0.0)}
@@ -18,10 +18,5 @@ def bias_choices(design: Design) -> tuple[dict[str, dict[str, Value]], dict[str,
     own = {key: float(design[key]) for key in _KEYS}  # type: ignore[arg-type]
     if not any(values.items() <= own.items() for values in choices.values()):
         choices[" and ".join(input_in_words(design, key, size) for key, size in own.items() if size)] = dict(own)
-    return choices, {key: item.unit for key, item in sheet.items()}
-
-
-def bias_in_force(design: Design) -> str:
-    """The name of the choice that the design has."""
-    choices, _ = bias_choices(design)
-    return next(name for name, values in choices.items() if all(design[key] == size for key, size in values.items()))
+    in_force = next(name for name, values in choices.items() if values.items() <= own.items())
+    return choices, {key: item.unit for key, item in sheet.items()}, in_force

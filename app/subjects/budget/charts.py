@@ -20,8 +20,6 @@ from nav_model.budget import Budget
 from nav_model.budget.fast import scattered_floor
 
 _RESPONSE_CELLS = 6.0  # shown on each side of the target
-
-"""What the sum of the sources in quadrature is called beside them."""
 _GIVEN = "given in the design"
 _LINE_EQUATIONS = {
     "initial tilt": "(4π/λ)(T²/8) g √p33 cos ψ [S-5]",
@@ -178,20 +176,11 @@ def response_curves(budget: Budget) -> Chart:
         x_label="azimuth [m]",
         y_label="power [dB]",
         lines=tuple(
-            Line(
-                key,
-                label,
-                metres,
-                np.where(np.isfinite(values), values, np.nan),  # an exact null has no logarithm
-                style,
-                "aperture integral [S-5]",
-            )
-            for key, label, values, style in zip(
-                ("ideal", "quadratic", "cubic"),
-                ("no error", "with 1σ quadratic error", "and cubic"),
-                (ideal, *spread),
-                ("reference", "quadratic", "with cubic"),
-                strict=True,
+            Line(key, label, metres, np.where(np.isfinite(values), values, np.nan), style, "aperture integral [S-5]")
+            for key, label, values, style in (  # an exact null has no logarithm
+                ("ideal", "no error", ideal, "reference"),
+                ("quadratic", "with 1σ quadratic error", spread[0], "quadratic"),
+                ("cubic", "and cubic", spread[1], "with cubic"),
             )
         ),
         y_range=(-45.0, 2.0),
@@ -224,12 +213,5 @@ def _spread(budget: Budget) -> tuple[Array, Array]:
     return cells, power
 
 
-BUDGET_CHARTS = (
-    position_chart,
-    velocity_chart,
-    attitude_chart,
-    phase_chart,
-    response_chart,
-    regime_chart,
-)
+BUDGET_CHARTS = (position_chart, velocity_chart, attitude_chart, phase_chart, response_chart, regime_chart)
 """Every chart of the Budget page, in the order of the page and of the report."""

@@ -23,7 +23,7 @@ from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
-from app.subjects.budget.biases import bias_choices, bias_in_force
+from app.subjects.budget.biases import bias_choices
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.contributors import Contributors
 from app.subjects.budget.key_figures import key_figures
@@ -163,14 +163,13 @@ class BudgetPage(View):
             self._offer_modes()  # no figures come of it: back to the one in force
 
     def _choose_biases(self, event: Any) -> None:
-        choices, written = bias_choices(self.session.design)
-        if event.new in choices and event.new != bias_in_force(self.session.design):
+        choices, written, in_force = bias_choices(self.session.design)
+        if event.new in choices and event.new != in_force:
             self.session.change(choices[event.new], written)
 
     def _offer_biases(self) -> None:
-        design = self.session.design
-        names = {name: name for name in bias_choices(design)[0]}
-        self._biases.param.update(options=names, value=bias_in_force(design))
+        choices, _, in_force = bias_choices(self.session.design)
+        self._biases.param.update(options={name: name for name in choices}, value=in_force)
 
     @param.depends("session.invalid", watch=True)
     def _warn(self) -> None:
@@ -181,10 +180,7 @@ class BudgetPage(View):
         """Show the comparison; skipped if the budget changes at the same time, which shows it anyway."""
         if self.session.budget is self._shown_budget and self.session.compared is not self._compared:
             with pn.io.hold():
-                self._hold()
-                self._stack.feed(self._lines)
-                self._response.show(self.session.budget)
-                self._feed(self.session.budget)
+                self.show(self.session.budget)
 
     def _hold(self) -> None:
         """Prepare the comparison in the current display of figures."""
@@ -214,11 +210,7 @@ class BudgetPage(View):
 
     def _offer_modes(self, *, both: bool = True) -> None:
         budget = self.session.budget
-        modes, chosen = verdicts_in_short(budget, both=both), budget.verdict.processing
-        if self._mode.value != chosen:
-            self._mode.param.update(options=modes, value=chosen)
-        elif self._mode.options != modes:
-            self._mode.options = modes
+        self._mode.param.update(options=verdicts_in_short(budget, both=both), value=budget.verdict.processing)
 
     # --- what would close it ---------------------------------------------------------------------------------
 

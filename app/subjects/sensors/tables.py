@@ -208,9 +208,4 @@ def motion_table(result: MotionAnalysis) -> Table:
         effective, typical = (f"{number(value / scale)} {unit}" for value in (axis.effective, axis.typical))
         blocks = f"{number(axis.low / scale)} to {number(axis.high / scale)}"
         rows.append((axis.name, effective, typical, blocks, NONE if axis.factor is None else number(axis.factor)))
-    return table(
-        "log-motion",
-        "Effective noise in motion",
-        ("Axis", *numbers(*heads)),
-        rows,
-    )
+    return table("log-motion", "Effective noise in motion", ("Axis", *numbers(*heads)), rows)
