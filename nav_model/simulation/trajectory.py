@@ -85,6 +85,11 @@ def smooth_step(x: FloatArray) -> FloatArray:
     return x**3 * (10.0 + x * (-15.0 + 6.0 * x))
 
 
+def rise_and_fall(t: FloatArray, plateau: float, ramp: float) -> FloatArray:
+    """From 0 to 1 and back, with smooth ramps that begin at 0 and at `plateau`; the area is the plateau."""
+    return smooth_step(t / ramp) - smooth_step((t - plateau) / ramp)
+
+
 def turbulence(time_s: FloatArray, rms: float, shortest_s: float, longest_s: float, key: int) -> FloatArray:
     """Band-limited motion of the given rms: nine sines of equal power, periods spread logarithmically.
 
@@ -124,8 +129,7 @@ def _turns(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
     start = 10.0
     for sense, length in ((1.0, right_angle), (-1.0, 2.0 * right_angle), (1.0, right_angle)):
         # Rolling in and out each take `entry` seconds; the plateau makes up the whole angle.
-        rise, fall = smooth_step((t - start) / entry), smooth_step((t - start - length) / entry)
-        rate += sense * spec.turn_rate * (rise - fall)
+        rate += sense * spec.turn_rate * rise_and_fall(t - start, length, entry)
         start += length + entry + 10.0
     heading = spec.heading + cumulative(rate, float(t[1] - t[0]))
     flat = np.zeros_like(t)
@@ -138,7 +142,7 @@ def _climb(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
     entry = 6.0
     length = spec.climb_height / spec.climb_rate
     start = 0.5 * duration - 0.5 * (length + entry)
-    rate = spec.climb_rate * (smooth_step((t - start) / entry) - smooth_step((t - start - length) / entry))
+    rate = spec.climb_rate * rise_and_fall(t - start, length, entry)
     flat = np.zeros_like(t)
     height = spec.height + cumulative(rate, float(t[1] - t[0]))
     ground = np.sqrt(spec.speed**2 - rate**2)

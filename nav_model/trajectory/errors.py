@@ -7,9 +7,10 @@ simulator's `error_dynamics`. A source that is zero has no state and no noise.
 """
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,53 +88,66 @@ class ErrorModel:
     is_fix: NDArray[np.bool_]
 
 
-@dataclass
-class _Layout:
-    """Considered states as they are laid out: name of the group -> first index, and who starts and drives them."""
+class _Error(NamedTuple):
+    """What one source does to as many `states` from `first` on: sigma at the start, density that drives them
+    [unit²/s], correlation time [s]; zero for none."""
 
+    source: str
+    first: int
+    states: int
+    sigma: float = 0.0
+    drive: float = 0.0
+    time: float = 0.0
+
+
+class _Layout(NamedTuple):
+    """All errors, the considered states among them by the first index of each group; how many states there are, and
+    how many of them noise moves, which come first."""
+
+    errors: tuple[_Error, ...]
+    first: Mapping[str, int]
     size: int
-    moving: int = 0
-    first: dict[str, int] = field(default_factory=dict)
-    start: list[tuple[str, int, int, float]] = field(default_factory=list)
-    drive: list[tuple[str, int, float]] = field(default_factory=list)
-    decay: dict[int, float] = field(default_factory=dict)
-
-    def add(self, name: str, source: str, count: int, sigma: float, drive: float = 0.0, time: float = 0.0) -> None:
-        """`count` states of this sigma, driven by a density [unit²/s], with a correlation time if it is not zero."""
-        first = self.first.setdefault(name, self.size)
-        if first == self.size:
-            self.size += count
-        self.start.append((source, first, count, sigma))
-        if drive > 0.0:
-            self.drive.append((source, first, drive))
-        if time > 0.0:
-            self.decay.update({first + i: 1.0 / time for i in range(count)})
+    moving: int
 
 
-def _layout(spec: CovarianceSpec) -> _Layout:
-    study, gnss = spec.study, spec.study.gnss
-    found = _Layout(study.filter.states)
+def _layout(study: SimulationSpec) -> _Layout:
+    gnss, start, vibration = study.gnss, initial_sigma(study), study.imu.vibration_factor
     triads = (("accelerometer", study.imu.accelerometer), ("gyro", study.imu.gyro))
+    white = ((ACCELEROMETER_NOISE, VELOCITY), (GYRO_NOISE, ATTITUDE))
+    errors = [
+        _Error(source, state, 3, drive=(model.random_walk * vibration) ** 2)
+        for (source, state), (_, model) in zip(white, triads, strict=True)
+    ]
+    first: dict[str, int] = {}
+    size = study.filter.states
+
+    def add(group: str, source: str, count: int, sigma: float, drive: float = 0.0, time: float = 0.0) -> None:
+        nonlocal size
+        if sigma > 0.0 or drive > 0.0:
+            if group not in first:
+                first[group] = size
+                size += count
+            errors.append(_Error(source, first[group], count, sigma, drive, time))
+
     for name, model in triads:
-        if model.rate_random_walk > 0.0:
-            found.add(f"{name} bias", f"{name} bias random walk", 3, 0.0, model.rate_random_walk**2)
-        if model.bias_instability > 0.0:
-            drive = 2.0 * model.bias_instability**2 / model.correlation_time
-            source = f"{name} bias instability"
-            found.add(source, source, 3, model.bias_instability, drive, model.correlation_time)
+        add(f"{name} bias", f"{name} bias random walk", 3, 0.0, model.rate_random_walk**2)
+        drive = 2.0 * model.bias_instability**2 / model.correlation_time
+        source = f"{name} bias instability"
+        add(source, source, 3, model.bias_instability, drive, model.correlation_time)
     if gnss.markov_noise > 0.0 or gnss.vertical_markov_noise > 0.0:
         slow = "slow GNSS error"
-        found.add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
-    found.moving = found.size
+        add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
+    moving = size
     constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
     constant += [("radar time offset", 1, study.radar_time_offset)]
     for name, model in triads:
         constant += [(f"{name} bias", 3, model.turn_on_bias), (f"{name} scale factor", 3, model.scale_factor)]
         constant += [(f"{name} misalignment", 6, model.misalignment)]
     for name, count, sigma in constant:
-        if sigma > 0.0:
-            found.add(name, name, count, sigma)
-    return found
+        add(name, name, count, sigma)
+    names = [*["initial position and velocity"] * 6, *["initial tilt"] * 2, "initial heading"]
+    errors += [_Error(name, state, 1, float(start[state])) for state, name in enumerate(names)]
+    return _Layout(tuple(errors), first, size, moving)
 
 
 def error_model(spec: CovarianceSpec) -> ErrorModel:
@@ -142,45 +156,36 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
     Raises InputError where the flight cannot be flown, as `plan_trajectory`.
     """
     study = spec.study
-    trajectory, layout = plan_trajectory(study.trajectory, study.duration), _layout(spec)
+    trajectory, layout = plan_trajectory(study.trajectory, study.duration), _layout(study)
     scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
     outputs = output_samples(study) / study.imu.rate
     time_s = _nodes(trajectory, study, np.union1d(scheduled, outputs), spec)
     truth = true_states(trajectory, time_s)
-    sources, noisy = _sources(spec, layout)
-    tuning = tuning_of(study)
-    n, m = layout.size, study.filter.states
-    decay = np.zeros(n)
+    driving = [error for error in layout.errors if error.drive > 0.0]
+    sources, noisy = _sources(study, layout, [error.source for error in driving])
+    tuning, m = tuning_of(study), study.filter.states
+    decay = np.zeros(layout.size)
     decay[BIASES:m] = tuning.decay_rate[: m - BIASES]
-    for index, rate in layout.decay.items():
-        decay[index] = rate
-    vibration = study.imu.vibration_factor**2
-    drives = [
-        (ACCELEROMETER_NOISE, VELOCITY, study.imu.accelerometer.random_walk**2 * vibration),
-        (GYRO_NOISE, ATTITUDE, study.imu.gyro.random_walk**2 * vibration),
-        *layout.drive,
-    ]
-    drives = [drive for drive in drives if drive[2] > 0.0]
+    initial = np.zeros((len(sources), layout.size))
+    for error in layout.errors:
+        states = slice(error.first, error.first + error.states)
+        if error.time > 0.0:
+            decay[states] = 1.0 / error.time
+        if error.sigma > 0.0:
+            initial[sources.index(error.source), states] += error.sigma**2
+    drives = [(error.first, error.drive) for error in driving]
     assumed = [(VELOCITY, tuning.accelerometer_density**2), (ATTITUDE, tuning.gyro_density**2)]
     assumed += [(first, tuning.bias_drive[first - BIASES]) for first in range(BIASES, m, 3)]
-    densities = [[(first, density) for _, first, density in drives], [each for each in assumed if each[1] > 0.0]]
+    assumed = [each for each in assumed if each[1] > 0.0]
     parts = [
-        _steps(trajectory, time_s[first : first + _BLOCK + 1], layout, study, decay, *densities)
+        _steps(trajectory, time_s[first : first + _BLOCK + 1], layout, study, decay, drives, assumed)
         for first in range(0, len(time_s) - 1, _BLOCK)
     ]
     top, kept, factors, filter_noise = (np.concatenate(part) for part in zip(*parts, strict=True))
-    start = initial_sigma(study)
-    initial = np.zeros((len(sources), n))
-    begins = [("initial position and velocity", 0, start[:6]), ("initial tilt", 6, start[6:8])]
-    begins += [("initial heading", 8, start[8:9])]
-    for source, first, count, sigma in layout.start:
-        begins.append((source, first, np.full(count, sigma)))
-    for source, first, sigmas in begins:
-        initial[sources.index(source), first : first + len(sigmas)] += sigmas**2
     # Over a tenth of a second: of a spline in latitude and longitude, the velocity is what is at hand.
     speeding = (trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)) / 0.1
     late = np.hstack([truth.velocity, speeding, trajectory.evaluate(time_s, 1)[:, 3:]])
-    measured = _measurements(spec, layout, trajectory, truth, late, scheduled, sources[:noisy])
+    measured = _measurements(study, layout, trajectory, truth, late, scheduled, sources[:noisy])
     return ErrorModel(
         time_s=time_s,
         outputs=np.searchsorted(time_s, outputs - 1e-9),
@@ -192,11 +197,11 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
         moving=layout.moving,
         sources=sources,
         noisy=noisy,
-        driven=tuple(sources.index(source) for source, _, _ in drives),
+        driven=tuple(sources.index(error.source) for error in driving),
         top=top,
         kept=kept,
         factors=factors,
-        own=tuple(first if first >= BIASES else 0 for _, first, _ in drives),
+        own=tuple(first if first >= BIASES else 0 for first, _ in drives),
         filter_noise=filter_noise,
         initial=initial,
         filter_start=np.diag(believed_sigma(study) ** 2),
@@ -243,21 +248,18 @@ def _steps(
     return _top(powers, 1.0), _kept(decay, steps), factors, filter_noise
 
 
-def _sources(spec: CovarianceSpec, layout: _Layout) -> tuple[tuple[str, ...], int]:
-    """The sources that are not zero, and how many of them have noise, which come first."""
-    imu, gnss, aiding = spec.study.imu, spec.study.gnss, spec.study.aiding
-    white = {
-        ACCELEROMETER_NOISE: imu.accelerometer.random_walk,
-        GYRO_NOISE: imu.gyro.random_walk,
-        GNSS_NOISE: gnss.position_noise,
-        GNSS_VELOCITY: gnss.velocity_noise,
-        "heading aiding": aiding.heading_noise,
-        "barometer": aiding.barometer_noise,
+def _sources(study: SimulationSpec, layout: _Layout, driving: list[str]) -> tuple[tuple[str, ...], int]:
+    """The sources that are not zero, and how many of them have noise, which come first: white, then `driving`."""
+    measured = {
+        GNSS_NOISE: study.gnss.position_noise,
+        GNSS_VELOCITY: study.gnss.velocity_noise,
+        "heading aiding": study.aiding.heading_noise,
+        "barometer": study.aiding.barometer_noise,
     }
-    noisy = [name for name, value in white.items() if value] + [source for source, _, _ in layout.drive]
-    starts = ("initial position and velocity", "initial tilt", "initial heading")
-    constant = [source for source, *_ in layout.start if source not in noisy]
-    return (*noisy, *constant, *starts), len(noisy)
+    white = [source for source in (ACCELEROMETER_NOISE, GYRO_NOISE) if source in driving]
+    noisy = dict.fromkeys([*white, *(source for source, sigma in measured.items() if sigma), *driving])
+    starting = (error.source for error in layout.errors if error.sigma > 0.0)
+    return tuple(dict.fromkeys([*noisy, *starting])), len(noisy)
 
 
 def _nodes(trajectory: Trajectory, study: SimulationSpec, anchors: FloatArray, spec: CovarianceSpec) -> FloatArray:
@@ -341,7 +343,7 @@ def _kept(decay: FloatArray, times: FloatArray) -> FloatArray:
 
 
 def _measurements(
-    spec: CovarianceSpec,
+    study: SimulationSpec,
     layout: _Layout,
     trajectory: Trajectory,
     truth: TruthStates,
@@ -350,7 +352,7 @@ def _measurements(
     sources: tuple[str, ...],
 ) -> dict[str, Any]:
     """What the fix at each node measures, in the fields of `ErrorModel`."""
-    study, gnss, k = spec.study, spec.study.gnss, len(truth.time_s)
+    gnss, k = study.gnss, len(truth.time_s)
     at = np.searchsorted(truth.time_s, scheduled - 1e-9)
     sigma = np.full((k, MEASURED), np.inf)
     sigma[at] = fix_noise(study, TruthStates(*(values[at] for values in vars(truth).values())))

@@ -63,45 +63,41 @@ def parse_flight(content: bytes, name: str, like: Plan, height: float | None = N
 
 def waypoints_of(content: bytes, name: str, height: float | None = None) -> tuple[Waypoint, ...]:
     """The waypoints of a GPX or KML file; none of a file that is flown as it is. Raises as `read_flight`."""
-    kind = Path(name).suffix.lower()
-    return {".gpx": gpx_waypoints, ".kml": kml_waypoints}[kind](content, name, height) if kind in _PLANS else ()
+    read = {".gpx": _gpx_waypoints, ".kml": _kml_waypoints}.get(Path(name).suffix.lower())
+    found = tuple(read(_xml(content, name), name, height)) if read else ()
+    if len(found) > _MOST_WAYPOINTS:
+        raise InputError(name, f"{len(found)} points are too many for a plan; at most {_MOST_WAYPOINTS}")
+    return found
 
 
-def gpx_waypoints(content: bytes, name: str, height: float | None = None) -> tuple[Waypoint, ...]:
+def _gpx_waypoints(root: Element, name: str, height: float | None) -> Iterator[Waypoint]:
     """Waypoints of a GPX file: its routes, tracks or single points; a line begins where one has a name."""
-    root = _xml(content, name)
-    for kind in ("rtept", "trkpt", "wpt"):
-        found = []
-        for number, element in enumerate(_all(root, kind), 1):
-            latitude, longitude = (_number(element.get(axis), name, f"{kind} {number}") for axis in ("lat", "lon"))
-            text = _text(element, "ele")
-            up = _height(text, name, f"{kind} {number}", height)
-            found.append(_waypoint(latitude, longitude, up, _plain(_text(element, "name")), name, number))
-        if found:
-            return _checked(found, name)
-    raise InputError(name, "holds no route, track or point")
+    kinds = ("rtept", "trkpt", "wpt")
+    kind = next((kind for kind in kinds if next(_all(root, kind), None) is not None), None)
+    if kind is None:
+        raise InputError(name, "holds no route, track or point")
+    for number, element in enumerate(_all(root, kind), 1):
+        place = element.get("lat"), element.get("lon"), _text(element, "ele")
+        yield _waypoint(*place, _plain(_text(element, "name")), name, f"{kind} {number}", height)
 
 
-def kml_waypoints(content: bytes, name: str, height: float | None = None) -> tuple[Waypoint, ...]:
+def _kml_waypoints(root: Element, name: str, height: float | None) -> Iterator[Waypoint]:
     """Waypoints of a KML file: the places of its placemarks in turn; each leg of a path is a line of that name."""
-    root = _xml(content, name)
-    found: list[Waypoint] = []
+    count = 0
     for mark in _all(root, "Placemark"):
         label = _plain(_text(mark, "name"))
         for coordinates in _all(mark, "coordinates"):
             places = (coordinates.text or "").split()
-            for number, place in enumerate(places):
-                parts = place.split(",")
-                where = f"{shown(label or 'placemark')}, point {number + 1}"
+            for number, place in enumerate(places, 1):
+                count += 1
+                where, parts = f"{shown(label or 'placemark')}, point {number}", place.split(",")
                 if len(parts) not in (2, 3):
                     raise InputError(name, f"{where}: {shown(place)} is not longitude,latitude,height")
-                longitude, latitude = (_number(part, name, where) for part in parts[:2])
-                up = _height(parts[2] if len(parts) == 3 else "", name, where, height)
-                line = label or f"line {len(found) + 1}" if number < len(places) - 1 else ""
-                found.append(_waypoint(latitude, longitude, up, line, name, len(found) + 1))
-    if not found:
+                line = label or f"line {count}" if number < len(places) else ""
+                up = parts[2] if len(parts) == 3 else ""
+                yield _waypoint(parts[1], parts[0], up, line, name, where, height)
+    if not count:
         raise InputError(name, "holds no placemark with coordinates")
-    return _checked(found, name)
 
 
 def parse_sbet(content: bytes, name: str) -> TrajectorySpec:
@@ -166,21 +162,14 @@ def _number(text: str | None, name: str, where: str) -> float:
     return value
 
 
-def _height(text: str, name: str, where: str, height: float | None) -> float:
-    if text:
-        return _number(text, name, where)
-    if height is None:
+def _waypoint(
+    latitude: str | None, longitude: str | None, up: str, line: str, name: str, where: str, height: float | None
+) -> Waypoint:
+    """A place of a plan from its texts, in degrees; `height` where `up` is empty."""
+    if not up and height is None:
         raise InputError(name, f"{where} has no height; give one for all (--height)")
-    return height
-
-
-def _waypoint(latitude: float, longitude: float, height: float, line: str, name: str, number: int) -> Waypoint:
-    if abs(latitude) > 90.0 or abs(longitude) > 360.0:
-        raise InputError(name, f"point {number}: {latitude:g}, {longitude:g} is no place on the Earth")
-    return Waypoint(math.radians(latitude), math.radians(longitude), height, line)
-
-
-def _checked(points: list[Waypoint], name: str) -> tuple[Waypoint, ...]:
-    if len(points) > _MOST_WAYPOINTS:
-        raise InputError(name, f"{len(points)} points are too many for a plan; at most {_MOST_WAYPOINTS}")
-    return tuple(points)
+    north, east = (_number(text, name, where) for text in (latitude, longitude))
+    if abs(north) > 90.0 or abs(east) > 360.0:
+        raise InputError(name, f"{where}: {north:g}, {east:g} is no place on the Earth")
+    metres = _number(up, name, where) if up else height
+    return Waypoint(math.radians(north), math.radians(east), metres or 0.0, line)

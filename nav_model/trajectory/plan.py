@@ -15,7 +15,7 @@ from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.earth.wgs84 import curvature_radii
 from nav_model.simulation.specification import TrajectorySpec
-from nav_model.simulation.trajectory import cumulative, flight_through, smooth_step
+from nav_model.simulation.trajectory import cumulative, flight_through, rise_and_fall
 from nav_model.trajectory.specification import Line
 
 FloatArray = NDArray[np.float64]
@@ -63,10 +63,10 @@ class _Turn:
     """A turn by `angle` [rad, to the right]: time from entry to exit [s], and how far before its waypoint it begins
     [m]."""
 
-    angle: float
-    plateau: float
-    time: float
-    before: float
+    angle: float = 0.0
+    plateau: float = 0.0
+    time: float = 0.0
+    before: float = 0.0
 
 
 def strip(
@@ -97,18 +97,10 @@ def strip(
         elif n:
             places += [(near, side - spacing, ""), (near, side, "")]
         places += [(0.0 if near < far else length, side, f"line {n + 1}"), (length if near < far else 0.0, side, "")]
-    meridian, prime = curvature_radii(math.sin(first.latitude))
-    scale = float(meridian) + first.height, (float(prime) + first.height) * math.cos(first.latitude)
+    along, right = np.array([place[:2] for place in places]).T
     c, s = math.cos(heading), math.sin(heading)
-    points = (
-        Waypoint(
-            first.latitude + (c * along - s * right) / scale[0],
-            first.longitude + (s * along + c * right) / scale[1],
-            first.height,
-            line,
-        )
-        for along, right, line in places
-    )
+    on_earth = zip(*_on_earth((first,), c * along - s * right, s * along + c * right), places, strict=True)
+    points = (Waypoint(float(north), float(east), first.height, line) for north, east, (_, _, line) in on_earth)
     return Plan(tuple(points), speed, bank)
 
 
@@ -139,7 +131,7 @@ def fly(plan: Plan) -> PlannedFlight:
                 "waypoints", f"{_named(number, points[number - 1])} and the next are at one place; remove one"
             )
     heading = np.unwrap(np.arctan2(np.diff(east), np.diff(north)))
-    turns = [_Turn(0.0, 0.0, 0.0, 0.0)]
+    turns = [_Turn()]
     for number, angle in enumerate(np.diff(heading), 2):
         if abs(angle) > _LARGEST_TURN:
             raise InputError(
@@ -176,11 +168,11 @@ def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_T
     rate, climb = np.zeros_like(t), np.zeros_like(t)
     for begin, turn in zip(begins, turns[1:], strict=True):
         if turn.angle:
-            rate += _profile(t - begin, turn.plateau, _ENTRY) * turn.angle / turn.plateau
+            rate += rise_and_fall(t - begin, turn.plateau, _ENTRY) * turn.angle / turn.plateau
     for start, stop, rise in spans:
         if rise:
             ramp = min(6.0, (stop - start) / 3.0)
-            climb += _profile(t - start, stop - start - ramp, ramp) * rise / (stop - start - ramp)
+            climb += rise_and_fall(t - start, stop - start - ramp, ramp) * rise / (stop - start - ramp)
     course = heading[0] + cumulative(rate, step)
     ground = np.sqrt(plan.speed**2 - climb**2)
     first = plan.waypoints[0]
@@ -200,18 +192,13 @@ def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_T
 def _turn(angle: float, speed: float, bank: float) -> _Turn:
     """The coordinated turn by this angle: rolled in and out in `_ENTRY`, at the bank between."""
     if abs(angle) < 1e-9:
-        return _Turn(0.0, 0.0, 0.0, 0.0)
+        return _Turn()
     plateau = max(abs(angle) * speed / (STANDARD_GRAVITY * math.tan(bank)), _ENTRY)
     time = plateau + _ENTRY
     t = np.linspace(0.0, time, 401)
-    course = cumulative(_profile(t, plateau, _ENTRY) * angle / plateau, float(t[1]))
+    course = cumulative(rise_and_fall(t, plateau, _ENTRY) * angle / plateau, float(t[1]))
     chord = math.hypot(*(speed * float(np.trapezoid(wave(course), t)) for wave in (np.cos, np.sin)))
     return _Turn(angle, plateau, time, chord / (2.0 * math.cos(0.5 * angle)))
-
-
-def _profile(t: FloatArray, plateau: float, ramp: float) -> FloatArray:
-    """From 0 to 1 and back, with ramps that begin at 0 and at `plateau`; the area is the plateau."""
-    return smooth_step(t / ramp) - smooth_step((t - plateau) / ramp)
 
 
 def _scales(points: Sequence[Waypoint]) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -144,20 +144,7 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
             figure: {source: _numbers(row) for source, row in zip(result.sources, rows, strict=True)}
             for figure, rows in result.chosen.shares.items()
         },
-        "lines": [
-            {
-                "name": line.name,
-                "start_s": line.start_s,
-                "stop_s": line.stop_s,
-                "closes": line.closes,
-                "worst": dict(line.worst),
-                "mean": dict(line.mean),
-                "limits": dict(line.limits),
-                "within": dict(line.within),
-                "failing": list(line.failing),
-            }
-            for line in result.lines
-        ],
+        "lines": [asdict(line) | {"closes": line.closes, "failing": list(line.failing)} for line in result.lines],
         "heading": {
             "start_sigma_rad": result.heading.start,
             "best_sigma_rad": result.heading.best,

@@ -9,7 +9,7 @@ import pytest
 from nav_model.base.errors import InputError
 from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory
 from nav_model.simulation.truth import true_states
-from nav_model.trajectory.files import gpx_waypoints, kml_waypoints, parse_sbet, read_flight
+from nav_model.trajectory.files import parse_sbet, read_flight, waypoints_of
 from nav_model.trajectory.plan import Plan, Waypoint, fly, strip
 
 DEGREE = math.pi / 180
@@ -84,24 +84,24 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("read", "text", "said"),
+    ("kind", "text", "said"),
     [
-        (gpx_waypoints, GPX.replace("<ele>3000</ele>", "", 1), "rtept 1 has no height"),
-        (gpx_waypoints, GPX.replace('"50.2"', '"north"'), "'north' must be a finite number"),
-        (gpx_waypoints, "<gpx>", "is not XML"),
-        (gpx_waypoints, "<gpx/>", "holds no route"),
-        (kml_waypoints, KML.replace("8,50.2,3000", "8;50.2"), "is not longitude,latitude,height"),
-        (kml_waypoints, KML.replace("<kml", '<!DOCTYPE a [<!ENTITY b "c">]><kml', 1), "declares entities"),
-        (kml_waypoints, KML.replace("8,50,", "8,95,"), "no place on the Earth"),
+        (".gpx", GPX.replace("<ele>3000</ele>", "", 1), "rtept 1 has no height"),
+        (".gpx", GPX.replace('"50.2"', '"north"'), "'north' must be a finite number"),
+        (".gpx", "<gpx>", "is not XML"),
+        (".gpx", "<gpx/>", "holds no route"),
+        (".kml", KML.replace("8,50.2,3000", "8;50.2"), "is not longitude,latitude,height"),
+        (".kml", KML.replace("<kml", '<!DOCTYPE a [<!ENTITY b "c">]><kml', 1), "declares entities"),
+        (".kml", KML.replace("8,50,", "8,95,"), "no place on the Earth"),
     ],
 )
-def test_a_file_that_is_no_plan_is_refused_with_the_place(read: object, text: str, said: str) -> None:
+def test_a_file_that_is_no_plan_is_refused_with_the_place(kind: str, text: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        read(text.encode(), "flight")
+        waypoints_of(text.encode(), "flight" + kind)
 
 
 def test_places_without_height_take_the_one_that_is_given() -> None:
-    assert gpx_waypoints(GPX.replace("<ele>3000</ele>", "").encode(), "a", 500.0)[0].height == 500.0
+    assert waypoints_of(GPX.replace("<ele>3000</ele>", "").encode(), "a.gpx", 500.0)[0].height == 500.0
 
 
 HEADINGS = {

@@ -35,7 +35,7 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design
 from nav_model.simulation.monte_carlo import simulate
-from nav_model.trajectory.files import kml_waypoints
+from nav_model.trajectory.files import waypoints_of
 
 pytestmark = pytest.mark.long
 TWO_LINES = {
@@ -245,7 +245,7 @@ def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> No
     assert str(out["description"].text).startswith("out & <b>in</b> fails ")
     assert wide["description"].text == "wide keeps its limits."
     assert flight["description"].text == "Flight: waypoints, 2 lines, 319 s; outages: none; filter of 9 states."
-    (again,) = [point for point in kml_waypoints(text, "again") if point.line == "wide"][:1]
+    (again,) = [point for point in waypoints_of(text, "again.kml") if point.line == "wide"][:1]
     assert (again.latitude, again.longitude) == pytest.approx((0.823, 0.14), abs=1e-5)
 
 
