@@ -22,9 +22,9 @@ from app.report.inputs import shown_value
 from app.report.workings import CHOICE, RULE, STATES, Sum, Traces, followed, own_key, symbol_of
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.traced import Traced
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
-from nav_model.budget.contributors import Part
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.result import Check
@@ -243,56 +243,42 @@ class _Sheets:
         columns = {"Source": 30} | {f"{part.capitalize()} phase, 1σ [°]": 16 for part in parts}
         columns |= {f"Share of {part}": 14 for part in parts} | {"Equation": 16, "State": 22}
         first = self._start(sheet, "Phase over the aperture by source, in real time", columns)
-        count, to_phase = len(self.traces.sources), self.values["to_phase"].value
-        lines = self.traces.sources.values()
-        wholes = [sum(self.values[getattr(line, part).text].value for line in lines) for part in parts]
+        to_phase = self._cell("to_phase")
         for row, (source, line) in enumerate(self.traces.sources.items(), first):
+            variances = [getattr(line, part) for part in parts]
             sheet.write_string(row, 0, source)
-            cells = [getattr(line, part).text for part in parts]
-            for column, (symbol, part, whole) in enumerate(zip(cells, parts, wholes, strict=True), 1):
-                variance = self.values[symbol].value
-                sheet.write_formula(
-                    row, column, f"=DEGREES(to_phase*SQRT({symbol}))", self.figure,
-                    float(np.degrees(to_phase * np.sqrt(variance))),
-                )  # fmt: skip
-                everything = "+".join(getattr(other, part).text for other in lines)
-                share, formula = variance / whole if whole else 0.0, f"IF(({everything})=0,0,{symbol}/({everything}))"
-                if f"{part}_phase" in self.traces.contributors:
-                    product, size = self._product(f"{part}_phase")
-                    share, formula = to_phase**2 * variance / size, f"to_phase^2*{symbol}/({product})"
-                sheet.write_formula(row, column + 3, f"={formula}", self.percent, share)
+            for column, (part, variance) in enumerate(zip(parts, variances, strict=True), 1):
+                self._part_of(sheet, row, column, f"{part}_phase", to_phase * np.sqrt(variance))
             sheet.write_string(row, 7, "[S-5], [S-6]")
-            self._state(sheet, row, 8, taken=any(self.values[symbol].taken for symbol in cells))
-        row = first + count
+            self._state(sheet, row, 8, taken=any(variance.taken for variance in variances))
+        row = first + len(self.traces.sources)
         for column, part in enumerate(parts, 1):
-            figure = f"{part}_phase"
-            for own in self.traces.contributors.get(figure, ()):
-                self._contributor(sheet, row, column, figure, own)
+            for own in self.traces.contributors.get(f"{part}_phase", ()):
+                sheet.write_string(row, 0, own.name)
+                self._part_of(sheet, row, column, f"{part}_phase", own.size, systematic=own.systematic)
+                self._state(sheet, row, 8, taken=False)
                 row += 1
         sheet.write_string(row, 0, "Sum", self.bold)
-        for column, figure in enumerate(("quadratic_phase", "cubic_phase", "detrended_phase"), 1):
-            symbol = f"real_time_{figure}"
-            degrees = float(np.degrees(self.values[symbol].value))
-            sheet.write_formula(row, column, f"=DEGREES({symbol})", self.figure, degrees)
+        for column, part in enumerate(parts, 1):
+            whole = np.degrees(self._cell(f"real_time_{part}_phase"))
+            sheet.write_formula(row, column, f"={whole.text}", self.figure, float(whole.value))
         self._greyed(sheet, f"A{first + 1}:I{row + 1}", f"$I{first + 1}")
 
-    def _product(self, figure: str) -> tuple[str, float]:
-        """A phase times the root of what is random in it, by which shares divide: formula and value."""
-        whole, root = f"real_time_{figure}", f"root_{figure}"
-        return f"{whole}*{root}", float(self.values[whole].value * self.values[root].value)
+    def _cell(self, symbol: str) -> Any:
+        """A cell of the workings, to make formulas of."""
+        row = self.values[symbol]
+        return Traced(symbol, np.float64(row.value), self.traces.workings, row.taken)
 
-    def _contributor(self, sheet: Any, row: int, column: int, figure: str, own: Part) -> None:
-        """A contributor of a phase: its 1σ and its share."""
-        symbol, size = own.size.text, float(own.size.value)
-        product, value = self._product(figure)
-        whole = f"real_time_{figure}"
-        sheet.write_string(row, 0, own.name)
-        sheet.write_formula(row, column, f"=DEGREES({symbol})", self.figure, float(np.degrees(size)))
-        formula, share = f"{symbol}^2/({product})", size**2 / value
-        if own.systematic:
-            formula, share = f"{symbol}/{whole}", size / float(self.values[whole].value)
-        sheet.write_formula(row, column + 3, f"={formula}", self.percent, share)
-        self._state(sheet, row, 8, taken=False)
+    def _part_of(self, sheet: Any, row: int, at: int, figure: str, size: Any, *, systematic: bool = False) -> None:
+        """The 1σ of a source or a contributor of a phase, and its share: a systematic one adds linearly to the root
+        of what is random."""
+        shown, whole = np.degrees(size), self._cell(f"real_time_{figure}")
+        root = self._cell(f"root_{figure}") if figure in self.traces.contributors else whole
+        sheet.write_formula(row, at, f"={shown.text}", self.figure, float(shown.value))
+        with np.errstate(invalid="ignore"):  # of a phase that is zero
+            share = size / whole if systematic else size**2 / (whole * root)
+        formula = f"=IF({whole.text}=0,0,{share.text})"
+        sheet.write_formula(row, at + 3, formula, self.percent, float(share.value) if whole.value else 0.0)
 
     def _sums(self, sheet: Any) -> None:
         columns = {"Figure, in real time, 1σ": 62, "Value": 16, "Unit": 10, "Equation": 16, "State": 22}

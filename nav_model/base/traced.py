@@ -25,8 +25,8 @@ _SIGNS = {
 _WHOLE = 4
 _CALLS = {
     "sqrt": "SQRT({})", "sin": "SIN({})", "cos": "COS({})", "tan": "TAN({})", "sinh": "SINH({})",
-    "absolute": "ABS({})", "cbrt": "(({})^(1/3))", "negative": "(0-({}))", "maximum": "MAX({},{})",
-    "minimum": "MIN({},{})", "matmul": "SUMPRODUCT({},{})",
+    "absolute": "ABS({})", "degrees": "DEGREES({})", "cbrt": "(({})^(1/3))", "negative": "(0-({}))",
+    "maximum": "MAX({},{})", "minimum": "MIN({},{})", "matmul": "SUMPRODUCT({},{})",
 }  # fmt: skip
 
 
