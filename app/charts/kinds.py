@@ -6,7 +6,7 @@ together.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,6 +90,19 @@ class Span:
     label: str
     start: float
     stop: float
+
+
+MOST_OUTAGES = 4
+"""Shaded spans a chart of a flight has room for; those a flight does not have are not drawn."""
+NO_TIME, NO_VALUES = np.array([0.0, 300.0]), np.full(2, np.nan)
+"""The frame of a chart over time that has no result yet."""
+
+
+def without_fixes(outages: Iterable[tuple[float, float]]) -> tuple[Span, ...]:
+    """The outages of a flight as spans."""
+    given = [*outages][:MOST_OUTAGES]
+    parked = [(math.nan, math.nan)] * (MOST_OUTAGES - len(given))
+    return tuple(Span(f"outage {i}", "no fixes", start, stop) for i, (start, stop) in enumerate(given + parked))
 
 
 @dataclass(frozen=True)

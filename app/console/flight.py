@@ -44,11 +44,15 @@ def flight_study(
     InputError
         For an option or a key of the design that cannot be flown.
     """
+    from nav_model.design.parts import declaration_of
     from nav_model.simulation.design_study import NAMED_TRAJECTORIES, specification
     from nav_model.simulation.trajectory import plan_trajectory
     from nav_model.trajectory.design_study import PLAN, planned
 
-    outages = [_outage(text) for text in options.outages]
+    try:
+        outages = list(declaration_of("trajectory.outages").read(";".join(options.outages)))
+    except InputError as error:
+        raise error.under("--outage") from error
     flight: PlannedFlight | None
     if options.trajectory == PLAN:
         flight, outages = planned(design), outages or list(design.trajectory.outages)
@@ -92,11 +96,3 @@ def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
         raise InputError("--trajectory", said) from error
     except ValueError as error:
         raise InputError("--trajectory", str(error)) from error
-
-
-def _outage(text: str) -> tuple[float, float]:
-    try:
-        start, stop = (float(part) for part in text.split(","))
-    except ValueError as error:
-        raise InputError("--outage", f"{text!r} is not START,STOP in seconds, such as 400,500") from error
-    return start, stop

@@ -21,20 +21,3 @@ def number(name: str, text: str, low: float, high: float) -> float:
     if not low <= value <= high:
         raise InputError(name, f"{text[:30]!r} is not a number from {low:g} to {high:g}.")
     return value
-
-
-def outages_of(text: str) -> tuple[tuple[float, float], ...]:
-    """Outages as people write them: ``200,300`` or ``100,150; 200,300``, seconds; none for an empty text.
-
-    Raises
-    ------
-    InputError
-        Under "outages".
-    """
-    try:
-        pairs = [tuple(float(part) for part in piece.split(",")) for piece in text.split(";") if piece.strip()]
-    except ValueError:
-        pairs = [()]
-    if any(len(pair) != 2 for pair in pairs):
-        raise InputError("outages", f"{text[:60]!r} is not start,stop in seconds, such as 200,300 or 50,80; 200,300")
-    return tuple((pair[0], pair[1]) for pair in pairs)

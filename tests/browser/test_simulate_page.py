@@ -27,7 +27,7 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     expect(figures).to_have_count(5)
     enter(box(page, "Outages [s]"), "soon")
     start.click()
-    expect(page.get_by_text("is not start,stop in seconds")).to_be_visible()
+    expect(page.get_by_text("Enter the start, for example")).to_be_visible()
     enter(box(page, "Runs"), "20")
     enter(box(page, "Length [s]"), "120")
     enter(box(page, "Outages [s]"), "90,120")

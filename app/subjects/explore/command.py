@@ -34,36 +34,19 @@ def _add_explore(commands: Any) -> None:
         design_arguments(parser, one=True)
         parser.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
         parser.set_defaults(run=_explore)
-    parsers["rank"].add_argument(
-        "--result", metavar="FIGURE", help="figure to rank for (default: the design's first requirement)"
-    )
-    parsers["map"].add_argument(
-        "--x", default="imu.angle_random_walk", metavar="KEY", help="input on the x axis (default %(default)s)"
-    )
-    parsers["map"].add_argument(
-        "--y", default="gnss.position_noise", metavar="KEY", help="input on the y axis (default %(default)s)"
-    )
-    parsers["map"].add_argument(
-        "--result", default="all requirements", metavar="FIGURE", help="result to map (default %(default)s)"
-    )
-    parsers["map"].add_argument("--size", type=count, metavar="N", help="points along a side (default 200)")
+    add = parsers["rank"].add_argument
+    add("--result", metavar="FIGURE", help="figure to rank for (default: the design's first requirement)")
+    add = parsers["map"].add_argument
+    for axis, usual in (("x", "imu.angle_random_walk"), ("y", "gnss.position_noise")):
+        add(f"--{axis}", default=usual, metavar="KEY", help=f"input on the {axis} axis (default %(default)s)")
+    add("--result", default="all requirements", metavar="FIGURE", help="result to map (default %(default)s)")
+    add("--size", type=count, metavar="N", help="points along a side (default 64)")
     add = parsers["search"].add_argument
-    add(
-        "--imus", action="append", default=[], metavar="FILE", help="catalogue file of your own IMUs; may be repeated"
-    )
-    add(
-        "--receivers",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="catalogue file of your own receivers; may be repeated",
-    )
-    add(
-        "--biases",
-        choices=("design", "zero", "in-run"),
-        default="design",
-        help="residual biases of every IMU: the design's (default), zero, or the in-run biases of its data sheet",
-    )
+    for name, what in (("imus", "IMUs"), ("receivers", "receivers")):
+        said = f"catalogue file of your own {what}; may be repeated"
+        add(f"--{name}", action="append", default=[], metavar="FILE", help=said)
+    said = "residual biases of every IMU: the design's (default), zero, or the in-run biases of its data sheet"
+    add("--biases", choices=("design", "zero", "in-run"), default="design", help=said)
     add = parsers["uncertainty"].add_argument
     add("--vary", action="append", default=[], metavar="KEY=RANGE",
         help='range of an input, e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h" (uniform; with log after it, '

@@ -5,26 +5,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.charts.kinds import Array, Band, Chart, Line, Span
+from app.charts.kinds import NO_TIME, NO_VALUES, Array, Band, Chart, Line, Span, without_fixes
 from app.document.numbers import number, percent
 from nav_model.simulation.design_study import SimulationStudy
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 
-MOST_OUTAGES = 4
-"""Shaded spans a chart has room for; those a study does not use are not drawn."""
-
 _DEG = 180 / math.pi
 _TIME = "time [s]"
-_NO_TIME, _NOTHING = np.array([0.0, 300.0]), np.full(2, np.nan)
 _SIMULATED, _FILTER = "simulated errors, after the fix", "filter covariance, after the fix"
 _UNITS = {"m": ("m", 1.0), "m_s": ("m/s", 1.0), "rad": ("°", _DEG)}
 
 
 def _outages(study: SimulationStudy | None) -> tuple[Span, ...]:
-    given = [] if study is None else [*study.result.spec.outages][:MOST_OUTAGES]
-    parked = [(math.nan, math.nan)] * (MOST_OUTAGES - len(given))
-    return tuple(Span(f"outage {i}", "no fixes", start, stop) for i, (start, stop) in enumerate(given + parked))
+    return without_fixes(() if study is None else study.result.spec.outages)
 
 
 def _runs(study: SimulationStudy) -> str:
@@ -117,7 +111,7 @@ def _errors(
 
     def line(name: str, label: str, values: Callable[..., Array], columns: tuple[int, ...], style: str, source: str,
              end: str = "") -> Line:  # fmt: skip
-        y = _NOTHING if study is None else _pooled(values, study, columns, scale)
+        y = NO_VALUES if study is None else _pooled(values, study, columns, scale)
         return Line(name, label, _time(study), y, style, source, end)
 
     return Chart(
@@ -139,7 +133,7 @@ def _errors(
 
 
 def _time(study: SimulationStudy | None) -> Array:
-    return _NO_TIME if study is None else study.result.time_s
+    return NO_TIME if study is None else study.result.time_s
 
 
 def consistency_chart(study: SimulationStudy | None) -> Chart:
@@ -153,7 +147,7 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
     def over_sigma(study: SimulationStudy, column: int, _: float) -> Array:
         return _rms(study, column) / _sigma(study, column)
 
-    ratios = [_NOTHING if study is None else _pooled(over_sigma, study, columns, 1.0) for _, columns, _ in kinds]
+    ratios = [NO_VALUES if study is None else _pooled(over_sigma, study, columns, 1.0) for _, columns, _ in kinds]
     time = _time(study)
     most = max((float(np.nanmax(ratio)) for ratio in ratios if np.isfinite(ratio).any()), default=1.0)
     return Chart(
@@ -261,7 +255,7 @@ def nees_chart(study: SimulationStudy | None) -> Chart:
         x_label=_TIME,
         y_label="mean NEES [1]",
         lines=(
-            Line("nees", "mean over the runs", time, result.nees_curve if result else _NOTHING, "simulated",
+            Line("nees", "mean over the runs", time, result.nees_curve if result else NO_VALUES, "simulated",
                  "errors by filter covariance", ""),
             *_edges(time, low, high, "95 % band at one time"),
         ),

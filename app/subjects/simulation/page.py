@@ -36,7 +36,7 @@ from app.subjects.simulation.tables import conditions_told, departures, run_tabl
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import described, head_html, takes
 from app.ui.downloads import download
-from app.ui.fields import number, outages_of, whole_number
+from app.ui.fields import number, whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.follower import Follower
@@ -52,6 +52,7 @@ from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
+from nav_model.design.parts import declaration_of
 from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 
@@ -288,7 +289,8 @@ class SimulatePage(View):
             Naming the field, the option or the key of the design.
         """
         runs, seed = whole_number("Runs", self.runs, 1, _MOST_RUNS), whole_number("Seed", self.seed, 0, 2**53)
-        length, outages = number("Length", self.length, 1.0, 1e6), outages_of(self.outages)
+        length = number("Length", self.length, 1.0, 1e6)
+        outages: Any = declaration_of("trajectory.outages").read(self.outages)
         flight: str | TrajectorySpec = self.trajectory
         if flight == "file":
             if self._file is None:

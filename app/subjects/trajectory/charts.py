@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, Span
+from app.charts.kinds import NO_TIME, NO_VALUES, Array, Band, Chart, Limit, Line, Points, without_fixes
 from app.subjects.trajectory.figures import FIGURES, limit_of, limits_along
 from app.subjects.trajectory.run import Followed
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 _DEG = 180 / math.pi
 _TIME = "time [s]"
-_NO_TIME, _NOTHING = np.array([0.0, 300.0]), np.full(2, np.nan)
-_MOST_OUTAGES = 4
 _MOST_SOURCES = 6
 _SHARE_STYLES = ("horizontal", "vertical", "yaw", "tilt", "filter", "does not close", "reference")  # a colour each
 _RUNS = {
@@ -38,14 +36,14 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     flown: simulated runs, laid over the curves where they are of the same flight.
     """
     figure = FIGURES[name]
-    time = _NO_TIME if followed is None else followed.result.time_s
-    spans = _outages(followed)
+    time = NO_TIME if followed is None else followed.result.time_s
+    spans = without_fixes(() if followed is None else followed.result.spec.study.outages)
 
     runs = simulated(followed, flown)
 
     def pair(key: str, label: str, of: str, scale: float, styles: tuple[str, str]) -> list[Line]:
         """One figure in real time and post-processed, and of runs where they have it."""
-        values = [_NOTHING, _NOTHING]
+        values = [NO_VALUES, NO_VALUES]
         if followed is not None:
             both = followed.result.real_time, followed.result.post_processed
             values = [scale * (one.attitude[:, 2] if of == "yaw" else one.figure(of)) for one in both]
@@ -164,9 +162,3 @@ def simulated(followed: Followed | None, flown: SimulationResult | None) -> dict
         name: np.take_along_axis(rms, np.argmax(sigma[:, axes], axis=1)[:, None] + axes[0], axis=1)[:, 0]
         for name, axes in _RUNS.items()
     }
-
-
-def _outages(followed: Followed | None) -> tuple[Span, ...]:
-    given = [] if followed is None else [*followed.result.spec.study.outages][:_MOST_OUTAGES]
-    parked = [(math.nan, math.nan)] * (_MOST_OUTAGES - len(given))
-    return tuple(Span(f"outage {i}", "no fixes", start, stop) for i, (start, stop) in enumerate(given + parked))

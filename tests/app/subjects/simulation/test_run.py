@@ -28,7 +28,6 @@ from app.subjects.simulation.files import as_csv, as_json, as_npz
 from app.subjects.simulation.page import SimulatePage
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import findings, verdict
-from app.ui.fields import outages_of
 from app.work import simulator
 from app.work.run import Run
 from nav_model.base.errors import InputError
@@ -128,15 +127,6 @@ def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPa
 def test_a_flight_that_cannot_be_flown_is_said_in_words() -> None:
     run, _ = _fly({"runs": 2, "duration": 60.0, "trajectory": "turns"})
     assert run.message.startswith("duration: 60.0 cannot be simulated; the turns take")
-
-
-def test_outages_as_people_write_them_and_no_others() -> None:
-    assert outages_of("") == outages_of(" ") == ()
-    assert outages_of("200,300") == ((200, 300),)
-    assert outages_of("50, 80; 200,300;") == ((50, 80), (200, 300))
-    for text in ("200", "a,b", "1,2,3", "200-300", "<b>"):
-        with pytest.raises(InputError, match=r"^outages: "):
-            outages_of(text)
 
 
 def test_only_instruments_and_flight_make_a_study_stale() -> None:
@@ -321,5 +311,5 @@ def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
     page = SimulatePage(Session(DESIGN))
     page.outages = "later"
     when_done(page._begin, page.run)
-    assert "later&#x27; is not start,stop in seconds" in page._bar.state.object
+    assert "Outages, row 1, start: &#x27;later&#x27; is not a time" in page._bar.state.object
     assert page.run.result is None
