@@ -189,7 +189,7 @@ def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
     fill = np.geomspace(low, high, 2 + int(math.log(high / low) / math.log(_RISE)))
     moving = np.concatenate([_STEPS_X, [math.pi * lobe, math.pi * lobe * NEAR_CELLS]]) / (np.pi * aperture[:, None])
     if delay is not None:
-        late = np.where(delay.real > 0, delay, np.inf)[:, None]
+        late = np.where(delay.real > 0, delay, 1 / _NEVER)[:, None]  # infinity has no product with a complex step
         moving = np.concatenate([moving, _STEPS_DELAY / (2 * np.pi * late)], axis=1)
     narrow_x, more = _narrow(curve, aperture.real, OSCILLATING / math.pi)
     moving = np.concatenate([moving, more], axis=1)

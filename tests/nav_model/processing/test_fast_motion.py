@@ -71,16 +71,17 @@ def test_variance_of_a_curve():
     assert falling.variance == pytest.approx(math.log(100), rel=1e-12)
 
 
+@pytest.mark.parametrize("late", [5e-3, 0.0])
 @pytest.mark.parametrize("name", ["quadratic", "left_1", "scattered", "amplitude"])
-def test_complex_steps(name):
+def test_complex_steps(name, late):
     def made(aperture: Array, delay: Array) -> Array:
         source = Source(np.array([3.0]), np.array([1e-3]), TABLE, None, delay, np.array(150.0))
         return np.sum(getattr(through_aperture(source, aperture, 1.0), name))
 
     for step in ((1, 0), (0, 1)):
-        inputs = [np.array(value * (1 + 1e-20j * on)) for value, on in zip((3.7, 5e-3), step, strict=True)]
+        inputs = [np.array(value * (1 + 1e-20j * on)) for value, on in zip((3.7, late), step, strict=True)]
         ends = [
-            made(*(np.array(v * (1 + h * on)) for v, on in zip((3.7, 5e-3), step, strict=True)))
+            made(*(np.array(v * (1 + h * on)) for v, on in zip((3.7, late), step, strict=True)))
             for h in (1e-5, -1e-5)
         ]
         slope, size = (ends[0] - ends[1]) / 2e-5, abs(ends[0])
