@@ -2,9 +2,7 @@
 // run, and each side waits for the other in turn. What comes before Bokeh asks is kept and handed on. The last library
 // comes first: the server cannot send it while it makes the session.
 //
-// Written for: Panel 1.9.4, Bokeh 3.9.2
-// Upstream: none found, searched 2026-11-23
-// Needless when: tests/browser/test_as_shipped.py::test_a_page_connects_when_all_has_run_and_ours_while_a_library_is_still_to_come fails
+// Report to send upstream, version and end: docs/upstream/early_connection.md
 {
   const token = "TOKEN"
   const Shipped = WebSocket

@@ -2,9 +2,7 @@
 // the browser to lay out in between: a tab turned among eight opened pages took two to six seconds. Here layout runs
 // once a frame, and only over what is shown. A dashboard that mounts only the page in view hardly needs it.
 //
-// Written for: Bokeh 3.9.2
-// Upstream: bokeh/bokeh#9515 (closed), bokeh/bokeh#15205 (merged: tabs, not hidden columns)
-// Needless when: tests/browser/test_as_shipped.py::test_every_wish_is_a_pass_over_hidden_parts_too_and_a_size_that_changes_within_is_swallowed fails
+// Report to send upstream, version and end: docs/upstream/layout_passes.md
 let root = view
 while (root.parent) root = root.parent
 let base = Object.getPrototypeOf(root)

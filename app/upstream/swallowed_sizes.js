@@ -2,9 +2,7 @@
 // sizes of all it holds, and says that nothing has changed where its own size has not. The figure beside a text that
 // grew then stayed as high as it was, over the edge of its card. Here a part has changed when one it holds has.
 //
-// Written for: Bokeh 3.9.2
-// Upstream: none found, searched 2026-11-23
-// Needless when: tests/browser/test_as_shipped.py::test_every_wish_is_a_pass_over_hidden_parts_too_and_a_size_that_changes_within_is_swallowed fails
+// Report to send upstream, version and end: docs/upstream/swallowed_sizes.md
 const { LayoutDOMView } = Bokeh.require("models/layouts/layout_dom")
 LayoutDOMView.prototype.update_bbox = function () {
   let within = false

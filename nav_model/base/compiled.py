@@ -7,9 +7,7 @@ through two private names of Numba's. And processes that need the same kernel at
 does, while the others wait and then load what it wrote. The lock is `flock`'s, which the system releases even where a
 process dies; Windows has none and is not supported.
 
-Written for: numba 0.68.1
-Upstream: numba/numba#8396 (open), numba/numba#1833
-Needless when: tests/nav_model/base/test_compiled.py::test_as_shipped_a_changed_callee_goes_unnoticed fails
+Report to send upstream, version and end: docs/upstream/compiled.md
 """
 
 import fcntl

@@ -4,9 +4,7 @@ For every `a[i]` in a kernel Numba asks up to eleven templates in turn, and each
 flags: a fifth of the time that compiling takes. The answer depends on the function with its templates, the types
 and the flags alone, which are also the keys of each template's own cache.
 
-Written for: numba 0.68.1
-Upstream: none found, searched 2026-11-22
-Needless when: tests/nav_model/base/test_numba_typing.py::test_as_shipped_every_use_is_looked_up_again fails
+Report to send upstream, version and end: docs/upstream/numba_typing.md
 """
 
 from typing import Any
