@@ -31,12 +31,12 @@ DASHES: dict[str, str] = {
 # After Okabe and Ito's palette, made darker and lighter so that each has a contrast of three and more on a white
 # page and on the dark one, and of 2.7 for eyes that lack a colour: that leaves lightness from 44 to 61, blue and red
 # at its lower end, the rest above.
-BLUE, ORANGE, GREEN, PURPLE = "#1f72b0", "#e4741a", "#009e73", "#b86a97"
-SKY, RED, GREY = "#3c9bd4", "#d64545", "#7b8794"
-INK = "#3a4652"
-"""Ground of a text inside a frame that belongs to no curve."""
-
-_COLOURS = {"blue": BLUE, "orange": ORANGE, "green": GREEN, "purple": PURPLE, "sky": SKY, "red": RED, "grey": GREY}
+_COLOURS = {
+    "blue": "#1f72b0", "orange": "#e4741a", "green": "#009e73", "purple": "#b86a97", "sky": "#3c9bd4",
+    "red": "#d64545", "grey": "#7b8794",
+}  # fmt: skip
+GREY, INK = _COLOURS["grey"], "#3a4652"
+"""Of what is no curve: a shaded stretch, and the ground of a text inside a frame."""
 
 STYLES: dict[str, Style] = {
     name: Style(_COLOURS.get(colour, colour), dash, width)

@@ -52,8 +52,9 @@ def check_words(design: Design, check: Check) -> CheckWords:
     return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
 
 
-def shown_check(design: Design, check: Check, display: Display = ONE_SIGMA) -> tuple[str, str]:
-    """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it."""
+def shown_check(design: Design, check: Check, display: Display = ONE_SIGMA) -> tuple[str, str, str]:
+    """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it; and
+    that spread, where it is not the multiple asked for, as in " at 95 %"."""
     pair = "horizontal" in check.on
     factor = display.factor(pair=pair) / check.confidence if check.confidence else 1.0
 
@@ -62,14 +63,9 @@ def shown_check(design: Design, check: Check, display: Display = ONE_SIGMA) -> t
             return display.in_si(value, check.dimension, given=given)
         return check_quantity(design, check, value, given=given)
 
-    return said(factor * check.value), said(factor * check.limit, given=True)
-
-
-def shown_at(design: Design, check: Check, display: Display) -> str:
-    """The spread of a value and a limit that are not at the multiple asked for, as in " at 95 %"; else nothing."""
-    told = display.named(pair="horizontal" in check.on)
-    plain = check.confidence is None or told == f"{check.confidence:g}σ"
-    return "" if plain else f" at {told}"
+    told = display.named(pair=pair)
+    at = "" if check.confidence is None or told == f"{check.confidence:g}σ" else f" at {told}"
+    return said(factor * check.value), said(factor * check.limit, given=True), at
 
 
 def met_cell(check: Check) -> Cell:
@@ -134,9 +130,9 @@ def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
         largest = max(budget.sar.lines, key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
-    value, limit = shown_check(budget.design, tightest, display)
+    value, limit, at = shown_check(budget.design, tightest, display)
     label = tightest.label[:1].upper() + tightest.label[1:]
-    at, share = shown_at(budget.design, tightest, display), percent(tightest.sensor_share)
+    share = percent(tightest.sensor_share)
     return Answer(
         *_word_and_tone(budget.verdict),
         (f"{label} {value}, limit {limit}{at}; {share} from {tightest.sensor}{_through(tightest)}.",),

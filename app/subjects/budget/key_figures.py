@@ -3,7 +3,7 @@
 from app.document.blocks import KeyFigure, KeyFigures
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import show
-from app.document.verdict import check_words, shown_at, shown_check
+from app.document.verdict import check_words, shown_check
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.provenance import steady_marks
@@ -116,11 +116,11 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
 def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFigure:
     """The check that has the least margin, and how the others stand."""
     first, *rest = sorted(checks, key=lambda check: check.margin)
-    value, _ = shown_check(budget.design, first, display)
+    value, *_ = shown_check(budget.design, first, display)
     more = sum(not check.met for check in rest)
     detail = f"{check_words(budget.design, first).figure}, the tightest of the checks without a tile"
     for check in rest:
-        other, its_limit = shown_check(budget.design, check, display)
+        other, its_limit, _ = shown_check(budget.design, check, display)
         detail += f"; {check.label} {other}, limit {its_limit}, {'met' if check.met else 'not met'}"
     limit = _limit_said(budget, first, display) + (f"; {more} more not met" if more else "")
     return KeyFigure(first.label, value, detail, limit, first.met, first.sigma, 1 - first.margin)
@@ -129,7 +129,7 @@ def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFi
 def _limit_said(budget: Budget, check: Check, display: Display) -> str:
     """A limit, with its spread unless one is chosen, which is told above the charts; after an outage, a smoothed
     budget's is of real time."""
-    limit = shown_check(budget.design, check, display)[1]
+    _, limit, at = shown_check(budget.design, check, display)
     if display.spread == "1σ":
-        limit += shown_at(budget.design, check, display)
+        limit += at
     return f"{limit}, real time" if budget.smoothed and check.on.startswith("coast_") else limit

@@ -5,7 +5,6 @@ from html import escape
 import panel as pn
 import param
 
-from app.charts.kinds import Chart
 from app.declared import held
 from app.document.pane import html_of
 from app.session import Session
@@ -30,8 +29,11 @@ class CameraNoisePanel(pn.viewable.Viewer):
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())
         self._said = html_pane("", margin=0)
-        self._swept: Follower[CameraNoise] = Follower(lambda: self.run.result)
-        self._place = self._swept.later(self._chart, sizing_mode="stretch_both", stylesheets=[NARROW])
+        self._swept: Follower[tuple[CameraNoise, float]] = Follower(lambda: self.run.result)
+        self._place = self._swept.later(
+            lambda: self._swept.chart(lambda found: camera_noise_chart(*found)),
+            sizing_mode="stretch_both", stylesheets=[NARROW],
+        )  # fmt: skip
         self._settings: Settings | None = None
 
     def __panel__(self) -> pn.Column:
@@ -43,22 +45,19 @@ class CameraNoisePanel(pn.viewable.Viewer):
         if settings is not self._settings:
             self._settings = settings
             self._said.object = progress_html(Progress("Sweeping the centroid noise: 13 values"))
-            self.run.start(lambda _: elsewhere(sweep_camera_noise, shown.study, settings, NOISES))
+
+            async def sweep(_: Run) -> tuple[CameraNoise, float]:
+                swept = await elsewhere(sweep_camera_noise, shown.study, settings, NOISES)
+                return swept, float(settings["camera.centroid_noise"])
+
+            self.run.start(sweep)
 
     @param.depends("run.running", watch=True)
     def _follow(self) -> None:
-        swept, settings = self.run.result, self._settings
-        if self.run.running or settings is None:
+        if self.run.running:
             return
         if self.run.message:
             self._said.object = f"<p role='alert'>{escape(self.run.message)}</p>"
-        elif swept is not None:
-            self._said.object = html_of(camera_noise_answer(swept, settings["camera.centroid_noise"]))
+        elif self.run.result is not None:
+            self._said.object = html_of(camera_noise_answer(*self.run.result))
             self._swept.follow()
-
-    def _chart(self) -> pn.Column:
-        def draw(swept: CameraNoise) -> Chart:
-            assert self._settings is not None
-            return camera_noise_chart(swept, float(self._settings["camera.centroid_noise"]))
-
-        return self._swept.chart(draw)
