@@ -12,6 +12,7 @@ from nav_model.base.toml_text import shipped
 from nav_model.budget.result import Budget
 from nav_model.design import Design
 from nav_model.design.parts import OUTDATED
+from nav_model.design.trajectory import LINES, WAYPOINTS
 
 _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
 
@@ -129,6 +130,11 @@ def cautions(budget: Budget) -> tuple[str, ...]:
 
 
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
+    (
+        lambda design: design.trajectory.flight in (LINES, WAYPOINTS),
+        "The design has a flight plan, which has no effect on this verdict. Its lines are judged by `navbudget "
+        "trajectory` and on the Trajectory page.",
+    ),
     (
         lambda design: design.radar.squint_angle != 0,
         "Squint lengthens the aperture by 1/cos [S-3] and multiplies the along-track quadratic phase by cos² "

@@ -37,6 +37,10 @@ class TruthStates:
     euler: FloatArray
     body_rate: FloatArray
 
+    def at(self, epochs: NDArray[np.int64]) -> "TruthStates":
+        """The states at some of the epochs, by their indices."""
+        return TruthStates(*(values[epochs] for values in vars(self).values()))
+
 
 @kernel
 def _force_and_rate_at(

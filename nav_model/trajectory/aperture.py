@@ -75,17 +75,17 @@ def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> 
         polynomials = legendre.legvander(x, ORDERS - 1) * (np.arange(ORDERS) + 0.5)  # (apertures, points, orders)
         measure = 0.5 * (high - low)[:, None] * _WEIGHTS / half
         h = length[:, None]
-        basis = [
-            (0, 1 - 3 * s**2 + 2 * s**3, h * (s - 2 * s**2 + s**3)),
-            (1, 3 * s**2 - 2 * s**3, h * (s**3 - s**2)),
-        ]
-        for offset, *functions in basis:
-            for states, function in zip((slice(3), slice(3, 6)), functions, strict=True):
-                each = np.einsum("ap,apm->am", measure * function, polynomials)
-                place = np.zeros((len(on), COLUMNS, 3))
-                place[:, :ORDERS] = each[:, :, None] * sight[on, None]
-                place[:, ORDERS] = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
-                weights[on, step + offset, :, states] += place
+        position, velocity = slice(3), slice(3, 6)
+        for offset, states, function in (
+            (0, position, 1 - 3 * s**2 + 2 * s**3),
+            (0, velocity, h * (s - 2 * s**2 + s**3)),
+            (1, position, 3 * s**2 - 2 * s**3),
+            (1, velocity, h * (s**3 - s**2)),
+        ):
+            each = np.einsum("ap,apm->am", measure * function, polynomials)
+            weights[on, step + offset, :ORDERS, states] += each[:, :, None] * sight[on, None]
+            moved = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
+            weights[on, step + offset, ORDERS, states] += moved
     weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
     return Apertures(output, first, last, weights)
 

@@ -70,7 +70,7 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
         for values, image, smoothed in zip(variances, images, (False, True), strict=True)
     ]
     time_s = model.time_s[model.outputs]
-    truth = type(model.truth)(*(values[model.outputs] for values in vars(model.truth).values()))
+    truth = model.truth.at(model.outputs)
     return TrajectoryResult(
         spec=spec,
         time_s=time_s,
@@ -105,16 +105,6 @@ def _filtered(model: ErrorModel) -> _Filter:
         found.covariance[node] = p
     if not np.all(np.isfinite(p)):
         raise ArithmeticError("the filter's covariance is not finite at the end of the flight")
-    return found
-
-
-def _over_fix(model: ErrorModel, run: _Filter, node: int, carried: FloatArray) -> FloatArray:
-    """L before the fix at a node from that after it."""
-    if not model.is_fix[node]:
-        return carried
-    rows, gain, m = model.rows[node], run.gain[node], model.states
-    back = carried - (carried[:, :m] @ gain) @ rows
-    found: FloatArray = back - rows[:, :m].T @ (gain.T @ back) + run.weight[node] @ rows
     return found
 
 
@@ -183,20 +173,20 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
     for node in range(len(model.time_s) - 1, -1, -1):
         for at in output_of.get(node, ()):
             shown = _shown(model, node)
-            rows = shown[:, :m] @ run.covariance[node]
-            states.rows[at] = shown - rows @ carried
-            states.added[:, at] = ((rows @ now) * rows).sum(axis=2)
+            sums = shown[:, :m] @ run.covariance[node]
+            states.rows[at] = shown - sums @ carried
+            states.added[:, at] = ((sums @ now) * sums).sum(axis=2)
         for look in ending.get(node, ()):
             images.rows[look] = ends[look] @ carried
             images.added[:, look] = ((ends[look] @ now) * ends[look]).sum(axis=2)
         if node == 0:
             break
         if model.is_fix[node]:
-            kept = np.eye(m) - model.rows[node, :, :m].T @ run.gain[node].T
-            by_noise = kept @ carried[:, :m] @ run.gain[node] - run.weight[node]
-            now = kept @ now @ kept.T
+            rows, gain = model.rows[node], run.gain[node]
+            kept = np.eye(m) - rows[:, :m].T @ gain.T
+            by_noise = kept @ carried[:, :m] @ gain - run.weight[node]
+            carried, now = kept @ carried - by_noise @ rows, kept @ now @ kept.T
             now[measuring] += (by_noise * model.noise[node, measuring, None, :]) @ by_noise.T
-            carried = _over_fix(model, run, node, carried)
         now[driven] += _square(carried[:, : model.moving] @ _factors(model, node))
         step = _transition(model, node, n)
         back = step[:m, :m].T

@@ -355,7 +355,7 @@ def _measurements(
     gnss, k = study.gnss, len(truth.time_s)
     at = np.searchsorted(truth.time_s, scheduled - 1e-9)
     sigma = np.full((k, MEASURED), np.inf)
-    sigma[at] = fix_noise(study, TruthStates(*(values[at] for values in vars(truth).values())))
+    sigma[at] = fix_noise(study, truth.at(at))
     there = np.isfinite(sigma)
     arm, lever, swing = np.array(gnss.lever_arm), np.zeros((k, 3)), np.empty(3)
     own = np.zeros((k, MEASURED, BIASES + TRIADS))

@@ -10,6 +10,8 @@ import pytest
 import nav_model
 from app.cli import main
 from nav_model.base.errors import InputError
+from nav_model.budget import analyse
+from nav_model.budget.provenance import cautions
 from nav_model.design import Design
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
@@ -106,6 +108,8 @@ def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
     assert [line.closes for line in lines] == [False, True]
     assert math.degrees(lines[0].limits["quadratic_phase"]) == pytest.approx(90.0)
     assert math.degrees(lines[1].limits["quadratic_phase"]) == pytest.approx(3000.0)
+    assert [said for said in cautions(analyse(own)) if "`navbudget trajectory`" in said]
+    assert not [said for said in cautions(analyse(parse_design(EXAMPLE))) if "trajectory" in said]
     other = own.replace({"trajectory.limits": read("limits", "line 3, tilt=1°")})
     with pytest.raises(InputError, match=r"trajectory.limits\[1\].line: the flight has no line 'line 3'; its lines:"):
         covariance_specification(other, study, flight.lines)
