@@ -1,7 +1,6 @@
 """The server's address: listening, sharing the socket between processes, and host names."""
 
 import errno
-import ipaddress
 import logging
 import resource
 import socket
@@ -15,7 +14,7 @@ from tornado.ioloop import IOLoop
 
 from app.serving.board import Row
 from app.serving.logs import event
-from app.serving.rules import Rules
+from app.serving.rules import Rules, is_everywhere
 from nav_model.base.errors import InputError
 
 _BACKLOG = 128  # visitors that may wait to be let in
@@ -111,11 +110,7 @@ def origins(address: str, port: int, allowed: Sequence[str]) -> list[str]:
     """Allowed origins of websocket connections: loopback names always; also an address that is a name of this
     machine."""
     hosts = {"127.0.0.1", "localhost"}
-    try:
-        everywhere = ipaddress.ip_address(address).is_unspecified
-    except ValueError:
-        everywhere = False
-    if not everywhere:
+    if not is_everywhere(address):
         hosts.add(_host(address))
     return [*(f"{host}:{port}" for host in sorted(hosts)), *allowed]
 

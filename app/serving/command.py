@@ -38,12 +38,8 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
     add = who.add_argument
     add("--password-file", type=Path, metavar="FILE", help="lines name:hash as `navbudget password NAME` prints them")
     add("--open", action="store_true", help="let in everybody who can reach the address")
-    add(
-        "--cookie-secret-file",
-        type=Path,
-        metavar="FILE",
-        help="signs the login; without it a restart ends all logins",
-    )
+    add("--cookie-secret-file", type=Path, metavar="FILE",
+        help="signs the login; without it a restart ends all logins")  # fmt: skip
     add("--login-hours", type=float, default=12.0, metavar="H", help="how long a login lasts (default 12)")
     add("--oauth-provider", metavar="NAME", choices=_OAUTH, help=f"sign in through: {', '.join(_OAUTH)}")
     add("--oauth-key", metavar="ID", help="client id; the secret comes from PANEL_OAUTH_SECRET in the environment, "
@@ -53,16 +49,12 @@ def _add_serve(serve: argparse.ArgumentParser) -> None:
         help="user, @domain of a mail address, or * for every account; may be repeated")  # fmt: skip
     add("--login-store", default="", metavar="PATH-or-URL", help="where logins and failed attempts are kept for all "
         "processes (default: a PostgreSQL library; else a file that ends with the server)")  # fmt: skip
-    serve.add_argument(
-        "--library",
-        default="",
-        metavar="PATH-or-URL",
-        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)",
-    )
-    serve.add_argument(
-        "--review-key", type=Path, metavar="FILE", help="Ed25519 key (PEM) that signs and verifies reviews; all "
-        "servers of one library share it (default: one in the user's data folder, made when first needed)"
-    )  # fmt: skip
+    add = serve.add_argument
+    add("--library", default="", metavar="PATH-or-URL",
+        help="saved designs: a file, or postgresql://... (default: a file in the user's data folder)")  # fmt: skip
+    add("--review-key", type=Path, metavar="FILE",
+        help="Ed25519 key (PEM) that signs and verifies reviews; all servers of one library share it (default: one "
+        "in the user's data folder, made when first needed)")  # fmt: skip
     limits = serve.add_argument_group("limits")
     add = limits.add_argument
     add("--max-sessions", type=int, default=100, metavar="N", help="open pages at a time (default 100)")
@@ -84,27 +76,16 @@ def _serve(options: argparse.Namespace) -> int:
     from app.library.seal import check_key
     from app.serving.rules import Rules, cookie_secret, oauth_from
 
-    rules = Rules(
-        address=options.address,
-        port=options.port,
+    given = vars(options)
+    rules = dataclasses.replace(
+        Rules(**{field.name: given[field.name] for field in dataclasses.fields(Rules) if field.name in given}),
         allow_origin=tuple(options.allow_origin),
-        open=options.open,
-        password_file=options.password_file,
         cookie_secret=cookie_secret(options.cookie_secret_file),
         oauth=oauth_from(
             options.oauth_provider, options.oauth_key, options.oauth_redirect_uri, tuple(options.oauth_allow)
         ),
-        behind_proxy=options.behind_proxy,
-        max_sessions=options.max_sessions,
-        session_lifetime=options.session_lifetime,
-        login_hours=options.login_hours,
-        review_key=options.review_key,
         login_store=options.login_store or (options.library if options.library.startswith("postgres") else ""),
         max_message=round(1e6 * options.max_message) if math.isfinite(options.max_message) else 0,
-        processes=options.processes,
-        workers=options.workers,
-        grace=options.grace,
-        log=options.log,
     )
     rules.check()  # before the screen is loaded: a wrong command is refused at once
     if options.review_key is not None:

@@ -83,11 +83,6 @@ class Surroundings:
         self.row.put("sessions", own_sessions)
         return self.row.board.total("sessions") >= self.most
 
-    def taken(self, address: str) -> bool:
-        """Whether an address, other than this machine's own, has half of the places of this process."""
-        pages = sum(page.request.remote_ip == address and page.ws_connection is not None for page in _connections)
-        return not is_loopback(address) and pages >= max(1, self.most // (2 * self.row.board.processes))
-
 
 _here: Surroundings
 
@@ -117,21 +112,29 @@ def close_door() -> None:
     _here.stopping = True
 
 
-async def _full(context: ApplicationContext) -> bool:
-    """Whether the limit on sessions is reached, and no page gives way.
+async def _place_for(address: str, context: ApplicationContext) -> bool:
+    """Whether an address gets a place for a new page: while there are any, half of those of this process at most, so
+    that nobody alone fills the server; only this machine's own gets all.
 
-    Of the pages of this process that nobody is connected to, one of the address with most pages does, the oldest: one
-    address must not hold every place by pages that it has left.
+    Where there is none, the oldest page that nobody is connected to gives way: of this address if that has its half,
+    else of the one with most pages.
     """
-    if not _here.full(len(sessions := list(context.sessions))):
-        return False
-    held = Counter(_addresses.get(own) for own in sessions)
-    left = [own for own in sessions if own.connection_count == 0 and held[_addresses.get(own)] > 1]
-    if not left:
+    sessions = list(context.sessions)
+    left = [own for own in sessions if own.connection_count == 0]
+    connected = (page.request.remote_ip for page in _connections if not page.hung_up())
+    held = Counter([*connected, *map(_addresses.get, left)])
+    full = _here.full(len(sessions))
+    if not is_loopback(address) and held[address] >= max(1, _here.most // (2 * _here.row.board.processes)):
+        left = [own for own in left if _addresses.get(own) == address]
+    elif full:
+        left = [own for own in left if held[_addresses.get(own)] > 1]
+    else:
         return True
-    own = max(left, key=lambda own: (held[_addresses.get(own)], own.milliseconds_since_last_unsubscribe))
-    await end_session(context, own)
-    return _here.full(len(list(context.sessions)))
+    if not left:
+        return False
+    first = max(left, key=lambda own: (held[_addresses.get(own)], own.milliseconds_since_last_unsubscribe))
+    await end_session(context, first)
+    return not _here.full(len(list(context.sessions)))
 
 
 class PageHandler(DocHandler):
@@ -149,7 +152,7 @@ class PageHandler(DocHandler):
             self._turn_away(503, "Restarting", "This server is being stopped or restarted.", after=10)
         elif not _here.admits(str(self.current_user)):
             self._turn_away(403, "Not admitted", f"{self.current_user} has no access to this server.")
-        elif await _full(self.application_context):
+        elif not await _place_for(str(self.request.remote_ip), self.application_context):
             _here.row.add("refused")
             event("full", sessions=_here.most)
             self._turn_away(
@@ -190,8 +193,9 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
             self.finish()
             return
         known = {session.id for session in self.application_context.sessions}
-        address = self.request.remote_ip or ""
-        if wanted not in known and (_here.stopping or _here.taken(address) or await _full(self.application_context)):
+        if wanted not in known and (
+            _here.stopping or not await _place_for(str(self.request.remote_ip), self.application_context)
+        ):
             _here.row.add("refused")
             self.set_status(503)
             self.finish()
@@ -203,17 +207,18 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
         if self.ws_connection is not None and self.ws_connection.stream is not None:
             _here.keep(self.ws_connection.stream.socket)
 
-    def _hung_up(self) -> bool:
+    def hung_up(self) -> bool:
+        """Whether nobody is there any more."""
         return self.ws_connection is None
 
     async def _async_open(self, token: str) -> None:
         """As Bokeh, which makes a page also for whoever has hung up, and keeps it as one in use."""
-        if self._hung_up():
+        if self.hung_up():
             return
         await super()._async_open(token)
         if not self._given_up():
             _addresses[self.connection.session] = str(self.request.remote_ip)
-        if self._hung_up():  # while it was made
+        if self.hung_up():  # while it was made
             self.on_close()
 
     async def _receive(self, fragment: str | bytes) -> Any:
@@ -234,7 +239,7 @@ class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks)
 
     async def _handle(self, message: Any) -> Any:
         _here.heard()
-        if self._hung_up() or self._given_up():
+        if self.hung_up() or self._given_up():
             return None
         reason = _allowances.setdefault(self.connection.session, Allowance(_here.most_bytes)).against(message)
         if reason:

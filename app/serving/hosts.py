@@ -4,10 +4,9 @@ A browser takes whatever address a name server gives: a foreign site's name that
 make this server's pages that site's own. So the host name of a request is checked before anything else.
 """
 
-import ipaddress
 import re
 import urllib.parse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from tornado.httputil import HTTPServerRequest
@@ -15,7 +14,7 @@ from tornado.routing import Matcher, Rule
 from tornado.web import RequestHandler
 
 from app.serving.access import plain_page
-from app.serving.rules import is_loopback
+from app.serving.rules import in_numbers, is_everywhere, is_loopback
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 
@@ -31,10 +30,7 @@ class Hosts:
     def __init__(self, address: str, allowed: Sequence[str]) -> None:
         self._address = address.casefold()
         self._allowed = {name.casefold() for name in allowed}
-        try:
-            self._everywhere = ipaddress.ip_address(address).is_unspecified
-        except ValueError:
-            self._everywhere = False
+        self._everywhere = is_everywhere(address)
 
     def admit(self, host: str) -> bool:
         """Whether a request's Host, ``name`` or ``name:port``, is one of them."""
@@ -48,35 +44,19 @@ class Hosts:
             return False
         if host in self._allowed or (port in (80, 443) and name in self._allowed):
             return True
-        return is_loopback(name) or (name == self._address and bool(name)) or (self._everywhere and _in_numbers(name))
+        if is_loopback(name) or (name == self._address and bool(name)):
+            return True
+        return self._everywhere and in_numbers(name) is not None
 
 
-def _in_numbers(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
+class _If(Matcher):
+    """Matches the requests for which a test holds."""
 
-
-class ForeignHost(Matcher):
-    """Matches a request under a host name that is not this server's."""
-
-    def __init__(self, hosts: Hosts) -> None:
-        self._hosts = hosts
+    def __init__(self, test: Callable[[HTTPServerRequest], bool]) -> None:
+        self._test = test
 
     def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
-        """An empty dictionary if so."""
-        known = len(request.headers.get_list("Host")) < 2 and self._hosts.admit(request.host)
-        return None if known else {}
-
-
-class NoPath(Matcher):
-    """Matches a path with control characters, which the file handlers cannot handle."""
-
-    def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
-        """An empty dictionary if so."""
-        return {} if _CONTROL.search(urllib.parse.unquote(request.path)) else None
+        return {} if self._test(request) else None
 
 
 class Refusal(RequestHandler):
@@ -99,7 +79,14 @@ def first_rules(hosts: Hosts) -> list[Rule]:
         "allow another one with --allow-origin HOST or HOST:PORT."
     )
     no_path = "The address holds characters that no address here has."
+
+    def foreign(request: HTTPServerRequest) -> bool:
+        return len(request.headers.get_list("Host")) > 1 or not hosts.admit(request.host)
+
+    def unreadable(request: HTTPServerRequest) -> bool:  # by the handlers of files
+        return bool(_CONTROL.search(urllib.parse.unquote(request.path)))
+
     return [
-        Rule(ForeignHost(hosts), Refusal, {"status": 421, "title": "Not under this name", "text": other_name}),
-        Rule(NoPath(), Refusal, {"status": 400, "title": "No such page", "text": no_path}),
+        Rule(_If(foreign), Refusal, {"status": 421, "title": "Not under this name", "text": other_name}),
+        Rule(_If(unreadable), Refusal, {"status": 400, "title": "No such page", "text": no_path}),
     ]
