@@ -19,28 +19,9 @@ from functools import cache, lru_cache
 from typing import NamedTuple
 
 from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
-from nav_model.base.errors import shown
+from nav_model.base.errors import InputError, shown
 
-
-class QuantityError(ValueError):
-    """A text that is not a quantity of the dimension asked for: an `InputError` whose key is not known yet.
-
-    Attributes
-    ----------
-    reason : str
-        The message: what is wrong and what is allowed.
-    value : object
-        What was given, as it was given.
-    """
-
-    def __init__(self, reason: str, value: object = None) -> None:
-        super().__init__(reason)
-        self.reason = reason
-        self.value = value
-
-    def __reduce__(self) -> tuple[type[QuantityError], tuple[str, object]]:
-        """Keep all fields when sent from a worker process."""
-        return type(self), (self.reason, self.value)
+_KEY = "quantity"  # in errors, until whoever asked for the quantity puts his own key in its place
 
 
 class Parsed(NamedTuple):
@@ -105,7 +86,7 @@ def unit_symbol(unit: str, dimension: str) -> str:
 
     Raises
     ------
-    QuantityError
+    InputError
         If the text is not a unit of the dimension.
     """
     table = DIMENSIONS[dimension]
@@ -116,7 +97,7 @@ def unit_symbol(unit: str, dimension: str) -> str:
         *most, last = [*table.units, "Hz"] if rate else table.units
         choice = f"{', '.join(most)} or {last}" if most else last
         name = "time" if rate else table.name
-        raise QuantityError(f"{shown(unit.strip())} is not a unit of {name}. Use {choice}.", unit)
+        raise InputError(_KEY, f"{shown(unit.strip())} is not a unit of {name}. Use {choice}.", unit)
     return text
 
 
@@ -146,14 +127,14 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
 
     Raises
     ------
-    QuantityError
+    InputError
         If there is no number, no unit, the unit belongs to another dimension, or no float holds the value.
     """
     exact, symbol = parse_exact(text, dimension)
     try:
         return Parsed(float(exact), symbol)
     except OverflowError as error:
-        raise QuantityError(f"{shown(text)} is too large.", text) from error
+        raise InputError(_KEY, f"{shown(text)} is too large.", text) from error
 
 
 def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, str]:
@@ -166,19 +147,19 @@ def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, 
     stripped = with_point(text.strip())
     match = _NUMBER.match(stripped)
     if match is None or len(stripped) > 100:
-        raise QuantityError(refused, text)
+        raise InputError(_KEY, refused, text)
     number, unit = match[0].replace("−", "-"), stripped[match.end() :]
     if not unit.strip():
         example = join_quantity(match[0], table.examples[0].lstrip("-.0123456789e "))
-        raise QuantityError(f"{shown(text)} has no unit. Write for example {example}.", text)
+        raise InputError(_KEY, f"{shown(text)} has no unit. Write for example {example}.", text)
     if re.match(r",\d", unit):
-        raise QuantityError(f"{shown(text)} can be read in two ways. Write it without the comma.", text)
+        raise InputError(_KEY, f"{shown(text)} can be read in two ways. Write it without the comma.", text)
     if re.match(r"\s+\d", unit):
-        raise QuantityError(f"{shown(text)} has a space in its number. Write it without.", text)
+        raise InputError(_KEY, f"{shown(text)} has a space in its number. Write it without.", text)
     if dimension == "interval" and _canonical_spelling(unit) in DIMENSIONS["frequency"].units:
         rate = parse_exact(stripped, "frequency")[0]  # "5 Hz" is 0.2 s
         if rate <= 0:
-            raise QuantityError(refused, text)
+            raise InputError(_KEY, refused, text)
         return 1 / rate, table.default_unit
     symbol = unit_symbol(unit, dimension)
     return table.amount(_decimal(number, text), symbol), symbol
@@ -202,7 +183,7 @@ def with_point(text: str) -> str:
 def _decimal(number: str, text: str) -> Fraction:
     exponent = number.lower().partition("e")[2]
     if exponent and abs(int(exponent)) > MAX_EXPONENT:
-        raise QuantityError(f"{shown(text)} is too large or too small.", text)
+        raise InputError(_KEY, f"{shown(text)} is too large or too small.", text)
     return Fraction(number)
 
 
@@ -211,13 +192,13 @@ def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
 
     Raises
     ------
-    QuantityError
+    InputError
         If the result is too large for a float.
     """
     try:
         return float(DIMENSIONS[dimension].amount(Fraction(number), unit))
     except OverflowError as error:
-        raise QuantityError(f"The number before {unit!r} is too large.", number) from error
+        raise InputError(_KEY, f"The number before {unit!r} is too large.", number) from error
 
 
 def from_si(value: float, unit: str, dimension: str) -> float:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeVar
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, not_a_choice, shown
-from nav_model.base.units import QuantityError, format_quantity, parse_quantity
+from nav_model.base.units import format_quantity, parse_quantity
 from nav_model.design.declaration import BaseQuantity, Quantity
 from nav_model.design.parts import INPUTS
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -291,7 +291,7 @@ def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> t
         If the unit does not fit; `where` names what is wrong.
     """
     for dimension in allowed:
-        with suppress(QuantityError):
+        with suppress(InputError):
             return *parse_quantity(str(text), dimension), dimension
     raise InputError(where, _misfit(shown(text), figure, allowed), text)
 

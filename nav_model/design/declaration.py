@@ -16,7 +16,6 @@ from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.base.units import (
     Parsed,
-    QuantityError,
     exact_bound,
     format_bound,
     format_quantity,
@@ -232,14 +231,14 @@ class BaseQuantity(Declared, param.Number[_T]):
         if not isinstance(text, str):
             example = DIMENSIONS[dimension].examples[0]
             raise InputError(where, f'{shown(text)} is not text in quotes. Write for example "{example}".', text)
-        unit = ""
         try:
             advice = "" if sentence_label(self) == dimension else self._asked(reciprocal)
             exact, unit = parse_exact(text, dimension, advice)
+        except InputError as error:
+            raise InputError(where, error.reason, text) from error
+        try:
             value = float(Fraction(alternative.constant) / exact if reciprocal and alternative else exact)
             self._validate(value)
-        except QuantityError as error:
-            raise InputError(where, error.reason, text) from error
         except (InputError, OverflowError, ZeroDivisionError) as error:
             said = f"{shown(text.strip())} is not allowed. {self.allowed(unit, reciprocal)}"
             raise InputError(where, said, text) from error

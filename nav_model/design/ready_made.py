@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from nav_model.base.errors import InputError, not_a_choice, shown
-from nav_model.base.units import QuantityError, parse_quantity
+from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.design.contributors import RANDOM, SYSTEMATIC, Contributor
 
@@ -112,7 +112,7 @@ def ready_made(name: str, texts: Sequence[str], design: Design) -> Contributor:
     for box, text in zip(made.boxes, texts, strict=True):
         try:
             values.append(parse_quantity(text, box.dimension).value)
-        except QuantityError as error:
+        except InputError as error:
             reason = f"{shown(text)} does not fit. Write for example {box.example}."
             raise InputError(box.label, reason, text) from error
         said.append(f"{box.label.lower()} {text.strip()}")

@@ -8,7 +8,7 @@ from typing import Any
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, shown
-from nav_model.base.units import QuantityError, format_bound, format_quantity, parse_quantity
+from nav_model.base.units import format_bound, format_quantity, parse_quantity
 from nav_model.design.table import Table
 
 Row = tuple[float, float, str]
@@ -86,7 +86,7 @@ class Rows(Table):
         for dimension in self.dimensions:
             try:
                 return parse_quantity(pair[0], "frequency").value, parse_quantity(pair[1], dimension).value, dimension
-            except QuantityError as error:
+            except InputError as error:
                 refused = refused or error.reason
         raise InputError(self.key, refused, row)
 

@@ -9,7 +9,6 @@ import param
 
 from nav_model.base.errors import InputError, shown
 from nav_model.base.units import (
-    QuantityError,
     exact_bound,
     format_bound,
     format_quantity,
@@ -120,8 +119,8 @@ class Axes(_Several):
         last = _unit_of(parts[-1]) or unit
         try:
             numbers = [parse_quantity(with_unit(part, last), self.dimension).value for part in parts]
-        except QuantityError as error:
-            raise InputError(self.key, error.reason, text) from error
+        except InputError as error:
+            raise error.under(self.key) from error
         value = tuple(numbers if len(numbers) > 1 else numbers * count)
         self._validate(value)
         return value

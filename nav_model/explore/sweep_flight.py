@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from nav_model.base.errors import InputError
-from nav_model.base.units import QuantityError, parse_quantity
+from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, specification
 from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
@@ -86,12 +86,12 @@ def _whole(key: str, value: Any) -> int:
 
 
 def _time(key: str, value: Any) -> float:
+    if not isinstance(value, str):
+        raise InputError(key, f'{value!r}: a time is written with its unit, such as "500 s"', value)
     try:
-        if not isinstance(value, str):
-            raise InputError(key, f'{value!r}: a time is written with its unit, such as "500 s"', value)
         return parse_quantity(value, "time").value
-    except QuantityError as error:
-        raise InputError(key, f"{value!r}: {error.reason}", value) from error
+    except InputError as error:
+        raise error.under(key) from error
 
 
 def _outages(key: str, value: Any) -> tuple[tuple[float, float], ...]:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.base.toml_text import read_toml
-from nav_model.base.units import Parsed, QuantityError, parse_quantity
+from nav_model.base.units import Parsed, parse_quantity
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
 
@@ -134,8 +134,8 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         elif key in _EXTRA[kind]:
             try:
                 parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
-            except QuantityError as error:
-                raise InputError(where, error.reason, error.value) from error
+            except InputError as error:
+                raise error.under(where) from error
         else:
             name_of_input, declaration = _input(kind, key, where)
             parsed, target = declaration.read(item["value"], key), values

@@ -5,7 +5,6 @@ import pickle
 import pytest
 
 from nav_model.base.errors import InputError
-from nav_model.base.units import QuantityError, parse_quantity
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.catalogue import find
@@ -52,10 +51,3 @@ def test_the_value_is_what_was_given_as_it_was_given(make, key, value):
         make()
     assert (caught.value.key, caught.value.value) == (key, value)
     assert type(caught.value.value) is type(value)
-
-
-def test_what_the_unit_parser_refuses_has_fields_too():
-    with pytest.raises(QuantityError) as caught:
-        parse_quantity("1 m", "time")
-    again = pickle.loads(pickle.dumps(caught.value))
-    assert (str(again), again.reason, again.value) == (str(caught.value), caught.value.reason, " m")

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.errors import InputError
 from nav_model.base.units import (
-    QuantityError,
     format_quantity,
     from_si,
     parse_quantity,
@@ -128,7 +128,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "dimension"), REFUSED, ids=[f"{t[:20]}-{d}" for t, d in REFUSED])
 def test_refusals_say_what_was_given_and_what_is_allowed(text, dimension):
-    with pytest.raises(QuantityError) as caught:
+    with pytest.raises(InputError) as caught:
         parse_quantity(text, dimension)
     message = str(caught.value)
     assert "\n" not in message
@@ -138,7 +138,7 @@ def test_refusals_say_what_was_given_and_what_is_allowed(text, dimension):
 
 
 def test_a_space_among_digits_is_named():
-    with pytest.raises(QuantityError, match=r"'1 000 m' has a space in its number\. Write it without\."):
+    with pytest.raises(InputError, match=r"'1 000 m' has a space in its number\. Write it without\."):
         parse_quantity("1 000 m", "length")
 
 
