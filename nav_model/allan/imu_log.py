@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from nav_model.allan.noise_terms import FloatArray
+from nav_model.base.errors import InputError
 
 AXIS_LETTERS = ("x", "y", "z")
 
@@ -39,7 +40,7 @@ class ImuLog:
         return self.samples / self.rate_hz
 
     def axes(self) -> list[tuple[str, str, FloatArray]]:
-        """(name, quantity, signal) of every axis: gyro_x .. accelerometer_z."""
+        """(name, quantity, signal) of every axis: gyro_x .. accelerometer_z. InputError if there is none."""
         found: list[tuple[str, str, FloatArray]] = []
         for quantity, signal, first in (
             ("gyro", self.gyro, self.gyro_axis),
@@ -51,4 +52,8 @@ class ImuLog:
                     (f"{quantity}_{letter}", quantity, values)
                     for letter, values in zip(names, signal.T, strict=False)
                 ]
+        if not found:
+            raise InputError(
+                self.file_name, "The log has neither gyro nor accelerometer data. At least one is needed."
+            )
         return found

@@ -6,7 +6,7 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from nav_model.allan.log_names import Meaning, meaning_of, scale_of
 from nav_model.allan.noise_terms import FloatArray
 from nav_model.base.errors import InputError
 from nav_model.base.npz_arrays import read_npz_arrays
+from nav_model.design.file import read_bytes
 
 IGNORED = "-"
 RATE_TOLERANCE = 0.01
@@ -76,12 +77,12 @@ class _Found:
 
 
 def read_log(
-    source: str | Path | bytes | BinaryIO,
+    source: str | Path | bytes,
     options: LogOptions | None = None,
     file_name: str | None = None,
     limits: Limits | None = None,
 ) -> ImuLog:
-    """Read a path, bytes or binary stream into an ImuLog.
+    """Read a path or the bytes of a file into an ImuLog.
 
     The format is told by its first bytes (ZIP: NPZ; otherwise delimited text). Raises InputError under the
     name of the file, with row or array, what was found and what is allowed; under "rate", "gyro_unit" and
@@ -118,19 +119,11 @@ def read_log(
     )
 
 
-def _content(source: str | Path | bytes | BinaryIO, file_name: str | None, limits: Limits) -> tuple[bytes, str]:
+def _content(source: str | Path | bytes, file_name: str | None, limits: Limits) -> tuple[bytes, str]:
     if isinstance(source, bytes):
         content, name = source, file_name or "upload"
-    elif isinstance(source, str | Path):
-        path = Path(source)
-        name = file_name or path.name
-        try:
-            with path.open("rb") as handle:
-                content = handle.read(limits.file_bytes + 1)
-        except OSError as error:
-            raise InputError(name, f"cannot be read: {error.strerror or error}") from error
     else:
-        content, name = source.read(limits.file_bytes + 1), file_name or "upload"
+        content, name = read_bytes(source, limits.file_bytes), file_name or Path(source).name
     if len(content) > limits.file_bytes:
         raise InputError(name, f"The file is larger than {limits.file_bytes / 1e6:.0f} MB. Cut the log.")
     if not content:

@@ -94,8 +94,6 @@ def analyse_motion(
     if log.samples < 2 * length:
         raise InputError(log.file_name, f"{log.duration_s:.3g} s are too short; {2 * BLOCK_S:g} s are needed.")
     axes = log.axes()
-    if not axes:
-        raise InputError(log.file_name, "The log has neither gyro nor accelerometer data. At least one is needed.")
     found = []
     for index, (name, quantity, signal) in enumerate(axes):
         if progress is not None:
@@ -114,7 +112,7 @@ def analyse_motion(
         accelerometer_factor=None,
         vibration_factor=None,
         spectrum=vibration_spectrum(log),
-        provenance=Provenance(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading),
+        provenance=Provenance.of(log),
     )
     return over_bench(noise, bench)
 

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import numpy as np
 
 from nav_model.allan.deviation import AllanDeviation
+from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
 from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 
@@ -66,6 +67,11 @@ class Provenance:
     duration_s: float
     samples: int
     reading: tuple[str, ...]
+
+    @classmethod
+    def of(cls, log: ImuLog) -> Self:
+        """That of a log."""
+        return cls(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ from nav_model.allan.remedy import Cause, what_would_resolve
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance
 from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings, saturated_share
-from nav_model.base.errors import InputError
 
 # Both shares were set on the available logs: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
 # accelerometers under a 0.6 Hz line.
@@ -52,8 +51,6 @@ def analyse_log(log: ImuLog, progress: Callable[[float, str], None] | None = Non
     real-log departures, deviation.py for curves.
     """
     axes = log.axes()
-    if not axes:
-        raise InputError(log.file_name, "The log has neither gyro nor accelerometer data. At least one is needed.")
     interval_s = 1.0 / log.rate_hz
     results = []
     for index, (name, quantity, signal) in enumerate(axes):
@@ -62,8 +59,7 @@ def analyse_log(log: ImuLog, progress: Callable[[float, str], None] | None = Non
         results.append(_analyse_axis(name, quantity, signal, interval_s, log.temperature_c))
     if progress is not None:
         progress(1.0, "done")
-    provenance = Provenance(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading)
-    return LogAnalysis(tuple(results), provenance, log_warnings(log))
+    return LogAnalysis(tuple(results), Provenance.of(log), log_warnings(log))
 
 
 def _analyse_axis(

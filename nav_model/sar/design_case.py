@@ -76,12 +76,13 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
         raise InputError("radar.squint_angle", str(error)) from error
     wanted = max(sar.aperture_time * _RATE_HZ, 8 * sar.aperture_time / interval)
     samples = min(max(math.ceil(wanted), _LEAST_SAMPLES), _MOST_SAMPLES)
-    velocities = [float(noise) for noise in inputs_of(design).velocity_of_fix or (0.0, 0.0)]
+    x = inputs_of(design)
+    velocities = x.velocity_of_fix or (0.0, 0.0)
     level, down = (
         AxisModel(
-            accelerometer_noise=design.imu.velocity_random_walk * design.imu.vibration_factor,
-            gyro_noise=design.imu.angle_random_walk * design.imu.vibration_factor,
-            gnss_sigma=noise,
+            accelerometer_noise=float(x.sigma_a),
+            gyro_noise=float(x.sigma_w),
+            gnss_sigma=float(noise),
             fix_interval=interval,
             gravity=design.flight.gravity,
             accelerometer_bias=design.imu.accelerometer_bias,
@@ -89,13 +90,10 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
             horizontal=horizontal,
             slow_sigma=design.gnss.correlated_noise if design.gnss.correlated else 0.0,
             slow_time=design.gnss.correlation_time,
-            velocity_sigma=velocity,
+            velocity_sigma=float(velocity),
             leg_after=design.processing.leg_after,
         )
-        for noise, velocity, horizontal in (
-            (design.gnss.position_noise, velocities[0], True),
-            (_vertical_noise(design), velocities[1], False),
-        )
+        for noise, velocity, horizontal in ((x.fix, velocities[0], True), (x.fix_vertical, velocities[1], False))
     )
     return DesignCase(
         models=(level, level, down),
@@ -250,7 +248,3 @@ def flight_cautions(budget: Budget) -> tuple[str, ...]:
     if abs(flown - coast) > 1e-6:
         said.append(f"The outage is rounded to whole fix intervals: {flown:.4g} s instead of {coast:.4g} s.")
     return tuple(said)
-
-
-def _vertical_noise(design: Design) -> float:
-    return float(design.gnss.vertical_position_noise or design.gnss.position_noise)

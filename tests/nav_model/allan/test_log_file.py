@@ -270,13 +270,13 @@ def test_names_and_units():
             scale_of("gyro", text)
 
 
-def test_path_and_stream_give_the_same_log(tmp_path: Path):
+def test_a_path_and_its_bytes_give_the_same_log(tmp_path: Path):
     content = "\n".join(GOOD).encode()
     path = tmp_path / "static.csv"
     path.write_bytes(content)
-    from_path, from_stream = read_log(path), read_log(io.BytesIO(content), file_name="static.csv")
+    from_path, from_bytes = read_log(path), read_log(content, file_name="static.csv")
     assert from_path.file_name == "static.csv"
-    assert from_path.sha256 == from_stream.sha256
+    assert from_path.sha256 == from_bytes.sha256
     assert len(from_path.sha256) == 64
     with pytest.raises(InputError, match="No such file"):
         read_log(tmp_path / "missing.csv")
