@@ -24,12 +24,10 @@ def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tup
         if kind not in findings:
             continue
         report = subject.load("report")
-        if report.belongs(findings[kind], design):
-            told += report.sections(findings[kind], key)
+        if other := report.another_design(findings[kind], design):
+            left.append(f"{subject.study}: the last study belongs to another design, {other}.")
         else:
-            left.append(
-                f"{subject.study}: the last study belongs to another design, {report.of_design(findings[kind])}."
-            )
+            told += report.sections(findings[kind], key)
     if left:
         left.append("Run them again for this design to include them.")
         told.append(Section(f"{key}-left-out", "Studies left out", (Bullets(tuple(left)),)))
@@ -39,7 +37,7 @@ def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tup
 def belonging(findings: Mapping[str, Any], design: Design) -> dict[str, bool]:
     """Key of each finding, and whether the report of a design would include it."""
     return {
-        kind: subject.load("report").belongs(findings[kind], design)
+        kind: not subject.load("report").another_design(findings[kind], design)
         for kind, subject in STUDIES.items()
         if kind in findings
     }

@@ -25,7 +25,8 @@ class Subject:
         Module whose ``add_to(commands)`` declares its commands.
     report : str
         Module that describes a result in a design's report: ``sections(result, key)``. If the result is that of a
-        study, also ``belongs(result, design)``, ``of_design(result)`` and ``study(design, options)``, which runs one.
+        study, also ``another_design(result, design)``, the one it is of unless that is this design, and
+        ``study(design, options)``, which runs one.
     study : str
         What its study is called in a report; empty for a subject whose results follow from the design at once.
     ahead : str

@@ -37,14 +37,10 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
     return SarResult(design_case(found.budget), found, point_pictures(found.budget, found.typical))
 
 
-def belongs(result: SarResult, design: Design) -> bool:
-    """Whether the strategies were run for exactly this design."""
-    return result.study.budget.design.content_hash == design.content_hash
-
-
-def of_design(result: SarResult) -> str:
-    """The design they were run for."""
-    return identified(result.study.budget.design)
+def another_design(result: SarResult, design: Design) -> str:
+    """The design the strategies were run for, where that is not exactly this one; else nothing."""
+    own = result.study.budget.design
+    return "" if own.content_hash == design.content_hash else identified(own)
 
 
 def sections(result: SarResult, key: str) -> tuple[Section, ...]:

@@ -50,14 +50,9 @@ def study(design: Design, options: argparse.Namespace) -> SimulationStudy:
     return fly_design(design, flown)
 
 
-def belongs(study: SimulationStudy, design: Design) -> bool:
-    """Whether the study was flown for exactly this design."""
-    return study.design.content_hash == design.content_hash
-
-
-def of_design(study: SimulationStudy) -> str:
-    """The design it was flown for."""
-    return identified(study.design)
+def another_design(study: SimulationStudy, design: Design) -> str:
+    """The design it was flown for, where that is not exactly this one; else nothing."""
+    return "" if study.design.content_hash == design.content_hash else identified(study.design)
 
 
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:

@@ -50,16 +50,12 @@ def study(design: Design, options: argparse.Namespace) -> Shown:
     return Shown(survey, survey.study, settings, "all")
 
 
-def belongs(shown: Shown, design: Design) -> bool:
-    """Whether no input of the study comes from another design than this one, as it is now."""
+def another_design(shown: Shown, design: Design) -> str:
+    """The design whose inertial unit it took, where that is not this design's as it is now; else nothing."""
     settings = shown.settings
-    return not follows_design(settings) or dict(from_design(settings, design).values) == dict(settings.values)
-
-
-def of_design(shown: Shown) -> str:
-    """The design whose inertial unit it took."""
-    origins = shown.settings.origin.values()
-    return next((origin for origin in origins if origin.startswith(OF_DESIGN)), "none")
+    if not follows_design(settings) or dict(from_design(settings, design).values) == dict(settings.values):
+        return ""
+    return next((origin for origin in settings.origin.values() if origin.startswith(OF_DESIGN)), "none")
 
 
 def sections(shown: Shown, key: str) -> tuple[Section, ...]:

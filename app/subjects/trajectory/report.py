@@ -28,14 +28,9 @@ def study(design: Design, options: argparse.Namespace) -> Followed:
     return follow(design, _STATES)
 
 
-def belongs(study: Followed, design: Design) -> bool:
-    """Whether it is of exactly this design."""
-    return study.design.content_hash == design.content_hash
-
-
-def of_design(study: Followed) -> str:
-    """The design it is of."""
-    return identified(study.design)
+def another_design(study: Followed, design: Design) -> str:
+    """The design it is of, where that is not exactly this one; else nothing."""
+    return "" if study.design.content_hash == design.content_hash else identified(study.design)
 
 
 def sections(study: Followed, key: str) -> tuple[Section, ...]:

@@ -22,7 +22,7 @@ def test_what_a_subject_names_is_there(subject: Subject) -> None:
     if subject.ahead:
         assert asyncio.iscoroutinefunction(subject.load("ahead"))
     if subject.report:
-        named = ("sections", "belongs", "of_design", "study") if subject.study else ("sections",)
+        named = ("sections", "another_design", "study") if subject.study else ("sections",)
         assert all(callable(getattr(subject.load("report"), name)) for name in named)
 
 
