@@ -152,14 +152,6 @@ class InputSheet(PlainScript):
         """A person has typed or chosen something."""
         self._put(key, lambda: self.inputs[key].take(text))
 
-    def slide(self, key: str, place: float) -> None:
-        """A person has moved a slider."""
-        self._put(key, lambda: self.inputs[key].slide(place))
-
-    def turn_to(self, key: str, unit: str) -> None:
-        """A person has chosen another unit."""
-        self._put(key, lambda: self.inputs[key].turn_to(unit))
-
     def _put(self, key: str, take: Callable[[], InputError | None], heard: int | None = None) -> None:
         with pn.io.hold():  # all that comes of it is one message
             self._entering = True

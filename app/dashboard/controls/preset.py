@@ -4,7 +4,6 @@ from app.dashboard.controls.design_input import DesignInput
 from app.document.wording import preset_name
 from app.ui.input_sheet import Row, choice_row
 from nav_model.base.errors import InputError
-from nav_model.design import Design
 from nav_model.design.catalogue import Entry, catalogue, find
 from nav_model.design.presets import deviations, entry_of, kind_of, preset_fill, preset_of
 
@@ -26,12 +25,9 @@ class PresetInput(DesignInput[None]):
             "restore": "Restore catalogue values",
         }
 
-    def seen(self, design: Design) -> object:
-        """The entry, and the values that may differ from it."""
-        return preset_of(design, self.section), getattr(design, self.section)
-
-    def told(self, design: Design) -> Row:
+    def shown(self) -> Row:
         """The entry; once edited it is no longer what the catalogue has."""
+        design = self.session.design
         name, changed = preset_of(design, self.section) or "", len(deviations(design, self.section))
         entry = entry_of(design, self.section)
         return {

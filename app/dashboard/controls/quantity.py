@@ -10,7 +10,7 @@ from app.ui.log_scale import scale_of
 from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.presets import entry_of, preset_of
+from nav_model.design.presets import entry_of
 
 
 class QuantityInput(DesignInput[BaseQuantity[Any]]):
@@ -28,13 +28,9 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         empty = declared.when_empty if declared.allow_None else ""
         return text_row(str(declared.label), said, declared.dimension, empty=empty, scale=self._scale)
 
-    def seen(self, design: Design) -> object:
-        """Value, unit, and what its source is judged by."""
-        section = self.key.partition(".")[0]
-        return design[self.key], design.unit(self.key), preset_of(design, section), design.origins.get(self.key)
-
-    def told(self, design: Design) -> Row:
+    def shown(self) -> Row:
         """The value in its unit, and where it came from."""
+        design = self.session.design
         value, unit = design[self.key], design.unit(self.key)
         assert value is None or isinstance(value, float | int)
         mark, note = _source(design, self.key)

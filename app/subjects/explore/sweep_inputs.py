@@ -95,7 +95,8 @@ class SweepRow(View):
         """What a sweep file says of this input."""
         if not self.numeric:
             return list(self.names.value)
-        low, high = (_with_unit(self._design(), self.key, box.value) for box in (self.low, self.high))
+        unit = self._design().unit(self.key)
+        low, high = (with_unit(box.value.strip(), unit) for box in (self.low, self.high))
         points = self.points.value.strip()
         return {
             "from": low,
@@ -111,15 +112,6 @@ def _names(key: str) -> list[str]:
     declared = declaration_of(key)
     assert isinstance(declared, Choice)
     return list(declared.objects)
-
-
-def _with_unit(design: Design, key: str, text: str) -> str | float:
-    if unit := design.unit(key):
-        return with_unit(text.strip(), unit)
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def sweep_file(design: Design, rows: Sequence[SweepRow]) -> str:

@@ -66,7 +66,6 @@ class ReviewRoom(View):
         presenting = desk.session.param.presenting
         self._asked: object = None
         self._wanted = ""  # id of the review to show
-        self._stand = _OPENING
         self._watch: Any = None  # looks for what others add, while a review is in view
         self._about = pmui.Select(label="Requirement", options={}, width=330, **LOOK)
         self._design = pmui.Select(label="Design", options={}, width=300, **LOOK)
@@ -156,10 +155,9 @@ class ReviewRoom(View):
             self._choice.param.trigger("value")  # the browser knows the value by its words, which may be others now
         self._all.html = table
         said = f"{sum(own.signed is None for own in reviews)} open. Choose one, or start one of selected designs."
-        self._stand = Answer(counted(len(reviews), "review"), "open", (said,)) if reviews else _NO_REVIEW
         self.review = next((own for own in reviews if own.id == self._wanted), None)
-        if self.review is None:  # as before, perhaps, so that nothing else says it
-            self.answer = self._stand
+        if self.review is None:
+            self.answer = Answer(counted(len(reviews), "review"), "open", (said,)) if reviews else _NO_REVIEW
 
     async def open(self, review: str) -> None:
         """Show a review by its id; an unknown one is said so."""
@@ -215,7 +213,6 @@ class ReviewRoom(View):
             self._details.visible = review is not None and not presenting
             self._choice.value = "" if review is None else review.id
             if review is None:
-                self.answer = self._stand
                 self._slide.object, self._comments.object = "", _EMPTY
             else:
                 self.answer = state_of(review)

@@ -119,7 +119,7 @@ def test_every_unit_converts_and_leaves_the_value(session: Session, key: str) ->
     value, kind = session.design[key], DIMENSIONS[declaration.dimension]
     assert [unit for unit, _ in sheet.row(key)["units"]] == ([] if kind.decibels else list(kind.units))
     for unit, factor in sheet.row(key)["units"]:
-        sheet.turn_to(key, unit)
+        sheet._handle_msg({"key": key, "unit": unit, "number": 1})
         assert session.design[key] == value
         assert session.design.unit(key) == sheet.row(key)["unit"] == unit
         if value is not None:
@@ -137,13 +137,13 @@ def test_a_sum_of_floats_reads_as_it_was_meant(session: Session) -> None:
 def test_a_slider_sets_a_value_of_three_digits_and_zero_at_its_end(session: Session) -> None:
     sheet, key = Sheet(session, "imu.gyro_bias", "gnss.velocity_noise"), "imu.gyro_bias"
     slider = sheet.row(key)["slider"]
-    sheet.slide(key, slider["end"] - 1.0)
+    sheet._handle_msg({"key": key, "place": slider["end"] - 1.0, "number": 1})
     assert session.design.imu.gyro_bias > 0
     assert len(sheet.row(key)["text"].split()[0].replace(".", "").lstrip("0")) <= 3
-    sheet.slide(key, slider["start"])
+    sheet._handle_msg({"key": key, "place": slider["start"], "number": 1})
     assert session.design.imu.gyro_bias == 0.0
     assert sheet.row(key)["place"] == slider["start"]
-    sheet.slide(key, 1e9)  # no slider goes there
+    sheet._handle_msg({"key": key, "place": 1e9, "number": 1})  # no slider goes there
     assert session.design.imu.gyro_bias == pytest.approx(10 ** slider["end"], rel=0.01)
     given = sheet.row("gnss.velocity_noise")
     assert (given["size"], given["place"]) == (None, given["slider"]["end"])
@@ -158,7 +158,7 @@ def test_a_step_of_a_slider_is_no_step_back(session: Session, start: str) -> Non
     place = sheet.row(key)["place"]
     for _ in range(20):
         place += 0.02
-        sheet.slide(key, place)
+        sheet._handle_msg({"key": key, "place": place, "number": 1})
         assert sheet.row(key)["place"] == pytest.approx(place, abs=0.01)
 
 

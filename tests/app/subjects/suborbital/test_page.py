@@ -83,9 +83,11 @@ def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage)
 
 def test_a_slider_keeps_the_ratio_of_the_axes(here: SuborbitalPage) -> None:
     sheet = here.inputs.sheet
-    sheet.slide("gyros.bias", float(np.log10(INPUTS["gyros.bias"].read("8 °/h")[0])))
+    sheet._handle_msg(
+        {"key": "gyros.bias", "place": float(np.log10(INPUTS["gyros.bias"].read("8 °/h")[0])), "number": 1}
+    )
     assert here.inputs.settings["gyros.bias"] == pytest.approx([2 * x for x in DEFAULTS["gyros.bias"]], rel=1e-3)
-    sheet.slide("gyros.bias", -20.0)
+    sheet._handle_msg({"key": "gyros.bias", "place": -20.0, "number": 1})
     assert here.inputs.settings["gyros.bias"] == (0.0, 0.0, 0.0)
 
 
@@ -261,7 +263,7 @@ def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_s
     assert "whole number of steps" in str(here.inputs.put("tracker.frame_interval", 0.15))
 
     def slid() -> None:
-        here.inputs.sheet.slide("tracker.frame_interval", float(np.log10(0.34)))
+        here.inputs.sheet._handle_msg({"key": "tracker.frame_interval", "place": float(np.log10(0.34)), "number": 1})
         assert here.study.shown.exact  # other frames need other matrices first
 
     when_done(slid, here.renewal)
