@@ -1,5 +1,7 @@
 """Budgets of the examples, and what the reports of several subjects share."""
 
+import asyncio
+import inspect
 import pickle
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
@@ -12,6 +14,16 @@ from app.document import pdf
 from app.examples import example
 from app.work import kept
 from nav_model.budget import Budget, analyse
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
+    """A test that is a coroutine runs in an event loop of its own."""
+    if not inspect.iscoroutinefunction(pyfuncitem.obj):
+        return None
+    asked = inspect.signature(pyfuncitem.obj).parameters
+    asyncio.run(pyfuncitem.obj(**{name: pyfuncitem.funcargs[name] for name in asked}))
+    return True
 
 
 @pytest.fixture(scope="session", autouse=True)

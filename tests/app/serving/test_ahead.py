@@ -11,7 +11,7 @@ from app.serving import server
 from app.subjects import Subject
 
 
-def test_subjects_begin_once_the_first_page_has_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_subjects_begin_once_the_first_page_has_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
     begun: list[Any] = []
 
     async def ahead(design: Any) -> None:
@@ -23,15 +23,11 @@ def test_subjects_begin_once_the_first_page_has_loaded(monkeypatch: pytest.Monke
     wind = Subject("wind", "Wind", "page:WindPage", ahead="page:ahead")
     monkeypatch.setattr(server, "SUBJECTS", (Subject("rain", "Rain", "page:RainPage"), wind))
     monkeypatch.setattr(server, "_REST", 0.0)
-
-    async def served() -> None:
-        loaded = asyncio.Event()
-        task = asyncio.create_task(server._prepare(loaded))
-        for _ in range(5):
-            await asyncio.sleep(0)
-        assert not begun
-        loaded.set()
-        await task
-
-    asyncio.run(served())
+    loaded = asyncio.Event()
+    task = asyncio.create_task(server._prepare(loaded))
+    for _ in range(5):
+        await asyncio.sleep(0)
+    assert not begun
+    loaded.set()
+    await task
     assert begun == [server.first_design()]

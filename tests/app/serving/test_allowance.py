@@ -65,17 +65,13 @@ def test_only_what_pages_send_is_taken(message: Any) -> None:
     assert Allowance(_MOST).against(message)
 
 
-def test_half_a_message_is_freed_without_waiting_for_a_collection() -> None:
+async def test_half_a_message_is_freed_without_waiting_for_a_collection() -> None:
     """Garbage waits for a quiet moment, and a flood leaves none."""
     handler = LimitedWSHandler.__new__(LimitedWSHandler)
     handler.receiver = Receiver(Protocol())
-
-    async def half() -> None:
-        for text in ({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": 2}, {}, {"events": []}, {"id": "1"}):
-            await handler.receiver.consume(json.dumps(text))
-        await handler.receiver.consume(bytes(1000))
-
-    asyncio.run(half())
+    for text in ({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": 2}, {}, {"events": []}, {"id": "1"}):
+        await handler.receiver.consume(json.dumps(text))
+    await handler.receiver.consume(bytes(1000))
     part = ref(handler.receiver._partial)
     gc.disable()
     try:
@@ -126,21 +122,18 @@ async def _deep(tab: Tab) -> None:
 
 
 @pytest.mark.parametrize("flood", [_endless, _roots, _values, _faults, _deep])
-def test_a_flood_ends_its_own_page_alone_and_is_a_few_lines_of_log(served: tuple[Any, Path], flood: Any) -> None:
+async def test_a_flood_ends_its_own_page_alone_and_is_a_few_lines_of_log(
+    served: tuple[Any, Path], flood: Any
+) -> None:
     server, log = served
-
-    async def run() -> tuple[list[str], list[str]]:
-        bystander, flooding = await Tab.open(server.address), await Tab.open(server.address)
-        with suppress(WebSocketClosedError):
-            await flood(flooding)
-        async with asyncio.timeout(PATIENCE):
-            await flooding._reading  # until it is hung up on
-        await bystander.pull()
-        await bystander.close()
-        return bystander.errors, flooding.errors
-
     before = log.stat().st_size
-    others, own = asyncio.run(run())
-    assert not others
-    assert "hung up: 1008" in own[-1]
+    bystander, flooding = await Tab.open(server.address), await Tab.open(server.address)
+    with suppress(WebSocketClosedError):
+        await flood(flooding)
+    async with asyncio.timeout(PATIENCE):
+        await flooding._reading  # until it is hung up on
+    await bystander.pull()
+    await bystander.close()
+    assert not bystander.errors
+    assert "hung up: 1008" in flooding.errors[-1]
     assert log.stat().st_size - before < 100_000

@@ -30,23 +30,19 @@ def _half(served: Any) -> socket.socket:
     return sent
 
 
-def test_more_half_sent_headers_than_files_keep_nobody_out(serving: Any, tmp_path: Path) -> None:
+async def test_more_half_sent_headers_than_files_keep_nobody_out(serving: Any, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with serving(log=log, program=("-c", _CODE.format(files=128, slowest=3600))) as served:
-
-        async def crowd() -> None:
-            page = await Tab.open(served.address)
-            with ExitStack() as held:
-                for _ in range(300):
-                    held.enter_context(_half(served))
-                await page.pull()  # who is in goes on
-                assert (await asyncio.to_thread(served.ask, "/liveness"))[0] == 200
-                await (await Tab.open(served.address)).close()  # who comes gets in
-                await page.pull()
-            await page.close()
-            assert not page.errors
-
-        asyncio.run(crowd())
+        page = await Tab.open(served.address)
+        with ExitStack() as held:
+            for _ in range(300):
+                held.enter_context(_half(served))
+            await page.pull()  # who is in goes on
+            assert (await asyncio.to_thread(served.ask, "/liveness"))[0] == 200
+            await (await Tab.open(served.address)).close()  # who comes gets in
+            await page.pull()
+        await page.close()
+        assert not page.errors
     assert log.stat().st_size < 10_000
 
 

@@ -163,22 +163,18 @@ def test_logout(visitor: Any) -> None:
     assert visitor.ask("/")[0] == 302
 
 
-def test_logging_out_closes_the_pages_of_this_login_and_no_others(visitor: Any) -> None:
+async def test_logging_out_closes_the_pages_of_this_login_and_no_others(visitor: Any) -> None:
     other = type(visitor)(visitor.process, visitor.port)
     for one in (visitor, other):
         one.log_in("ada", PASSWORD)
-
-    async def run() -> None:
-        leaving, staying = await visitor.enter(), await other.connect(other.token())
-        await asyncio.to_thread(visitor.log_out)
-        async with asyncio.timeout(PATIENCE):
-            while await leaving.read_message() is not None:
-                pass
-        assert leaving.close_reason == "logged out"
-        assert "ACK" in str(await staying.read_message())
-        await other.hang_up(staying)
-
-    asyncio.run(run())
+    leaving, staying = await visitor.enter(), await other.connect(other.token())
+    await asyncio.to_thread(visitor.log_out)
+    async with asyncio.timeout(PATIENCE):
+        while await leaving.read_message() is not None:
+            pass
+    assert leaving.close_reason == "logged out"
+    assert "ACK" in str(await staying.read_message())
+    await other.hang_up(staying)
 
 
 def test_guessing_is_slowed(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ def test_a_signal_leaves_no_process(signal_number: signal.Signals) -> None:
     until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in family), "the end of the workers")
 
 
-def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path: Path) -> None:
+async def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path: Path) -> None:
     code = (
         "import asyncio, sys, time, app.work.pool as w\n"
         "from app.cli import main\n"
@@ -63,27 +63,23 @@ def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp_path:
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
         address = process.stdout.readline().split()[-1]
-
-        async def stay() -> None:
-            tab = await Tab.open(address)
-            bars = (await tab.until(name="timelines"))["id"]
-            kept = http.client.HTTPConnection(address.rpartition("/")[2], timeout=PATIENCE)
-            kept.request("GET", "/liveness")
-            assert kept.getresponse().read()
-            process.send_signal(signal.SIGTERM)
-            await soon(lambda: refuses(kept.host, int(kept.port)), "a server that lets nobody in")
-            answered = tab.expect({bars})
-            await tab.slide("imu.angle_random_walk", -4.0)
-            await asyncio.wait_for(answered, PATIENCE)
-            kept.request("GET", "/")
-            answer = kept.getresponse()
-            assert answer.status == 503
-            assert "being stopped" in answer.read().decode()
-            kept.close()
-            process.send_signal(signal.SIGTERM)  # a second signal does not wait
-            await tab.close()
-
-        asyncio.run(stay())
+        tab = await Tab.open(address)
+        bars = (await tab.until(name="timelines"))["id"]
+        kept = http.client.HTTPConnection(address.rpartition("/")[2], timeout=PATIENCE)
+        kept.request("GET", "/liveness")
+        assert kept.getresponse().read()
+        process.send_signal(signal.SIGTERM)
+        await soon(lambda: refuses(kept.host, int(kept.port)), "a server that lets nobody in")
+        answered = tab.expect({bars})
+        await tab.slide("imu.angle_random_walk", -4.0)
+        await asyncio.wait_for(answered, PATIENCE)
+        kept.request("GET", "/")
+        answer = kept.getresponse()
+        assert answer.status == 503
+        assert "being stopped" in answer.read().decode()
+        kept.close()
+        process.send_signal(signal.SIGTERM)  # a second signal does not wait
+        await tab.close()
         assert process.wait(PATIENCE) == 0
 
 

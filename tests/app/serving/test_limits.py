@@ -17,55 +17,43 @@ pytestmark = pytest.mark.long
 PASSWORD = "correct horse battery"
 
 
-def test_session_limit(serving: Any) -> None:
+async def test_session_limit(serving: Any) -> None:
     with serving("--max-sessions", "2", "--session-lifetime", "1") as served:
-
-        async def crowd() -> None:
-            tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
-            connections = [await served.enter(token) for token in tokens]
-            status, text, headers = await asyncio.to_thread(served.ask, "/?f=9GHz")
-            assert status == 503
-            assert headers["Retry-After"] == "60"
-            assert "All places are taken" in text
-            connections.append(await served.connect(tokens[0]))  # the same page again is not a new session
-            await served.hang_up(*connections)
-
-        asyncio.run(crowd())
+        tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
+        connections = [await served.enter(token) for token in tokens]
+        status, text, headers = await asyncio.to_thread(served.ask, "/?f=9GHz")
+        assert status == 503
+        assert headers["Retry-After"] == "60"
+        assert "All places are taken" in text
+        connections.append(await served.connect(tokens[0]))  # the same page again is not a new session
+        await served.hang_up(*connections)
         metrics = served.metrics()
         assert metrics["navbudget_sessions_limit"] == 2
         assert metrics["navbudget_sessions_refused_total"] == 1
         until(lambda: served.ask("/")[0] != 503, "a closed page's place")
 
 
-def test_one_address_gets_half_of_the_places(serving: Any) -> None:
+async def test_one_address_gets_half_of_the_places(serving: Any) -> None:
     with serving("--max-sessions", "4", "--behind-proxy", "--processes", "1") as served:
-
-        async def crowd() -> None:
-            tokens = [await asyncio.to_thread(served.token) for _ in range(4)]
-            greedy, other = ({"X-Forwarded-For": address} for address in ("192.0.2.7", "192.0.2.8"))
-            connections = [await served.enter(token, **greedy) for token in tokens[:2]]
-            with pytest.raises(HTTPClientError, match="503"):
-                await served.connect(tokens[2], **greedy)
-            await served.hang_up(connections[0])  # a page that it has left gives way to its next
-            connections[0] = await served.enter(tokens[2], **greedy)
-            await served.hang_up(*connections, await served.enter(tokens[3], **other))
-
-        asyncio.run(crowd())
+        tokens = [await asyncio.to_thread(served.token) for _ in range(4)]
+        greedy, other = ({"X-Forwarded-For": address} for address in ("192.0.2.7", "192.0.2.8"))
+        connections = [await served.enter(token, **greedy) for token in tokens[:2]]
+        with pytest.raises(HTTPClientError, match="503"):
+            await served.connect(tokens[2], **greedy)
+        await served.hang_up(connections[0])  # a page that it has left gives way to its next
+        connections[0] = await served.enter(tokens[2], **greedy)
+        await served.hang_up(*connections, await served.enter(tokens[3], **other))
 
 
-def test_pages_that_an_address_has_left_do_not_keep_it_or_others_out(serving: Any) -> None:
+async def test_pages_that_an_address_has_left_do_not_keep_it_or_others_out(serving: Any) -> None:
     with serving("--max-sessions", "2", "--session-lifetime", "3600") as served:
-
-        async def crowd() -> None:
-            tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
-            for token in tokens:
-                await served.hang_up(await served.enter(token))
-            third = await served.enter()
-            kept = await served.enter(tokens[1])  # the older one gave way
-            assert (await asyncio.to_thread(served.ask, "/"))[0] == 503  # and nobody does who is there
-            await served.hang_up(third, kept)
-
-        asyncio.run(crowd())
+        tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
+        for token in tokens:
+            await served.hang_up(await served.enter(token))
+        third = await served.enter()
+        kept = await served.enter(tokens[1])  # the older one gave way
+        assert (await asyncio.to_thread(served.ask, "/"))[0] == 503  # and nobody does who is there
+        await served.hang_up(third, kept)
         assert served.metrics()["navbudget_sessions_opened_total"] == 3
 
 
@@ -98,22 +86,17 @@ def test_every_answer_keeps_other_sites_out(visitor: Any) -> None:
         assert "Tornado" not in headers["Server"]
 
 
-def test_oversized_requests_do_not_stop_the_server(visitor: Any) -> None:
+async def test_oversized_requests_do_not_stop_the_server(visitor: Any) -> None:
     with socket.create_connection(("127.0.0.1", visitor.port), timeout=PATIENCE) as raw:
         raw.sendall(b"POST /login HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10000000\r\n\r\n")
         assert raw.recv(100).startswith((b"HTTP/1.1 400", b"HTTP/1.1 413"))
     visitor.log_in("ada", PASSWORD)
-    token = visitor.token()
-
-    async def flood() -> int | None:
-        connection = await visitor.connect(token)
-        await connection.read_message()
-        with suppress(WebSocketClosedError):
-            await connection.write_message("x" * 21_000_000)
-        await visitor.hang_up(connection)
-        return connection.close_code
-
-    assert asyncio.run(flood()) in {1006, 1009, None}
+    connection = await visitor.connect(visitor.token())
+    await connection.read_message()
+    with suppress(WebSocketClosedError):
+        await connection.write_message("x" * 21_000_000)
+    await visitor.hang_up(connection)
+    assert connection.close_code in {1006, 1009, None}
     assert visitor.ask("/liveness")[0] == 200
 
 

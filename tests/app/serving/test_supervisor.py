@@ -82,55 +82,45 @@ def _nothing_stays(family: set[int], port: int) -> None:
         socket.create_connection(("127.0.0.1", port), PATIENCE)
 
 
-def test_pages_are_shared_out_and_the_limit_is_of_all_together(pair: Any) -> None:
-    async def crowd() -> None:
-        connections = []
-        for count in range(1, 6):
-            connections.append(await pair.enter())
-            rooms = await asyncio.to_thread(_rooms, pair)
-            assert sum(rooms) == count
-            assert abs(rooms[0] - rooms[1]) <= 1
-        early = pair.ask("/")
-        assert early[0] == 503
-        assert "All places are taken" in early[1]
-        await pair.hang_up(*connections)
-
+async def test_pages_are_shared_out_and_the_limit_is_of_all_together(pair: Any) -> None:
     before = pair.metrics()
-    asyncio.run(crowd())
+    connections = []
+    for count in range(1, 6):
+        connections.append(await pair.enter())
+        rooms = await asyncio.to_thread(_rooms, pair)
+        assert sum(rooms) == count
+        assert abs(rooms[0] - rooms[1]) <= 1
+    early = pair.ask("/")
+    assert early[0] == 503
+    assert "All places are taken" in early[1]
+    await pair.hang_up(*connections)
     after = pair.metrics()
     assert after["navbudget_sessions_opened_total"] == before["navbudget_sessions_opened_total"] + 5
     assert after["navbudget_sessions_refused_total"] == before["navbudget_sessions_refused_total"] + 1
     until(lambda: sum(_rooms(pair)) == 0, "the end of closed pages")
 
 
-def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(pair: Any) -> None:
-    async def go_on() -> None:
-        tabs = [await Tab.open(pair.address) for _ in range(2)]
-        assert await asyncio.to_thread(_rooms, pair) == (1, 1)
-        family = _page_processes(pair.process.pid)
-        assert len(family) == 2
-        os.kill(min(family), signal.SIGKILL)
-        await soon(lambda: any(tab.errors for tab in tabs), "word of the killed process's page")
-        (left,) = [tab for tab in tabs if not tab.errors]
-        answered = left.expect({(await left.until(name="timelines"))["id"]})
-        await left.slide("imu.angle_random_walk", -4.0)
-        await asyncio.wait_for(answered, PATIENCE)
-        await soon(lambda: len(_page_processes(pair.process.pid) - {min(family)}) == 2, "another in its place")
-        assert pair.ask("/liveness")[0] == 200
-        for tab in tabs:
-            with suppress(OSError):
-                await tab.close()
-
-    asyncio.run(go_on())
+async def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_place(pair: Any) -> None:
+    tabs = [await Tab.open(pair.address) for _ in range(2)]
+    assert await asyncio.to_thread(_rooms, pair) == (1, 1)
+    family = _page_processes(pair.process.pid)
+    assert len(family) == 2
+    os.kill(min(family), signal.SIGKILL)
+    await soon(lambda: any(tab.errors for tab in tabs), "word of the killed process's page")
+    (left,) = [tab for tab in tabs if not tab.errors]
+    answered = left.expect({(await left.until(name="timelines"))["id"]})
+    await left.slide("imu.angle_random_walk", -4.0)
+    await asyncio.wait_for(answered, PATIENCE)
+    await soon(lambda: len(_page_processes(pair.process.pid) - {min(family)}) == 2, "another in its place")
+    assert pair.ask("/liveness")[0] == 200
+    for tab in tabs:
+        with suppress(OSError):
+            await tab.close()
     until(lambda: sum(_rooms(pair)) == 0, "the end of closed pages")
-    asyncio.run(_visit(pair.address, 2))
-    until(lambda: sum(_rooms(pair)) == 0, "the end of the pages of those who came after")
-
-
-async def _visit(address: str, pages: int) -> None:
-    for tab in [await Tab.open(address) for _ in range(pages)]:
+    for tab in [await Tab.open(pair.address) for _ in range(2)]:
         assert not tab.errors
         await tab.close()
+    until(lambda: sum(_rooms(pair)) == 0, "the end of the pages of those who came after")
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])

@@ -11,22 +11,19 @@ from bokeh.server.server import BaseServer
 from app.upstream.listening import let_nobody_new_in, listen_on
 
 
-def test_open_connections_stay_open() -> None:
+async def test_open_connections_stay_open() -> None:
     done: list[str] = []
 
     async def cut() -> None:
         done.append("cut")
 
-    async def run() -> None:
-        loop = asyncio.get_running_loop()
-        server = BaseServer.__new__(BaseServer)
-        server._http = SimpleNamespace(stop=lambda: done.append("closed"), close_all_connections=cut)
-        server._loop = SimpleNamespace(add_callback=lambda work: loop.create_task(work()))
-        let_nobody_new_in(server)
-        await asyncio.sleep(0)
-        await asyncio.sleep(0)
-
-    asyncio.run(run())
+    loop = asyncio.get_running_loop()
+    server = BaseServer.__new__(BaseServer)
+    server._http = SimpleNamespace(stop=lambda: done.append("closed"), close_all_connections=cut)
+    server._loop = SimpleNamespace(add_callback=lambda work: loop.create_task(work()))
+    let_nobody_new_in(server)
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
     assert done == ["closed"]
 
 

@@ -134,19 +134,14 @@ def test_all_is_sent_at_once_and_in_the_order_it_was_made(
     assert asyncio.run(happens(_AS_SHIPPED, monkeypatch)) == shipped, "the repair can go when none of these holds"
 
 
-def test_a_fault_in_a_message_does_not_hold_up_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    async def end() -> None:
-        async def written() -> None:
-            raise ValueError("a fault")
+async def test_a_fault_in_a_message_does_not_hold_up_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def written() -> None:
+        raise ValueError("a fault")
 
-        connection = _Connection(monkeypatch, written)
-        try:
-            await sending._bokehs(connection, "x")
-        finally:
-            assert connection._socket.write_lock._block._value == 1, "the line goes on"
-
+    connection = _Connection(monkeypatch, written)
     with pytest.raises(ValueError, match="a fault"):
-        asyncio.run(end())
+        await sending._bokehs(connection, "x")
+    assert connection._socket.write_lock._block._value == 1, "the line goes on"
 
 
 @pytest.mark.parametrize(("asked", "told"), [("PULL-DOC-REQ", True), ("SERVER-INFO-REQ", False)])
@@ -172,38 +167,30 @@ def test_what_a_hold_collects_once_the_document_is_sent_is_told(
     assert [each.title for each in changes] == ["changed after"] * told
 
 
-def test_what_a_task_changes_meanwhile_is_told_once_the_session_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_what_a_task_changes_is_told_once_the_session_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(panel_document, "_drain_unconnected_events", sending._collected)
+    document, told = Document(), asyncio.Queue[str]()
+    context = BokehSessionContext("of a test", None, document)
+    document._session_context = weakref.ref(context)
+    session = ServerSession(context.id, document, IOLoop.current())
+    context._set_session(session)
 
-    async def change() -> list[str]:
-        document, told = Document(), asyncio.Queue[str]()
-        context = BokehSessionContext("of a test", None, document)
-        document._session_context = weakref.ref(context)
-        session = ServerSession(context.id, document, IOLoop.current())
-        context._set_session(session)
+    class Connection:
+        async def send_patch_document(self, event: Any) -> None:
+            told.put_nowait(event.title)
 
-        class Connection:
-            async def send_patch_document(self, event: Any) -> None:
-                told.put_nowait(event.title)
-
-        session.subscribe(Connection())
-        sending._sent.add(document)
-        with pn.io.hold(document):
-            document.title = "by a task"
-        found = [await asyncio.wait_for(told.get(), PATIENCE)]
-        session.destroy()
-        return found
-
-    assert asyncio.run(change()) == ["by a task"]
+    session.subscribe(Connection())
+    sending._sent.add(document)
+    with pn.io.hold(document):
+        document.title = "by a task"
+    assert await asyncio.wait_for(told.get(), PATIENCE) == "by a task"
+    session.destroy()
 
 
-def test_a_page_closed_meanwhile_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    async def end() -> None:
-        async def written() -> None:
-            raise WebSocketClosedError
+async def test_a_page_closed_meanwhile_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def written() -> None:
+        raise WebSocketClosedError
 
-        connection = _Connection(monkeypatch, written)
-        await sending._bokehs(connection, "x")
-        assert connection._socket.write_lock._block._value == 1, "the line goes on"
-
-    asyncio.run(end())
+    connection = _Connection(monkeypatch, written)
+    await sending._bokehs(connection, "x")
+    assert connection._socket.write_lock._block._value == 1, "the line goes on"

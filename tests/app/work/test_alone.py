@@ -37,21 +37,18 @@ def _refuse(*, progress: Any) -> None:
     raise ValueError("not this one")
 
 
-def test_a_process_that_stayed_small_does_the_next_run_behind_the_pages(monkeypatch: pytest.MonkeyPatch) -> None:
-    async def runs() -> None:
-        said: list[str] = []
-        first = await run_alone(_who, progress=lambda _, what: said.append(what))
-        with pytest.raises(ValueError, match="not this one"):
-            await run_alone(_refuse, progress=lambda *_: None)
-        monkeypatch.setattr(alone, "_SMALL", 0)
-        assert await run_alone(_who, progress=lambda *_: None) == first
-        assert said == ["looking"]
-        assert not alone._waiting
-        process, niceness = first
-        assert process not in [child.pid for child in multiprocessing.active_children()]
-        assert niceness == min(os.nice(0) + 10, 19)
-
-    asyncio.run(runs())
+async def test_a_process_that_stayed_small_does_the_next_run_and_steps_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+    first = await run_alone(_who, progress=lambda _, what: said.append(what))
+    with pytest.raises(ValueError, match="not this one"):
+        await run_alone(_refuse, progress=lambda *_: None)
+    monkeypatch.setattr(alone, "_SMALL", 0)
+    assert await run_alone(_who, progress=lambda *_: None) == first
+    assert said == ["looking"]
+    assert not alone._waiting
+    process, niceness = first
+    assert process not in [child.pid for child in multiprocessing.active_children()]
+    assert niceness == min(os.nice(0) + 10, 19)
 
 
 def _for_an_hour(*, progress: Any) -> None:
@@ -59,18 +56,15 @@ def _for_an_hour(*, progress: Any) -> None:
     time.sleep(3600)
 
 
-def test_cancelling_a_run_ends_it_at_once() -> None:
-    async def cancelled() -> None:
-        begun: list[str] = []
-        others = set(multiprocessing.active_children())
-        task = asyncio.create_task(run_alone(_for_an_hour, progress=lambda _, what: begun.append(what)))
-        await soon(lambda: begun, "the run in its process")
-        task.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await asyncio.wait_for(task, PATIENCE)
-        assert set(multiprocessing.active_children()) <= others
-
-    asyncio.run(cancelled())
+async def test_cancelling_a_run_ends_it_at_once() -> None:
+    begun: list[str] = []
+    others = set(multiprocessing.active_children())
+    task = asyncio.create_task(run_alone(_for_an_hour, progress=lambda _, what: begun.append(what)))
+    await soon(lambda: begun, "the run in its process")
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await asyncio.wait_for(task, PATIENCE)
+    assert set(multiprocessing.active_children()) <= others
 
 
 def test_a_process_that_died_while_it_waited_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:

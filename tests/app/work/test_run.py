@@ -85,7 +85,7 @@ def test_a_fault_of_ours_ends_the_run_and_is_not_swallowed():
     assert not run.running
 
 
-def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
+async def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
     run = Run()
     begun = []
 
@@ -97,41 +97,35 @@ def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
     async def short(_: Run) -> str:
         return "second"
 
-    async def main() -> None:
-        first = run.start(endless)
-        while not begun:
-            await asyncio.sleep(0)
-        second = run.start(short)
-        await asyncio.wait({first, second})
-        assert (run.result, run.running, run.message) == ("second", False, "")
-        third = run.start(endless)
-        while len(begun) < 2:
-            await asyncio.sleep(0)
-        run.cancel()
-        await third
-        assert (run.result, run.running, run.message) == ("second", False, "Cancelled: 3 of 9 runs.")
-
-    asyncio.run(main())
+    first = run.start(endless)
+    while not begun:
+        await asyncio.sleep(0)
+    second = run.start(short)
+    await asyncio.wait({first, second})
+    assert (run.result, run.running, run.message) == ("second", False, "")
+    third = run.start(endless)
+    while len(begun) < 2:
+        await asyncio.sleep(0)
+    run.cancel()
+    await third
+    assert (run.result, run.running, run.message) == ("second", False, "Cancelled: 3 of 9 runs.")
 
 
-def test_a_session_is_busy_while_any_of_its_runs_is_and_ends_them_when_it_closes():
+async def test_a_session_is_busy_while_any_of_its_runs_is_and_ends_them_when_it_closes():
     session = Session(Design())
     runs = [session.new_run(), session.new_run()]
 
     async def endless(_: Run) -> None:
         await asyncio.Event().wait()
 
-    async def main() -> None:
-        tasks = [run.start(endless) for run in runs]
-        await asyncio.sleep(0)
-        runs[0].cancel()
-        await tasks[0]
-        assert session.running
-        session.close()
-        await tasks[1]
-        assert not session.running
-
-    asyncio.run(main())
+    tasks = [run.start(endless) for run in runs]
+    await asyncio.sleep(0)
+    runs[0].cancel()
+    await tasks[0]
+    assert session.running
+    session.close()
+    await tasks[1]
+    assert not session.running
 
 
 def test_the_bar_follows_its_run():

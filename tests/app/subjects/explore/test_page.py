@@ -1,6 +1,5 @@
 """The Explore page without a browser: applying results, the user's sensors, refused input."""
 
-import asyncio
 import csv
 import io
 import re
@@ -195,18 +194,15 @@ def _vary(sure: Any, key: str, *cells: str) -> None:
     sure.rows.put(sure.rows.rows)
 
 
-def test_a_range_that_cannot_be_is_refused_by_name_and_the_last_one_stays(explore: ExplorePage) -> None:
-    async def asked() -> None:
-        sure = _ask(explore, "Probability")
-        _vary(sure, "imu.angle_random_walk", "uniform", "0.02", "0.06")
-        before = sure.ranges
-        _vary(sure, "imu.angle_random_walk", "uniform", "0.06", "0.02")
-        assert sure.rows.refused.startswith("Angle random walk: ")
-        assert "below" in sure.rows.refused
-        assert sure.ranges == before != ""
-        sure.run.cancel()
-
-    asyncio.run(asked())
+async def test_a_range_that_cannot_be_is_refused_by_name_and_the_last_one_stays(explore: ExplorePage) -> None:
+    sure = _ask(explore, "Probability")
+    _vary(sure, "imu.angle_random_walk", "uniform", "0.02", "0.06")
+    before = sure.ranges
+    _vary(sure, "imu.angle_random_walk", "uniform", "0.06", "0.02")
+    assert sure.rows.refused.startswith("Angle random walk: ")
+    assert "below" in sure.rows.refused
+    assert sure.ranges == before != ""
+    sure.run.cancel()
 
 
 def test_a_link_with_a_range_that_cannot_be_says_so(explore: ExplorePage) -> None:
@@ -215,15 +211,11 @@ def test_a_link_with_a_range_that_cannot_be_says_so(explore: ExplorePage) -> Non
     assert (sure.answer.word, sure.answer.tone) == ("No probability", "warn")
 
 
-def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
-    async def asked() -> Any:
-        sure = _ask(explore, "Probability")
-        await soon(lambda: "An example" in " ".join(sure.answer.sentences), "the example of an empty page")
-        _vary(sure, "imu.angle_random_walk", "uniform", "0.02", "0.06")
-        await soon(lambda: "of closing: 40.1" in sure.answer.word, "the probability")
-        return sure
-
-    sure = asyncio.run(asked())
+async def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
+    sure = _ask(explore, "Probability")
+    await soon(lambda: "An example" in " ".join(sure.answer.sentences), "the example of an empty page")
+    _vary(sure, "imu.angle_random_walk", "uniform", "0.02", "0.06")
+    await soon(lambda: "of closing: 40.1" in sure.answer.word, "the probability")
     found = uncertain_verdict(first_design(), {"imu.angle_random_walk": read_uncertain(
         "imu.angle_random_walk", "0.02 °/√h .. 0.06 °/√h")})  # fmt: skip
     assert sure.run.result.closes == found.closes
@@ -235,31 +227,23 @@ def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> None:
     )
 
 
-def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePage) -> None:
-    async def asked() -> str:
-        _search(explore).biases = "zero"
-        _ask(explore, "Trade-off map").y = "gnss.interval"
-        sure = _ask(explore, "Probability")
-        _vary(sure, "imu.vibration_factor", "log-uniform", "1.0", "8.0")
-        _vary(sure, "gnss.position_noise", "typical", "1 m", "1.5")
-        sure.run.cancel()
-        return explore.session.link
-
-    link = asyncio.run(asked())
+async def test_question_ranges_and_choices_come_back_with_the_link(explore: ExplorePage) -> None:
+    _search(explore).biases = "zero"
+    _ask(explore, "Trade-off map").y = "gnss.interval"
+    sure = _ask(explore, "Probability")
+    _vary(sure, "imu.vibration_factor", "log-uniform", "1.0", "8.0")
+    _vary(sure, "gnss.position_noise", "typical", "1 m", "1.5")
+    sure.run.cancel()
     again = Session(first_design())
-    again.take_studies(split_link(link)[1])
-
-    async def reloaded() -> None:
-        page = ExplorePage(again)
-        assert page.views.chosen == "Probability"
-        assert [list(row.values())[:3] for row in page.question.rows.rows if row.get("kind")] == [
-            ["log-uniform", "1.0", "8.0"], ["typical", "1 m", "1.5"]
-        ]  # fmt: skip
-        page.question.run.cancel()
-        assert _search(page).biases == "zero"
-        assert _ask(page, "Trade-off map").y == "gnss.interval"
-
-    asyncio.run(reloaded())
+    again.take_studies(split_link(explore.session.link)[1])
+    page = ExplorePage(again)
+    assert page.views.chosen == "Probability"
+    assert [list(row.values())[:3] for row in page.question.rows.rows if row.get("kind")] == [
+        ["log-uniform", "1.0", "8.0"], ["typical", "1 m", "1.5"]
+    ]  # fmt: skip
+    page.question.run.cancel()
+    assert _search(page).biases == "zero"
+    assert _ask(page, "Trade-off map").y == "gnss.interval"
 
 
 def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(explore: ExplorePage) -> None:
@@ -290,18 +274,12 @@ def _rows(sweep: SweepPanel, *specs: tuple[str, str, str, str]) -> None:
         row.low.value, row.high.value, row.points.value = low, high, points
 
 
-def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> None:
-    async def swept() -> SweepPanel:
-        sweep: SweepPanel = _ask(explore, "Sweep")
-        _rows(
-            sweep, ("imu.angle_random_walk", "0.01 °/√h", "0.1 °/√h", "5"), ("gnss.position_noise", "0.1", "1", "3")
-        )
-        assert "15 designs" in sweep._count.object
-        await sweep.start()
-        sweep.estimate.cancel()
-        return sweep
-
-    sweep = asyncio.run(swept())
+async def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> None:
+    sweep: SweepPanel = _ask(explore, "Sweep")
+    _rows(sweep, ("imu.angle_random_walk", "0.01 °/√h", "0.1 °/√h", "5"), ("gnss.position_noise", "0.1", "1", "3"))
+    assert "15 designs" in sweep._count.object
+    await sweep.start()
+    sweep.estimate.cancel()
     columns = sweep.run.result.columns
     assert len(columns["row"]) == 15
     base = first_design()
@@ -316,12 +294,8 @@ def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> Non
     assert len(passing) == sum(columns["closes"])
     assert margins.tolist() == [*sorted(passing), *sorted(margins[margins < 0], reverse=True)]
     best = int(np.argmax(1 - sweep_ratios(columns)))
-
-    async def taken_up() -> None:
-        sweep._table._handle_msg(str(best))
-        sweep.estimate.cancel()
-
-    asyncio.run(taken_up())
+    sweep._table._handle_msg(str(best))
+    sweep.estimate.cancel()
     taken = explore.session.design
     assert taken.imu.angle_random_walk == pytest.approx(columns["imu.angle_random_walk"][best])
     assert "earlier sweep or design" in sweep.answer.sentences[0]  # the design is another now
@@ -331,32 +305,26 @@ def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> Non
     assert [float(row["gnss.position_noise"]) for row in table] == parquet["gnss.position_noise"].to_pylist()
 
 
-def test_a_sweep_too_large_for_the_page_is_not_started(explore: ExplorePage) -> None:
-    async def asked() -> None:
-        sweep = _ask(explore, "Sweep")
-        _rows(sweep, ("imu.angle_random_walk", "0.01", "1", "1000"), ("gnss.position_noise", "0.01", "1", "1000"))
-        assert "1,000,000 designs; at most 200,000 on this page" in sweep._count.object
-        assert sweep.bar.start.disabled
-        assert sweep.start() is None
-        _rows(sweep, ("imu.angle_random_walk", "5 kg", "1", "10"))
-        assert "kg" in sweep._count.object
-        assert sweep.bar.start.disabled
-        sweep.estimate.cancel()
-
-    asyncio.run(asked())
+async def test_a_sweep_too_large_for_the_page_is_not_started(explore: ExplorePage) -> None:
+    sweep = _ask(explore, "Sweep")
+    _rows(sweep, ("imu.angle_random_walk", "0.01", "1", "1000"), ("gnss.position_noise", "0.01", "1", "1000"))
+    assert "1,000,000 designs; at most 200,000 on this page" in sweep._count.object
+    assert sweep.bar.start.disabled
+    assert sweep.start() is None
+    _rows(sweep, ("imu.angle_random_walk", "5 kg", "1", "10"))
+    assert "kg" in sweep._count.object
+    assert sweep.bar.start.disabled
+    sweep.estimate.cancel()
 
 
-def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> None:
-    async def swept() -> SweepPanel:
-        sweep: SweepPanel = _ask(explore, "Sweep")
-        sweep.rows[0].input.value = "imu.preset"
-        sweep.rows[0].names.value = ["LN-200", "STIM300"]
-        sweep.rows[1].input.value = NONE
-        await sweep.start()
-        sweep.estimate.cancel()
-        return sweep
-
-    columns = asyncio.run(swept()).run.result.columns
+async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> None:
+    sweep: SweepPanel = _ask(explore, "Sweep")
+    sweep.rows[0].input.value = "imu.preset"
+    sweep.rows[0].names.value = ["LN-200", "STIM300"]
+    sweep.rows[1].input.value = NONE
+    await sweep.start()
+    sweep.estimate.cancel()
+    columns = sweep.run.result.columns
     for name, ratio in zip(columns["imu.preset"], sweep_ratios(columns), strict=True):
         fill = preset_fill("imu", name)[0]
         assert 1 - ratio == pytest.approx(analyse(first_design().replace(fill)).verdict.tightest.margin, rel=1e-9)

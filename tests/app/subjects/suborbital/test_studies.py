@@ -47,51 +47,42 @@ async def _begun() -> None:
         await asyncio.sleep(0)
 
 
-def test_who_asks_for_the_study_under_way_waits_for_it_and_hears_of_it(flights: _Flights) -> None:
-    async def both() -> None:
-        said: list[str] = []
-        ahead = asyncio.create_task(fly_ahead(first_design()))
-        await _begun()
-        asked = asyncio.create_task(fly_study(_USUAL, None, lambda _, what: said.append(what)))
-        file = asyncio.create_task(fly_study(_USUAL, ("mine.csv", b""), lambda *_: None))
-        await _begun()
-        assert len(flights.flown) == 2  # a file's is another study
-        flights.end.set()
-        await asyncio.gather(ahead, file)
-        assert await asked == "the study"
-        assert said == ["gravity models"]
-        assert kept_study(_USUAL) == "the study"
-        await fly_ahead(first_design())
-        assert len(flights.flown) == 2
-        assert not studies._begun
-
-    asyncio.run(both())
+async def test_who_asks_for_the_study_under_way_waits_for_it_and_hears_of_it(flights: _Flights) -> None:
+    said: list[str] = []
+    ahead = asyncio.create_task(fly_ahead(first_design()))
+    await _begun()
+    asked = asyncio.create_task(fly_study(_USUAL, None, lambda _, what: said.append(what)))
+    file = asyncio.create_task(fly_study(_USUAL, ("mine.csv", b""), lambda *_: None))
+    await _begun()
+    assert len(flights.flown) == 2  # a file's is another study
+    flights.end.set()
+    await asyncio.gather(ahead, file)
+    assert await asked == "the study"
+    assert said == ["gravity models"]
+    assert kept_study(_USUAL) == "the study"
+    await fly_ahead(first_design())
+    assert len(flights.flown) == 2
+    assert not studies._begun
 
 
 @pytest.mark.parametrize("waits", [False, True])
-def test_a_study_ahead_ends_with_the_server_unless_somebody_waits(flights: _Flights, waits: bool) -> None:
-    async def stopped() -> None:
-        ahead = asyncio.create_task(fly_ahead(first_design()))
-        await _begun()
-        asked = [asyncio.create_task(fly_study(_USUAL, None, lambda *_: None)) for _ in range(waits)]
-        await _begun()
-        ahead.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await ahead
-        await _begun()
-        assert flights.ended == (not waits)
-        flights.end.set()
-        assert await asyncio.gather(*asked) == ["the study"] * waits
-
-    asyncio.run(stopped())
+async def test_a_study_ahead_ends_with_the_server_unless_somebody_waits(flights: _Flights, waits: bool) -> None:
+    ahead = asyncio.create_task(fly_ahead(first_design()))
+    await _begun()
+    asked = [asyncio.create_task(fly_study(_USUAL, None, lambda *_: None)) for _ in range(waits)]
+    await _begun()
+    ahead.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await ahead
+    await _begun()
+    assert flights.ended == (not waits)
+    flights.end.set()
+    assert await asyncio.gather(*asked) == ["the study"] * waits
 
 
-def test_a_study_ahead_that_fails_is_flown_again_by_who_asks(flights: _Flights) -> None:
-    async def failed() -> None:
-        flights.fails = True
-        flights.end.set()
-        await fly_ahead(first_design())
-        flights.fails = False
-        assert await fly_study(_USUAL, None, lambda *_: None) == "the study"
-
-    asyncio.run(failed())
+async def test_a_study_ahead_that_fails_is_flown_again_by_who_asks(flights: _Flights) -> None:
+    flights.fails = True
+    flights.end.set()
+    await fly_ahead(first_design())
+    flights.fails = False
+    assert await fly_study(_USUAL, None, lambda *_: None) == "the study"
