@@ -13,18 +13,20 @@ from app.serving.board import Board
 from app.serving.rules import Rules, is_loopback
 
 _FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Real-Ip")
-_TOTALS: tuple[tuple[type[Metric], str, str, str], ...] = (
+_Families = tuple[tuple[type[Metric], str, str, str], ...]
+_TOTALS: _Families = (
     (GaugeMetricFamily, "navbudget_sessions", "Sessions open now.", "sessions"),
     (CounterMetricFamily, "navbudget_sessions_opened", "Sessions opened.", "opened"),
-    (
-        CounterMetricFamily,
-        "navbudget_sessions_refused",
-        "Visitors turned away because the server was full.",
-        "refused",
-    ),
+    (CounterMetricFamily, "navbudget_sessions_refused", "Visitors turned away: the server was full.", "refused"),
     (CounterMetricFamily, "navbudget_events", "Budgets computed for a change.", "events"),
     (GaugeMetricFamily, "navbudget_heavy_tasks", "Heavy tasks waiting or running.", "heavy"),
 )
+_OF_EACH: _Families = (
+    (GaugeMetricFamily, "navbudget_process_sessions", "Sessions open now.", "sessions"),
+    (GaugeMetricFamily, "navbudget_process_up", "1 while it serves pages.", "ready"),
+    (CounterMetricFamily, "navbudget_process_restarts", "Times it was started again.", "restarts"),
+)
+"""Kind, name, help and column on the board: of sums over the processes, and of each process."""
 
 
 class ServerMetrics(Collector):
@@ -45,25 +47,12 @@ class ServerMetrics(Collector):
             yield kind(name, text, value=self._board.total(column))  # type: ignore[call-arg]
         yield GaugeMetricFamily("navbudget_sessions_limit", "Sessions allowed at once.", value=self._most)
         yield GaugeMetricFamily("navbudget_uptime_seconds", "Seconds since the server began.", value=self._uptime())
-        yield self._of_each()
-        yield from self._of_the_supervisor()
+        for kind, name, text, column in _OF_EACH:
+            family = kind(name, text, labels=["process"])  # type: ignore[call-arg]
+            for process in range(self._board.processes):
+                family.add_metric([str(process)], self._board.get(process, column))  # type: ignore[attr-defined]
+            yield family
         yield from self._of_the_machine()
-
-    def _of_each(self) -> Metric:
-        family = GaugeMetricFamily("navbudget_process_sessions", "Sessions open now.", labels=["process"])
-        for process in range(self._board.processes):
-            family.add_metric([str(process)], self._board.get(process, "sessions"))
-        return family
-
-    def _of_the_supervisor(self) -> Iterator[Metric]:
-        up = GaugeMetricFamily("navbudget_process_up", "1 while it serves pages.", labels=["process"])
-        restarts = CounterMetricFamily(
-            "navbudget_process_restarts", "Times it was started again.", labels=["process"]
-        )
-        for process in range(self._board.processes):
-            up.add_metric([str(process)], int(self._board.get(process, "pid") > 0))
-            restarts.add_metric([str(process)], self._board.get(process, "restarts"))
-        yield from (up, restarts)
 
     def _of_the_machine(self) -> Iterator[Metric]:
         """Memory, processor time and open files of each process that serves pages."""
