@@ -24,15 +24,13 @@ GRAVITY_ROW = "gravity model"
 class SuborbitalInputs:
     """What a person can set. The default is the reference flight with GP-1 and a perfect camera.
 
-    ins_gravity is what the INS believes; the true field is flight.gravity. output_interval_s must be a
-    multiple of the flight's step.
+    ins_gravity is what the INS believes; the true field is flight.gravity.
     """
 
     flight: FlightParameters = field(default_factory=FlightParameters)
     errors: ErrorSet = field(default_factory=ErrorSet)
     aiding: Aiding = field(default_factory=Aiding)
     ins_gravity: str = "spherical"
-    output_interval_s: float = 1.0
 
     def __post_init__(self) -> None:
         require(
@@ -63,7 +61,7 @@ class Study:
     """Result of `run_study`. Case k of `names` is row k of `parameters` and of every error array.
 
     kinds: "source", "class" or "gravity" per case; marks: the equation or run each number came from; pure
-    and aided: error histories (cases first).
+    and aided: error histories (cases first), with `every` steps of the flight between two points.
     """
 
     inputs: SuborbitalInputs
@@ -75,6 +73,7 @@ class Study:
     pure: NavigationErrors = field(repr=False)
     aided: NavigationErrors = field(repr=False)
     linear: LinearParts = field(repr=False)
+    every: int
 
     def case(self, name: str) -> int:
         """Index of a case; ValueError naming it when there is none."""
@@ -85,11 +84,6 @@ class Study:
         """Errors of a case at the end, north, east, up, of the INS alone and with the tracker."""
         k = self.case(name)
         return self.pure.position_m[k, -1], self.aided.position_m[k, -1]
-
-    @property
-    def every(self) -> int:
-        """Steps of the flight between two points of the histories."""
-        return round(self.inputs.output_interval_s / self.flight.step_s)
 
     @property
     def used(self) -> np.ndarray:
@@ -125,25 +119,20 @@ def run_study(
     *,
     flight: TrueFlight | None = None,
     measured: AttitudeFrames | None = None,
+    every: int = 10,
     progress: Callable[[float], None] | None = None,
 ) -> Study:
     """Integrate every case, with and without star tracker.
 
     flight: a loaded trajectory, or inputs.flight where it has been flown already; measured: attitudes from star
-    images (`star_camera.track_stars`), taken by the case "all" in place of perfect frames. The row "gravity model"
+    images (`star_camera.track_stars`), taken by the case "all" in place of perfect frames; every: steps between two
+    points of the histories, a divisor of the flight's. The row "gravity model"
     is an INS without any other error whose gravity is not the true one; when both are the same it asks what
     a truth with J2 would cost, flying the reference flight again in that field (for a loaded trajectory it is
     then zero). Raises ValueError for bad input.
     """
     given = inputs or SuborbitalInputs()
     truth = flight or reference_flight(given.flight)
-    ratio = given.output_interval_s / truth.step_s
-    every = round(ratio)
-    require(
-        every >= 1 and abs(ratio - every) < 1e-6 and truth.steps % every == 0,
-        f"output_interval_s = {given.output_interval_s!r}: must be a multiple of the step of "
-        f"{truth.step_s!r} s and divide the flight",
-    )
     names, parameters = case_parameters(given.errors, given.aiding)
     worn = {
         "star tracker misalignment": camera_frames(truth, replace(given.aiding, latency_s=0.0)),
@@ -198,6 +187,7 @@ def run_study(
             pure_noise=noise_parts(truth, None, None, every),
             aided_noise=noise_parts(truth, used, worn["all"].covariance, every),
         ),
+        every=every,
     )
 
 

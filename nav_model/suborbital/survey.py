@@ -5,7 +5,7 @@ it cannot follow (flight, gravity, camera) are told by `needs_run`.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -71,8 +71,6 @@ def run_survey(
     flight = reference_flight(inputs.flight) if trajectory is None else parse_flight(
         trajectory[1], trajectory[0], inputs.flight.step_s, inputs.flight.gravity
     )  # fmt: skip
-    every = output_every(flight.steps)
-    inputs = replace(inputs, output_interval_s=every * flight.step_s)
     camera, sky, method, seed = settings.camera(), settings.sky(), settings["camera.method"], int(settings["seed"])
     say(0.05, "star images")
     track = None
@@ -84,6 +82,7 @@ def run_survey(
         inputs,
         flight=flight,
         measured=None if track is None else track.frames,
+        every=output_every(flight.steps),
         progress=lambda share: say(0.25 + 0.6 * share, "error sources"),
     )
     say(0.86, "star frames and attitude methods")

@@ -77,8 +77,8 @@ def test_progress_rises_to_one():
 def test_bad_inputs_are_refused(study):
     with pytest.raises(ValueError, match="ins_gravity"):
         SuborbitalInputs(ins_gravity="flat")
-    with pytest.raises(ValueError, match="output_interval_s"):
-        run_study(SuborbitalInputs(output_interval_s=0.25))
+    with pytest.raises(ValueError, match="every"):
+        run_study(every=7)
     with pytest.raises(ValueError, match="case 'nothing'"):
         study.case("nothing")
 
