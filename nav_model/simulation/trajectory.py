@@ -6,11 +6,10 @@ rate computed from it are consistent with the position to rounding.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -105,56 +104,39 @@ def turbulence(time_s: FloatArray, rms: float, shortest_s: float, longest_s: flo
     return motion
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """A flight before it is laid on the Earth: heading [rad], ground speed, climb [m/s], height, roll, pitch."""
+class Motion(NamedTuple):
+    """A flight before it is laid on the Earth: course [rad], ground speed [m/s], height above its start [m], roll and
+    pitch [rad]."""
 
-    heading: FloatArray
+    course: FloatArray
     ground_speed: FloatArray
     height: FloatArray
     roll: FloatArray
     pitch: FloatArray
 
 
-def _level(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
-    flat = np.zeros_like(t)
-    return _Plan(spec.heading + flat, spec.speed + flat, spec.height + flat, flat, flat)
+def coordinated(t: FloatArray, speed: float, heading: float, turn: FloatArray, climb: FloatArray) -> Motion:
+    """The flight at this speed along its path, from this heading on, with these rates of turn [rad/s] and climb [m/s]
+    at evenly spaced times: without slip, bank = arctan(V rate / g)."""
+    step = float(t[1] - t[0])
+    ground = np.sqrt(speed**2 - climb**2)
+    roll = np.arctan(speed * turn / STANDARD_GRAVITY)
+    return Motion(heading + cumulative(turn, step), ground, cumulative(climb, step), roll, np.arctan2(climb, ground))
 
 
-def _turns(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
-    """+90, -180, +90 deg in coordinated turns (bank = arctan(V rate / g)), then straight to the end."""
-    entry = 3.0
-    right_angle = 0.5 * np.pi / spec.turn_rate
-    rate = np.zeros_like(t)
-    start = 10.0
-    for sense, length in ((1.0, right_angle), (-1.0, 2.0 * right_angle), (1.0, right_angle)):
-        # Rolling in and out each take `entry` seconds; the plateau makes up the whole angle.
-        rate += sense * spec.turn_rate * rise_and_fall(t - start, length, entry)
-        start += length + entry + 10.0
-    heading = spec.heading + cumulative(rate, float(t[1] - t[0]))
-    flat = np.zeros_like(t)
-    roll = np.arctan(spec.speed * rate / STANDARD_GRAVITY)
-    return _Plan(heading, spec.speed + flat, spec.height + flat, roll, flat)
-
-
-def _climb(spec: TrajectorySpec, t: FloatArray, duration: float) -> _Plan:
-    """Level, a climb of `climb_height` centred on half way, level; the speed along the path stays constant."""
-    entry = 6.0
-    length = spec.climb_height / spec.climb_rate
-    start = 0.5 * duration - 0.5 * (length + entry)
-    rate = spec.climb_rate * rise_and_fall(t - start, length, entry)
-    flat = np.zeros_like(t)
-    height = spec.height + cumulative(rate, float(t[1] - t[0]))
-    ground = np.sqrt(spec.speed**2 - rate**2)
-    return _Plan(spec.heading + flat, ground, height, flat, np.arctan2(rate, ground))
-
-
-_PLANS: dict[str, Callable[[TrajectorySpec, FloatArray, float], _Plan]] = {
-    "wandering": _level,
-    "straight": _level,
-    "turns": _turns,
-    "climb": _climb,
-}
+def _rates(spec: TrajectorySpec, t: FloatArray, duration: float) -> tuple[FloatArray, FloatArray]:
+    """Rates of turn and climb of a named flight."""
+    turn, climb = np.zeros_like(t), np.zeros_like(t)
+    if spec.kind == "turns":  # +90, -180, +90 deg, then straight to the end
+        entry, start, right_angle = 3.0, 10.0, 0.5 * np.pi / spec.turn_rate
+        for sense, length in ((1.0, right_angle), (-1.0, 2.0 * right_angle), (1.0, right_angle)):
+            # Rolling in and out each take `entry` seconds; the plateau makes up the whole angle.
+            turn += sense * spec.turn_rate * rise_and_fall(t - start, length, entry)
+            start += length + entry + 10.0
+    elif spec.kind == "climb":  # centred on half way
+        entry, length = 6.0, spec.climb_height / spec.climb_rate
+        climb += spec.climb_rate * rise_and_fall(t - 0.5 * (duration - length - entry), length, entry)
+    return turn, climb
 
 
 def _lay_on_earth(
@@ -189,7 +171,7 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     step = 0.5
     before, after = round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step)
     t: FloatArray = np.linspace(-before * step, after * step, before + after + 1)
-    plan = _PLANS[spec.kind](spec, t, duration)
+    motion = coordinated(t, spec.speed, spec.heading, *_rates(spec, t, duration))
     if spec.kind == "turns" and duration < 50.0 + 2.0 * np.pi / spec.turn_rate:
         needed = 50.0 + 2.0 * np.pi / spec.turn_rate
         raise refused("duration", duration, f"the turns take {needed:.1f} s, allow at least {math.ceil(needed)} s")
@@ -198,10 +180,10 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
         raise refused("duration", duration, f"the climb takes {needed:.1f} s, allow at least {math.ceil(needed)} s")
     wander, angle = (0.0, 0.0) if spec.kind == "straight" else (spec.wander, spec.attitude_wander)
     sideways = turbulence(t, wander, 25.0, 120.0, 1)
-    height = plan.height + turbulence(t, wander, 25.0, 120.0, 2)
+    height = spec.height + motion.height + turbulence(t, wander, 25.0, 120.0, 2)
     sideways_rate = np.gradient(sideways, t) if wander else np.zeros_like(t)
-    north_rate = plan.ground_speed * np.cos(plan.heading) - sideways_rate * np.sin(plan.heading)
-    east_rate = plan.ground_speed * np.sin(plan.heading) + sideways_rate * np.cos(plan.heading)
+    north_rate = motion.ground_speed * np.cos(motion.course) - sideways_rate * np.sin(motion.course)
+    east_rate = motion.ground_speed * np.sin(motion.course) + sideways_rate * np.cos(motion.course)
     latitude, longitude = _lay_on_earth(spec, t, north_rate, east_rate, height)
     if np.max(np.abs(latitude)) > HIGHEST_LATITUDE:
         raise InputError(
@@ -211,8 +193,8 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
             "of the equator (NED mechanisation)",
         )
     attitude = [turbulence(t, angle, 4.0, 25.0, key) for key in (3, 4, 5)]
-    coordinates = [latitude, longitude, height, plan.roll + attitude[0], plan.pitch + attitude[1]]
-    coordinates.append(plan.heading + attitude[2])
+    coordinates = [latitude, longitude, height, motion.roll + attitude[0], motion.pitch + attitude[1]]
+    coordinates.append(motion.course + attitude[2])
     return spline_through(t, np.column_stack(coordinates))
 
 

@@ -95,7 +95,7 @@ def directions(velocity: FloatArray, shape: Aperture) -> tuple[FloatArray, Float
     level = velocity[:, :2] / np.maximum(np.linalg.norm(velocity[:, :2], axis=1), 1e-9)[:, None]
     zero = np.zeros(len(level))
     along = np.column_stack([level, zero])
-    right = shape.side * np.column_stack([-level[:, 1], level[:, 0], zero])
+    right = np.column_stack([-level[:, 1], level[:, 0], zero])
     s, psi = math.sin(shape.squint), shape.grazing_angle
     sight = s * along + math.sqrt(max(math.cos(psi) ** 2 - s**2, 0.0)) * right
     sight[:, 2] = math.sin(psi)

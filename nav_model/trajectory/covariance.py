@@ -92,15 +92,13 @@ def _filtered(model: ErrorModel) -> _Filter:
             step = _transition(model, node, m)
             p = step @ p @ step.T + model.filter_noise[node - 1]
         if model.is_fix[node]:
-            used = np.isfinite(model.variance[node])
-            rows, variance = model.rows[node, used, :m], model.variance[node, used]
+            rows, variance = model.rows[node, :, :m], model.variance[node]
             cross = p @ rows.T
             inverse = np.linalg.inv(rows @ cross + np.diag(variance))
             gain = cross @ inverse
             kept = identity - gain @ rows
             p = kept @ p @ kept.T + (gain * variance) @ gain.T
-            found.gain[node][:, used] = gain
-            found.weight[node][:, used] = rows.T @ inverse
+            found.gain[node], found.weight[node] = gain, rows.T @ inverse
         p = 0.5 * (p + p.T)
         found.covariance[node] = p
     if not np.all(np.isfinite(p)):

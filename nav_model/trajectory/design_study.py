@@ -69,7 +69,7 @@ def planned(design: Design) -> PlannedFlight:
 
 
 def aperture_of(design: Design) -> Aperture:
-    """The design's aperture, looking to the right."""
+    """The design's aperture."""
     x, radar = inputs_of(design), design.radar
     return Aperture(
         duration=float(x.aperture),

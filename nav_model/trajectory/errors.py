@@ -60,8 +60,8 @@ class ErrorModel:
     what position, velocity and roll, pitch, yaw change in a second; `radar` is the state that is the radar's time
     offset, None where there is none. filter_noise
     (k - 1, m, m): as the filter assumes it. initial (s, n): variances at time 0 by source; filter_start (m, m). rows
-    (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's variance (k, r), infinite
-    where there is none, and the true ones by source (k, noisy, r).
+    (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's variance (k, r) and
+    the true ones by source (k, noisy, r).
     """
 
     time_s: FloatArray
@@ -389,7 +389,7 @@ def _measurements(
     used = there.any(axis=0)
     return {
         "rows": (rows * there[:, :, None])[:, used],
-        "variance": variance[:, used],
+        "variance": np.where(there, variance, 1.0)[:, used],  # without effect where nothing is measured
         "noise": noise[:, :, used],
         "is_fix": there.any(axis=1),
     }

@@ -15,7 +15,7 @@ from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.earth.wgs84 import curvature_radii
 from nav_model.simulation.specification import TrajectorySpec
-from nav_model.simulation.trajectory import cumulative, flight_through, rise_and_fall
+from nav_model.simulation.trajectory import coordinated, cumulative, flight_through, rise_and_fall
 from nav_model.trajectory.specification import Line
 
 FloatArray = NDArray[np.float64]
@@ -173,14 +173,10 @@ def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_T
         if rise:
             ramp = min(6.0, (stop - start) / 3.0)
             climb += rise_and_fall(t - start, stop - start - ramp, ramp) * rise / (stop - start - ramp)
-    course = heading[0] + cumulative(rate, step)
-    ground = np.sqrt(plan.speed**2 - climb**2)
-    first = plan.waypoints[0]
-    height = first.height + cumulative(climb, step)
+    course, ground, height, roll, pitch = coordinated(t, plan.speed, float(heading[0]), rate, climb)
     north, east = cumulative(ground * np.cos(course), step), cumulative(ground * np.sin(course), step)
-    latitude, longitude = _on_earth(plan.waypoints, north, east)
-    roll = np.arctan(plan.speed * rate / STANDARD_GRAVITY)
-    samples = np.column_stack([t, latitude, longitude, height, roll, np.arctan2(climb, ground), course])
+    place = _on_earth(plan.waypoints, north, east)
+    samples = np.column_stack([t, *place, plan.waypoints[0].height + height, roll, pitch, course])
     lines = tuple(
         Line(point.line, start, stop)
         for point, (start, stop, _) in zip(plan.waypoints[:-1], spans, strict=True)

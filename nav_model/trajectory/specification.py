@@ -15,7 +15,7 @@ class Aperture:
     """The aperture at which a design looks, wherever on the flight it lies.
 
     duration [s], wavelength [m], grazing angle [rad], squint [rad], slant_range [m]. autofocus_order: highest order
-    of phase removed. scene_height_error [m], 1 sigma. side: 1 where the radar looks to the right, -1 to the left.
+    of phase removed. scene_height_error [m], 1 sigma. The radar looks to the right.
     """
 
     duration: float
@@ -25,7 +25,6 @@ class Aperture:
     squint: float = 0.0
     autofocus_order: int = 1
     scene_height_error: float = 0.0
-    side: int = 1
 
 
 @dataclass(frozen=True)
