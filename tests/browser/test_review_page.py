@@ -3,7 +3,7 @@
 import io
 import re
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,16 @@ from playwright.sync_api import Browser, Page, expect
 from waiting import PATIENCE
 
 HOSTILE = "<img src=x onerror=\"document.title='owned'\"><script>document.title='owned'</script>{{7*7}}"
+
+
+class Actions:
+    """Does what a person does, and counts."""
+
+    count = 0
+
+    def __call__(self, action: Callable[..., Any], *arguments: Any) -> None:
+        self.count += 1
+        action(*arguments)
 
 
 def tab(page: Page, name: str) -> None:
@@ -59,15 +69,20 @@ def decide(page: Page, requirement: str, press: str = "Accept", reason: str = ""
         row.get_by_role("textbox").press("Enter")
 
 
+@pytest.fixture
+def second(browser: Browser, server: str) -> Iterator[Page]:
+    """What another person has open."""
+    page = browser.new_context().new_page()
+    page.set_default_timeout(1e3 * PATIENCE)
+    page.goto(server + "/#review")
+    page.get_by_role("slider", name="Position noise").wait_for()  # which comes last
+    yield page
+    page.context.close()
+
+
 def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: Visit, accessible: Check) -> None:
     page = visit()
-    actions = 0
-
-    def act(action: Callable[..., Any], *arguments: Any) -> None:
-        nonlocal actions
-        actions += 1
-        action(*arguments)
-
+    act = Actions()
     act(tab, page, "Review")
     act(box(page, "Your name").fill, "Ann")
     act(press, page, "Save as new design")
@@ -87,7 +102,7 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
         act(press, page, re.compile(r"Comparison report \(PDF\)"))
     text = "".join(sheet.extract_text() for sheet in pypdf.PdfReader(io.BytesIO(content(download.value))).pages)
     assert "Better gyro" in text
-    assert actions <= 15, actions
+    assert act.count <= 15
     link = box(page, "Link to this comparison").input_value()
     page = visit("/?" + link.partition("?")[2])
     expect(page.get_by_label("Compared")).to_contain_text("Better gyro")
@@ -95,20 +110,12 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
 
 
 @pytest.mark.slow
-def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(
-    visit: Visit, server: str, browser: Browser, accessible: Check
-) -> None:
+def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(visit: Visit, accessible: Check) -> None:
     page = visit()
     tab(page, "Review")
     save(page, "Wide gyro")
     save(page, "Its twin")
-    actions = 0
-
-    def act(action: Callable[..., Any], *arguments: Any) -> None:
-        nonlocal actions
-        actions += 1
-        action(*arguments)
-
+    act = Actions()
     act(page.get_by_role("checkbox", name="Wide gyro").check)
     act(page.get_by_role("checkbox", name="Its twin").check)
     expect(page.get_by_label("Selected designs")).to_contain_text("D2")
@@ -127,7 +134,7 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(
     said(page, "You wrote 4 of the 4 waivers yourself. A signed review never changes.")
     act(press, page, "Accept with 4 waivers, as Ann")
     expect(page.locator(".strip").filter(has_text="CDR")).to_contain_text("Signed off by Ann")
-    assert actions <= 20, actions
+    assert act.count <= 20
     accessible(page, every=True)
     with page.expect_download() as download:
         press(page, re.compile(r"Review report \(PDF\)"))
@@ -217,17 +224,12 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
 
 
 @pytest.mark.slow
-def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
-    visit: Visit, server: str, browser: Browser
-) -> None:
+def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(visit: Visit, second: Page) -> None:
     page = visit()
     tab(page, "Review")
     begin_review(page, "Seen by two", "Both")
     heading = page.locator(".strip").filter(has=page.get_by_role("heading", name="Both"))
     expect(heading).to_contain_text("5 to decide")
-    second = browser.new_context().new_page()
-    second.set_default_timeout(1e3 * PATIENCE)
-    second.goto(server + "/#review")
     tab(second, "Reviews")
     second.get_by_role("region", name="All reviews").get_by_role("button", name="Both").click()
     box(second, "Your name").fill("Bob")
@@ -257,7 +259,6 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     box(second, "Comment").fill("and one more thing")
     press(second, "Add comment")
     expect(second.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
-    second.context.close()
     decide(page, "Horizontal position", "Change")
     decide(page, "Horizontal position")
     expect(heading).to_contain_text("0 requirements rejected")
@@ -270,9 +271,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(heading).to_contain_text("Signed off by Ann")
 
 
-def test_a_page_that_still_says_open_does_not_replace_anothers_reject(
-    visit: Visit, page: Page, server: str, browser: Browser
-) -> None:
+def test_a_page_that_still_says_open_does_not_replace_anothers_reject(visit: Visit, page: Page, second: Page) -> None:
     first = Deaf(page)
     visit()
     tab(page, "Review")
@@ -280,10 +279,6 @@ def test_a_page_that_still_says_open_does_not_replace_anothers_reject(
     header = page.get_by_role("rowheader", name="D1: Horizontal position", exact=True)
     row = page.get_by_role("row").filter(has=header)
     expect(row).to_contain_text("open")
-    second = browser.new_context().new_page()
-    second.set_default_timeout(1e3 * PATIENCE)
-    second.goto(server + "/#review")
-    second.get_by_role("slider", name="Position noise").wait_for()  # which comes last
     tab(second, "Reviews")
     second.get_by_role("region", name="All reviews").get_by_role("button", name="Too late").click()
     box(second, "Your name").fill("Bob")
@@ -297,7 +292,6 @@ def test_a_page_that_still_says_open_does_not_replace_anothers_reject(
     said(page, "Bob rejected (no margin left) this after you opened it. Look again and decide.")
     expect(row).to_contain_text("rejected by Bob")
     expect(theirs).to_have_count(1)
-    second.context.close()
 
 
 @pytest.mark.slow

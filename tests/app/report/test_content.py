@@ -182,7 +182,7 @@ def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
     assert "Gravity" not in listed
 
 
-def test_a_comparison_has_the_figures_of_each_designs_processing(mems, cells):
+def test_a_comparison_has_the_figures_of_each_designs_processing(mems):
     """The worked example as processing.md prints it: 70.63° and 21.94° smoothed, 0.1591 m and 8.660 mm/s."""
     smoothed = analyse(mems.design.replace({"processing.mode": "post-processed"}))
     report = report_of([mems, smoothed], NOW)

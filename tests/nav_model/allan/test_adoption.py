@@ -46,7 +46,7 @@ def test_random_walks_go_into_the_design_with_their_origin(analysis: LogAnalysis
     assert (again, again.origins) == (adopted, adopted.origins)
 
 
-def test_a_hostile_file_name_stays_one_line(analysis: LogAnalysis):
+def test_a_hostile_file_name_stays_one_line():
     log = ImuLog(noise(1, 1e-4), None, 100.0, file_name="a\nimu.gyro_bias = 0 °/h: b" + "x" * 500)
     adoption = adopt_random_walks(analyse_log(log))
     assert set(Design().replace(adoption.changes, origins=adoption.origins).origins) == {ARW}

@@ -13,10 +13,6 @@ from nav_model.aperture.geometry import (
 )
 
 
-def _uniform(x):
-    return np.sinc(x)
-
-
 def _hamming(x):
     return 0.54 * np.sinc(x) + 0.23 * (np.sinc(x - 1) + np.sinc(x + 1))
 
@@ -35,21 +31,18 @@ def _taylor(level_db, nbar):
     return pattern
 
 
-def _width(pattern):
-    return 2 * brentq(lambda x: pattern(x) / pattern(0.0) - math.sqrt(0.5), 0.2, 0.9, xtol=1e-15)
-
-
 @pytest.mark.parametrize(
     ("window", "pattern", "printed"),
-    [("uniform", _uniform, 0.8859), ("hamming", _hamming, 1.3030), ("taylor", _taylor(35, 5), 1.1875)],
+    [("uniform", np.sinc, 0.8859), ("hamming", _hamming, 1.3030), ("taylor", _taylor(35, 5), 1.1875)],
 )
 def test_window_widths_are_roots_of_the_transforms(window, pattern, printed, compared, ratio_off):
+    half = brentq(lambda x: pattern(x) / pattern(0.0) - math.sqrt(0.5), 0.2, 0.9, xtol=1e-15)
     compared(
         "Half-power width of each window",
         "S-3",
         "solver written by others",
         "SciPy's root finder on each window's transform, written out in the test from Taylor 1955",
-        ratio_off(WINDOW_WIDTH[window], _width(pattern)),
+        ratio_off(WINDOW_WIDTH[window], 2 * half),
         1e-12,
     )
     assert WINDOW_WIDTH[window] == pytest.approx(printed, abs=5e-5)

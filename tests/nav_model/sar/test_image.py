@@ -126,13 +126,6 @@ def test_errors_are_laid_over_the_pulses():
     np.testing.assert_allclose(laid[1, 0], np.linspace(0, 5, 117) ** 2, atol=1e-4)
 
 
-def collection_parts():
-    """The two files of the collection: the phase history as it is read, and its fields as they are stored."""
-    for path in COLLECTION:
-        with np.load(path) as fields:
-            yield read_phase_history(path.name, path.read_bytes()), dict(fields)
-
-
 def joined(histories):
     """Phase histories of the same frequencies as one aperture."""
     first, *_ = histories = list(histories)
@@ -149,11 +142,13 @@ def joined(histories):
 def collection():
     """With the autofocus terms that come with it: exp(j (phase - 4 pi f range / c)), the signs that sharpen it."""
 
-    def focused(history, fields):
-        turn = 4 * np.pi / SPEED_OF_LIGHT * np.outer(history.frequency, fields["af_r_correct"])
-        return replace(history, samples=history.samples * np.exp(1j * (fields["af_ph_correct"] - turn)))
+    def focused(path):
+        history = read_phase_history(path.name, path.read_bytes())
+        with np.load(path) as fields:
+            turn = 4 * np.pi / SPEED_OF_LIGHT * np.outer(history.frequency, fields["af_r_correct"])
+            return replace(history, samples=history.samples * np.exp(1j * (fields["af_ph_correct"] - turn)))
 
-    return joined(focused(history, fields) for history, fields in collection_parts())
+    return joined(focused(path) for path in COLLECTION)
 
 
 def cross_range_cut(history, centre, **error):

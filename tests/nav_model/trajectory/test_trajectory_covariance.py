@@ -16,7 +16,6 @@ from nav_model.design import Design
 from nav_model.design.file import parse_design, read_design
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
-from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.aperture import directions
@@ -235,14 +234,6 @@ def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
     np.testing.assert_allclose(np.sqrt(fix[at]), [1.0, code, code, floating, floating, 1.0])
 
 
-def runs_of(spec: SimulationSpec, count: int) -> np.ndarray:
-    """Rms (outputs, 9) of simulated runs just after the fix."""
-    found: np.ndarray = np.sqrt(
-        np.mean([fly(spec, run).error[POSTERIOR][:, :9] ** 2 for run in range(count)], axis=0)
-    )
-    return found
-
-
 @pytest.mark.parametrize("runs", [60, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "receiver",
@@ -265,7 +256,8 @@ def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_con
 ) -> None:
     flight = {"trajectory": "turns", "duration": 220.0, "every": 10.0, "outages": [(170.0, 200.0)]}
     found = along(MEMS.replace(receiver), more=RICH, **flight)
-    ratio = (runs_of(found.spec.study, runs)[1:] / states(found.real_time)[1:]) ** 2
+    squares = np.mean([fly(found.spec.study, run).error[POSTERIOR][:, :9] ** 2 for run in range(runs)], axis=0)
+    ratio = squares[1:] / states(found.real_time)[1:] ** 2
     # The mean over times and axes of many correlated ratios, and each of them within five of its own sigmas.
     assert np.mean(ratio) == pytest.approx(1.0, abs=6.0 / np.sqrt(runs))
     assert np.all(np.abs(ratio - 1.0) < 5.0 * np.sqrt(2.0 / runs) + 0.01)
