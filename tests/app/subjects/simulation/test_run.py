@@ -243,7 +243,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
         ({"seed": "-1"}, "Seed: "),
         ({"length": "nan"}, "Length: "),
         ({"length": ""}, "Length: "),
-        ({"outages": "later"}, "outages: "),
+        ({"outages": "later"}, r"trajectory.outages\[1\].start: "),
         ({"trajectory": "file"}, "Trajectory file: open a CSV file first"),
         ({"runs": "2000", "length": "10000"}, "Length: "),
     ):
