@@ -33,14 +33,6 @@ def _evaluate(capsys, *arguments):
     return json.loads(out)
 
 
-@pytest.fixture
-def stdin(monkeypatch):
-    def feed(data):
-        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(data), encoding="utf-8"))
-
-    return feed
-
-
 def test_results_are_utf8_whatever_the_terminal_says():
     done = _process("evaluate", MEMS, PYTHONIOENCODING="ascii", PYTHONUTF8="0")
     assert (done.returncode, done.stderr) == (0, b"")
@@ -69,7 +61,10 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"navbudget {version('navbudget')}\n"
 
 
-def test_standard_input(capsys, stdin):
+def test_standard_input(capsys, monkeypatch):
+    def stdin(data):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(data), encoding="utf-8"))
+
     stdin(b'name = "piped"\n[gnss]\nrate = "5 Hz"\n')
     assert _evaluate(capsys, "-")["design"]["inputs"]["gnss.interval"] == 0.2
     done = _process("check", "-", stdin=Path(TACTICAL).read_bytes())

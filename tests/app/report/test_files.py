@@ -50,11 +50,6 @@ def mems_pdf(mems) -> bytes:
 
 
 @pytest.fixture(scope="module")
-def mems_words(mems_pdf) -> str:
-    return pdf_text(mems_pdf)
-
-
-@pytest.fixture(scope="module")
 def mems_html(mems) -> str:
     return report_bytes([mems], ".html", NOW).decode()
 
@@ -104,8 +99,8 @@ class Page(HTMLParser):
         return " ".join("".join(self.said).split())
 
 
-def test_the_numbers_of_the_pdf_are_the_budgets(mems, mems_words):
-    text = squeezed(mems_words)
+def test_the_numbers_of_the_pdf_are_the_budgets(mems, mems_pdf):
+    text = squeezed(pdf_text(mems_pdf))
     degrees = [format_quantity(x, "°", "angle", 3) for x in (mems.sar.quadratic, mems.sar.detrended)]
     lengths = [
         format_quantity(x, "m", "length", 3)

@@ -27,13 +27,6 @@ class _Clock:
         return self.now
 
 
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> _Clock:
-    made = _Clock()
-    monkeypatch.setattr(turns, "time", made)
-    return made
-
-
 def _in_a_session(work: Callable[[Document, SimpleNamespace], None], begun: list[Any]) -> None:
     """Call it in a session; from when something has `begun`, wait for all of it."""
 
@@ -82,7 +75,9 @@ def test_a_fault_is_told_and_leaves_the_document_able_to_change(monkeypatch: pyt
     assert [type(fault) for fault in told] == [ZeroDivisionError]
 
 
-def test_what_waits_for_a_slider_to_rest_is_done_at_once_and_when_it_rests(clock: _Clock) -> None:
+def test_what_waits_for_a_slider_to_rest_is_done_at_once_and_when_it_rests(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = _Clock()
+    monkeypatch.setattr(turns, "time", clock)
     done: list[float] = []
     rested: list[float] = []
 

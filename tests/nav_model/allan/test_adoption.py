@@ -10,7 +10,7 @@ from nav_model.allan.adoption import (
 )
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.motion import analyse_motion
-from nav_model.allan.result import READING_INTERVAL, LogAnalysis, to_json, triad_random_walk
+from nav_model.allan.result import READING_INTERVAL, to_json, triad_random_walk
 from nav_model.allan.static_log import analyse_log
 from nav_model.design import Design
 
@@ -24,15 +24,11 @@ def noise(seed: int, walk: float, samples: int = 20_000) -> np.ndarray:
     return np.random.default_rng(seed).standard_normal((samples, 3)) * walk * 10.0
 
 
-@pytest.fixture(scope="module")
-def analysis() -> LogAnalysis:
-    gyro, force = noise(1, WALKS["gyro"]), noise(2, WALKS["accelerometer"]) + np.array([0.0, 0.0, 9.8])
-    return analyse_log(ImuLog(gyro, force, 100.0, file_name="bench 7.csv", sha256="ab" * 32))
-
-
-def test_random_walks_go_into_the_design_with_their_origin(analysis: LogAnalysis):
+def test_random_walks_go_into_the_design_with_their_origin():
     design = Design({"description": "survey pod"})
-    adoption = adopt_random_walks(analysis)
+    gyro, force = noise(1, WALKS["gyro"]), noise(2, WALKS["accelerometer"]) + np.array([0.0, 0.0, 9.8])
+    log = ImuLog(gyro, force, 100.0, file_name="bench 7.csv", sha256="ab" * 32)
+    adoption = adopt_random_walks(analyse_log(log))
     adopted = design.replace(adoption.changes, adoption.written, adoption.origins)
     # 60,000 samples fix each triad within 0.3 % (1 sigma).
     assert adopted.imu.angle_random_walk == pytest.approx(1e-4, rel=0.015)

@@ -20,18 +20,13 @@ def _margins(design, key, value):
     return {check.name: check.margin for check in analyse(design.replace({key: value})).verdict.checks}
 
 
-@pytest.fixture(scope="module")
-def smooth_designs(designs):
-    """Without vibration and oscillator: an echo steps where its line leaves the main lobe (test_fast.py)."""
-    keys = ("motion.lines", "motion.spectrum", "motion.unsensed_lines", "oscillator.phase_noise")
-    return designs.map(lambda design: design.replace(dict.fromkeys(keys, ()) | {"motion.delay": 0.0}))
-
-
 @pytest.mark.long
 @settings(max_examples=8)
 @given(data=st.data())
-def test_every_solved_value_of_a_figure_without_steps_is_at_its_limit(data, smooth_designs):
-    design = data.draw(smooth_designs)
+def test_every_solved_value_of_a_figure_without_steps_is_at_its_limit(data, designs):
+    """Without vibration and oscillator: an echo steps where its line leaves the main lobe (test_fast.py)."""
+    keys = ("motion.lines", "motion.spectrum", "motion.unsensed_lines", "oscillator.phase_noise")
+    design = data.draw(designs).replace(dict.fromkeys(keys, ()) | {"motion.delay": 0.0})
     exact = 1e-9 if design.gnss.velocity_noise is None else 1e-7
     for solution in solve(design):
         for answer in solution.each:
