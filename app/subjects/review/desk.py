@@ -1,7 +1,7 @@
 """Shared state of the three parts of the Review page: library, user, and picked revisions."""
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
@@ -93,20 +93,11 @@ class Desk(param.Parameterized):
             self.say(f"{before}{reason}", wrong=True)
             return None
 
-    def pick(self, revision: Revision) -> None:
-        """Pick a revision, unless as many are as go side by side."""
-        left = self._without(revision.key)
-        if len(left) >= MAX_ITEMS:
+    def pick(self, wanted: Sequence[Revision]) -> None:
+        """Pick revisions in this order, no more than go side by side."""
+        if len(wanted) > MAX_ITEMS:
             self.say(f"At most {MAX_ITEMS} revisions fit side by side. Clear one first.", wrong=True)
-            return
-        self.picked = (*left, revision)
-
-    def put_back(self, key: str) -> None:
-        """Put a chosen revision back."""
-        self.picked = self._without(key)
-
-    def _without(self, key: str) -> tuple[Revision, ...]:
-        return tuple(own for own in self.picked if own.key != key)
+        self.picked = tuple(wanted[:MAX_ITEMS])
 
     def report_buttons(
         self, stem: str, label: str, write: Callable[[str], Awaitable[bytes]], **params: Any

@@ -126,14 +126,9 @@ class LibraryView(View):
 
     def _ticked(self, event: Any) -> None:
         """Pick what was ticked, unless as many are picked as go side by side."""
-        picked = {revision.key for revision in self.desk.picked}
-        for key in picked.difference(event.new):
-            self.desk.put_back(key)
-        if isinstance(self._listed, _Listing):
-            for revision in self._listed.shown:
-                if revision.key in event.new and revision.key not in picked:
-                    self.desk.pick(revision)
-                    picked.add(revision.key)
+        shown = self._listed.shown if isinstance(self._listed, _Listing) else ()
+        known = {revision.key: revision for revision in (*self.desk.picked, *shown)}
+        self.desk.pick([revision for key, revision in known.items() if key in event.new])
         self._picks()  # also where one too many was refused
 
     @param.depends("desk.picked", watch=True)

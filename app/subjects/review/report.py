@@ -86,20 +86,24 @@ def front_page(review: Review) -> Chapter:
 def conditions(review: Review) -> Block:
     """What was accepted although it is not met, and what was rejected, each with its reason."""
     standing = [own for point in review.rejected() if (own := review.standing(*point))]
-    rows = tuple(
-        (
-            f"D{own.place}: {subject_label(own.requirement)}",
-            own.figure or NONE,
-            decided_word(own, met=review.met(own.place, own.requirement)),
-            own.reason,
-            f"{own.author}, {moment(own.decided)}",
-        )
-        for own in (*review.waivers(), *standing)
-    )
+    rows = tuple(_decided(review, own) for own in (*review.waivers(), *standing))
     if not rows:
         return Text("None: every requirement decided so far is met and accepted.")
-    columns = (("Requirement", 1.2), ("Value", 1.2), "Decision", ("Reason", 1.6), ("By", 1.2))
-    return table("review-conditions", "Waivers and rejections", columns, rows)
+    return table("review-conditions", "Waivers and rejections", _DECIDED, rows)
+
+
+_DECIDED = (("Requirement", 1.2), "Decision", ("Value", 1.2), ("By", 1.2), ("Reason", 1.4))
+
+
+def _decided(review: Review, own: Decision) -> Row:
+    """A decision, with the figure it was taken on."""
+    return (
+        f"D{own.place}: {subject_label(own.requirement)}",
+        decided_word(own, met=review.met(own.place, own.requirement)),
+        own.figure or NONE,
+        f"{own.author}, {moment(own.decided)}",
+        own.reason or NONE,
+    )
 
 
 _PROMISE = (
@@ -192,19 +196,8 @@ def _by(comment: Comment) -> str:
 
 def decision_table(review: Review) -> Table:
     """Every decision ever taken, in order, with the figure it was taken on."""
-    rows = tuple(
-        (
-            str(d.number),
-            f"D{d.place}: {subject_label(d.requirement)}",
-            decided_word(d, met=review.met(d.place, d.requirement)),
-            d.figure or NONE,
-            f"{d.author}, {moment(d.decided)}",
-            d.reason or NONE,
-        )
-        for d in review.decisions
-    )
-    columns = ("No.", ("Requirement", 1.2), "Decision", ("Value", 1.2), ("By", 1.2), ("Reason", 1.4))
-    return table("audit-decisions", "Decisions in order", columns, rows, "" if rows else "No decision.")
+    rows = tuple((str(own.number), *_decided(review, own)) for own in review.decisions)
+    return table("audit-decisions", "Decisions in order", ("No.", *_DECIDED), rows, "" if rows else "No decision.")
 
 
 def subject_label(subject: str) -> str:

@@ -31,7 +31,7 @@ from app.report import report_bytes
 from app.subjects.review import report
 from app.subjects.review.desk import LOOK, Desk, button
 from app.subjects.review.overview import overview, state_of
-from app.subjects.review.slide import decision_row, frozen_designs, point_of, slide
+from app.subjects.review.slide import decision_row, figure_of, frozen_designs, slide
 from app.ui.decision_table import DecisionTable
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
@@ -269,9 +269,10 @@ class ReviewRoom(View):
         chosen = points
         self._slide.object = ""
         if presenting and self._about.value is not None:
-            chosen = [self._about.value]
-            at = points.index(self._about.value) + 1
-            self._slide.object = slide(review, point_of(review, *self._about.value), at, len(points))
+            place, name = self._about.value
+            chosen = [(place, name)]
+            at = points.index((place, name)) + 1
+            self._slide.object = slide(review, place, name, at, len(points))
         self._table.param.update(
             caption=frozen_designs(review),
             open=review.signed is None,
@@ -367,6 +368,6 @@ def _decide_all(
     """Decisions one by one, of place, requirement, accepted, reason, and the number of the decision seen."""
     changed = shown
     for item, name, accepted, reason, seen in wanted:
-        figure = point_of(shown, item, name).figure
+        figure = figure_of(shown, item, name)
         changed = decide(place, review, item, name, accepted, author, reason, figure=figure, seen=seen)
     return changed

@@ -1,33 +1,27 @@
 """One decision as a slide for presenting: requirement, value against limit, decision."""
 
-from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from app.document.verdict import check_words, judged
+from app.document.verdict import CheckWords, check_words, judged
 from app.document.wording import shortened
 from app.library.reviews import Review
 from app.library.texts import moment
 from app.subjects.review.report import decided_word
-from nav_model.budget.result import Check
+from nav_model.budget.result import Check, Verdict
 
 
-@dataclass(frozen=True)
-class Point:
-    """A requirement to decide on: the design's place in the review, its check, value against limit in words."""
-
-    place: int
-    check: Check
-    figure: str
-    margin: str
+def figure_of(review: Review, place: int, name: str) -> str:
+    """Value against limit, as a decision on the requirement keeps it."""
+    verdict, _, words = _judged(review, place, name)
+    return f"{words.value} against {words.limit} {judged(verdict)}"
 
 
-def point_of(review: Review, place: int, name: str) -> Point:
-    """The requirement of this name of the design at `place`."""
+def _judged(review: Review, place: int, name: str) -> tuple[Verdict, Check, CheckWords]:
+    """The requirement of this name of the design at `place`, and the verdict that it is a part of."""
     budget = review.revisions[place - 1].budget()
     check = next(check for check in budget.verdict.checks if check.name == name)
-    words = check_words(budget.design, check)
-    return Point(place, check, f"{words.value} against {words.limit} {judged(budget.verdict)}", words.margin)
+    return budget.verdict, check, check_words(budget.design, check)
 
 
 def frozen_designs(review: Review) -> str:
@@ -40,9 +34,8 @@ def frozen_designs(review: Review) -> str:
 
 def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
     """The requirement as a row of `DecisionTable`."""
-    budget = review.revisions[place - 1].budget()
-    check = next(check for check in budget.verdict.checks if check.name == name)
-    words, standing = check_words(budget.design, check), review.standing(place, name)
+    _, check, words = _judged(review, place, name)
+    standing = review.standing(place, name)
     said = "open" if standing is None else (
         f"{decided_word(standing, met=check.met).text} by {standing.author}, {moment(standing.decided)}"
     )  # fmt: skip
@@ -53,18 +46,19 @@ def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def slide(review: Review, point: Point, number: int, count: int) -> str:
-    """HTML of the slide of a point, number so many of `count`."""
-    check, standing = point.check, review.standing(point.place, point.check.name)
+def slide(review: Review, place: int, name: str, number: int, count: int) -> str:
+    """HTML of the slide of a requirement, number so many of `count`."""
+    _, check, words = _judged(review, place, name)
+    standing = review.standing(place, name)
     decided = "Open"
     if standing is not None:
         decided = f"{decided_word(standing, met=check.met).text} by {standing.author}"
     return (
         f'<section class="slide" aria-live="polite"><p class="quiet">{escape(review.title)} · decision '
         f"{number} of {count}</p>"
-        f"<p>D{point.place}: {escape(review.revisions[point.place - 1].name)}</p><h2>{escape(check.label)}</h2>"
-        f'<p class="figure num">{escape(point.figure)}</p>{_gauge(check)}'
-        f"<p>{'✓ met' if check.met else '✗ not met'}, margin {point.margin}; main error source: "
+        f"<p>D{place}: {escape(review.revisions[place - 1].name)}</p><h2>{escape(check.label)}</h2>"
+        f'<p class="figure num">{escape(figure_of(review, place, name))}</p>{_gauge(check)}'
+        f"<p>{'✓ met' if check.met else '✗ not met'}, margin {words.margin}; main error source: "
         f"{escape(check.sensor)}</p><p><b>{escape(decided)}</b></p></section>"
     )
 
