@@ -18,28 +18,22 @@ def add_to(commands: Any) -> None:
         "inputs of the study, e.g. --set tracker.from_height='80 km'.",
     )
     design_arguments(suborbital, one=True)
-    suborbital.add_argument("--save", type=Path, metavar="FILE", help="also write the study's inputs as a study file")
-    suborbital.add_argument("--inputs", action="store_true", help="list the inputs of the study and stop")
-    suborbital.add_argument(
-        "--trajectory", metavar="FILE", help="flight from a CSV file instead of the reference flight"
-    )
-    suborbital.add_argument("--from-height", metavar="HEIGHT", help='use the tracker from this height, e.g. "80 km"')
-    suborbital.add_argument("--latency", metavar="TIME", help='age of an attitude when it is used, e.g. "10 ms"')
-    suborbital.add_argument(
-        "--misalignment", metavar="ANGLES", help='angles from camera to IMU, e.g. "60, 0, 0 arcsec"'
-    )
-    suborbital.add_argument(
-        "--star-images", action="store_true", help="take attitude from star images instead of a perfect camera"
-    )
-    suborbital.add_argument("--method", metavar="NAME", help="TRIAD, N-vector, q-method, QUEST or SVD")
-    suborbital.add_argument("--seed", metavar="N", help="seed of centroid noise and white noise (default 1)")
-    suborbital.add_argument(
-        "--noise-runs",
-        type=int,
-        default=0,
-        metavar="N",
-        help="also run N flights with white noise alone (Monte Carlo)",
-    )
+    add = suborbital.add_argument
+    add("--save", type=Path, metavar="FILE", help="also write the study's inputs as a study file")
+    add("--inputs", action="store_true", help="list the inputs of the study and stop")
+    add("--trajectory", metavar="FILE", help="flight from a CSV file instead of the reference flight")
+    add("--noise-runs", type=int, default=0, metavar="N",
+        help="also run N flights with white noise alone (Monte Carlo)")  # fmt: skip
+    # Each of these is kept under the key of the input that it sets.
+    add("--from-height", dest="tracker.from_height", metavar="HEIGHT",
+        help='use the tracker from this height, e.g. "80 km"')  # fmt: skip
+    add("--latency", dest="tracker.latency", metavar="TIME", help='age of an attitude when it is used, e.g. "10 ms"')
+    add("--misalignment", dest="tracker.misalignment", metavar="ANGLES",
+        help='angles from camera to IMU, e.g. "60, 0, 0 arcsec"')  # fmt: skip
+    add("--star-images", dest="camera.frames", action="store_const", const="star images",
+        help="take attitude from star images instead of a perfect camera")  # fmt: skip
+    add("--method", dest="camera.method", metavar="NAME", help="TRIAD, N-vector, q-method, QUEST or SVD")
+    add("--seed", metavar="N", help="seed of centroid noise and white noise (default 1)")
     suborbital.set_defaults(run=_suborbital)
 
 

@@ -2,6 +2,8 @@
 error."""
 
 import argparse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from app.console.arguments import content_of, paths_of, put_json
@@ -51,22 +53,28 @@ def run(options: argparse.Namespace) -> int:
             put_file(options.save, format_study(settings, flown).encode("utf-8"))
         except InputError as error:
             raise error.under("--save") from error
+    with told_progress() as progress:
+        survey = run_survey(settings, flown, progress=progress)
+        answer = survey_json(survey)
+        answer["design"] = None if design is None else design.name
+        if options.noise_runs:
+            covariance = None if survey.track is None else survey.track.covariance
+            seed = int(settings["seed"])
+            noise = fly_noise(survey.study, options.noise_runs, seed, covariance, progress=progress)
+            answer["white_noise_monte_carlo"] = noise_json(noise)
+    return put_json(lambda: answer)
+
+
+@contextmanager
+def told_progress(of: str = "") -> Iterator[Callable[[float, str], None]]:
+    """What a study tells of its progress, on standard error after ``of``; what it refuses is an `InputError`."""
     try:
         with show_progress() as show:
-            survey = run_survey(settings, flown, progress=lambda share, what: show(what, share))
-            answer = survey_json(survey)
-            answer["design"] = None if design is None else design.name
-            if options.noise_runs:
-                covariance = None if survey.track is None else survey.track.covariance
-                answer["white_noise_monte_carlo"] = noise_json(
-                    fly_noise(survey.study, options.noise_runs, int(settings["seed"]), covariance,
-                              progress=lambda share, what: show(what, share))
-                )  # fmt: skip
+            yield lambda share, what: show(f"{of}{what}", share)
     except InputError:
         raise
     except ValueError as error:
         raise InputError("suborbital", str(error)) from error
-    return put_json(lambda: answer)
 
 
 def _asked(options: argparse.Namespace) -> tuple[Settings, Design | None, tuple[str, bytes] | None]:
@@ -77,18 +85,7 @@ def _asked(options: argparse.Namespace) -> tuple[Settings, Design | None, tuple[
         changes = list(options.changes)
     of_design = [change for change in changes if _is_of_design(change.partition("=")[0].strip())]
     asked = dict(part.split("=", 1) for part in changes if part not in of_design)
-    asked |= {
-        key: text
-        for key, text in (
-            ("tracker.from_height", options.from_height),
-            ("tracker.latency", options.latency),
-            ("tracker.misalignment", options.misalignment),
-            ("camera.frames", "star images" if options.star_images else None),
-            ("camera.method", options.method),
-            ("seed", options.seed),
-        )
-        if text is not None
-    }
+    asked |= {key: text for key, text in vars(options).items() if key in DEFAULTS.values and text is not None}
     data, where = content_of(designs[0], MAX_STUDY) if designs else (None, "")
     settings, design, flown = DEFAULTS, None, None
     if of_design and (data is None or is_study(data)):

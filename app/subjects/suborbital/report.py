@@ -6,13 +6,12 @@ from dataclasses import replace
 from functools import partial
 
 from app.charts.kinds import Chart
-from app.console.progress import show_progress
 from app.document.blocks import Block, Row, Section, Table, Text, chart_block, table
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
 from app.subjects.suborbital.charts.shown import Shown
-from nav_model.base.errors import InputError
+from app.subjects.suborbital.console import told_progress
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
 from nav_model.suborbital.input_table import GROUPS
@@ -40,13 +39,8 @@ def study(design: Design, options: argparse.Namespace) -> Shown:
         For a key of the design or a seed that the study cannot take.
     """
     settings = read_changes(from_design(DEFAULTS, design), {"seed": str(options.seed)}, "command line")
-    try:
-        with show_progress() as show:
-            survey = run_survey(settings, progress=lambda share, what: show(f"suborbital: {what}", share))
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError("suborbital", str(error)) from error
+    with told_progress("suborbital: ") as progress:
+        survey = run_survey(settings, progress=progress)
     return Shown(survey, survey.study, settings, "all")
 
 
