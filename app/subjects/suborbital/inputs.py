@@ -21,7 +21,6 @@ from app.ui.view import View
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.design.link import MAX_QUERY
 from nav_model.suborbital.flight_file import BOUNDS
 from nav_model.suborbital.input_table import GROUPS
 from nav_model.suborbital.settings import DEFAULTS, Settings, Value, follow_design, follows_design, from_design
@@ -70,9 +69,9 @@ class InputPanel(View):
         if dict(settings.values) != dict(self.settings.values) or settings.origin != self.settings.origin:
             self.adopt(lambda: settings)
 
-    def say(self, text: str, severity: str = "error") -> None:
+    def say(self, text: str) -> None:
         """A message above the page, until the next one; empty: none."""
-        self.notice.param.update(object=escape(text), severity=severity, visible=bool(text), closed=False)
+        self.notice.param.update(object=escape(text), visible=bool(text), closed=False)
 
     # --- layout ----------------------------------------------------------------------------------------
 
@@ -104,16 +103,14 @@ class InputPanel(View):
         name, now = "suborbital-study.toml", lambda: format_study(self.settings, self.trajectory)
         save = download("Save study", name, now, icon="save", **_LOOK)
 
-        def button(label: str, icon: str, pressed: Callable[[], object]) -> pmui.Button:
-            return pmui.Button(label=label, icon=icon, on_click=lambda _: pressed(), **_LOOK)
-
-        return [
-            self.file,
-            save,
-            button("Link to study", "link", self._put_link),
-            button("Use IMU of the design", "input", self._take_design),
-            button("Reset to GP-1 reference case", "restart_alt", lambda: self.adopt(lambda: DEFAULTS)),
-        ]
+        take = pmui.Button(
+            label="Use IMU of the design", icon="input", on_click=lambda _: self._take_design(), **_LOOK
+        )
+        reset = pmui.Button(
+            label="Reset to GP-1 reference case", icon="restart_alt",
+            on_click=lambda _: self.adopt(lambda: DEFAULTS), **_LOOK,
+        )  # fmt: skip
+        return [self.file, save, take, reset]
 
     def _take_design(self) -> None:
         problem = self.adopt(lambda: from_design(self.settings, self.session.design))
@@ -165,19 +162,6 @@ class InputPanel(View):
         with pn.io.hold():
             self.param.update(settings=study.settings, trajectory=study.trajectory)
 
-    def _put_link(self) -> None:
-        self.session.study_link = to_link(self.settings)
-        query = self.session.link
-        if len(query) > MAX_QUERY:
-            self.say("The study does not fit into an address; save it as a file instead.")
-            return
-        location = pn.state.location
-        if location:
-            location.search = f"?{query}"
-            said = "The link to this study and the design beside it is in the address bar."
-            flown = " The trajectory is not in it: save the study to share that." if self.trajectory else ""
-            self.say(said + flown, "info")
-
     def refuse(self, flown: Trajectory, reason: str) -> None:
         """Go back to the trajectory flown before and say why."""
         self.say(f"Trajectory not taken. {reason}")
@@ -186,4 +170,5 @@ class InputPanel(View):
     @param.depends("trajectory", watch=True)
     def _say_flown(self) -> None:
         flown = self.trajectory
-        self._file_said.object = html_of(Text(f"Flown: {flown[0]}")) if flown else _FILE_HELP
+        said = f"Flown: {flown[0]}. A link does not hold it: save the study to share it." if flown else ""
+        self._file_said.object = html_of(Text(said)) if said else _FILE_HELP
