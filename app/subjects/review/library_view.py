@@ -1,6 +1,5 @@
 """The library's part of the Review page: save, find, pick, archive, export and import."""
 
-import asyncio
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -15,7 +14,6 @@ from app.document.blocks import Answer, Block, Cell, Row, Text, table
 from app.document.pane import html_of
 from app.document.wording import shortened
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
-from app.library.place import library
 from app.library.store import Library, Revision, Saved
 from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
@@ -28,6 +26,7 @@ from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
 
 _LIBRARY = Answer("Library", "open", ("Opening the library …",))
+_CLOSED = Answer("The library cannot be opened", "bad", ("The reason is given below.",))
 _SHOWN = 25  # designs listed at once; a search narrows
 _ANY = "any tag"
 _HINT = '<p class="quiet">Tick designs above to select them, then compare, open, review or export.</p>'
@@ -58,7 +57,7 @@ class LibraryView(View):
         self._table = SortableTable(self._toggle, html=_OPENING, margin=(2, 10), stylesheets=[WHOLE])
         self._table.param.watch(self._ticked, "ticked")
         self._asked: object = None
-        self._listed: _Listing | InputError | None = None
+        self._listed: _Listing | None = None
         self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
         self._bring = upload(
             "Import (zip)", ".zip", MAX_ARCHIVE, self._brought,
@@ -104,18 +103,13 @@ class LibraryView(View):
         self._asked = asked = object()
         tag = "" if self._tag.value == _ANY else self._tag.value
         search, archived, unfolded = self._search.value or "", self._archived.value, frozenset(self._open_designs)
-        try:
-            listing: _Listing | InputError = await asyncio.to_thread(
-                lambda: _listing(library(), search, tag, archived, unfolded)
-            )
-        except InputError as error:
-            listing = error
-        if self._asked is not asked or listing == self._listed:  # rows that stay keep the pointer and the focus
+        listing = await self.desk.ask(lambda place: _listing(place, search, tag, archived, unfolded))
+        if self._asked is not asked or (listing and listing == self._listed):  # rows that stay keep the focus
             return
         self._listed = listing
-        self.answer = _answer(listing)
-        self._table.html = html_of(*_blocks(listing))
-        if not isinstance(listing, InputError) and self._tag.options != [_ANY, *listing.tags]:
+        self.answer = _answer(listing) if listing else _CLOSED
+        self._table.html = html_of(*_blocks(listing)) if listing else ""
+        if listing and self._tag.options != [_ANY, *listing.tags]:
             self._tag.options = [_ANY, *listing.tags]
 
     async def _toggle(self, design: str) -> None:
@@ -126,7 +120,7 @@ class LibraryView(View):
 
     def _ticked(self, event: Any) -> None:
         """Pick what was ticked, unless as many are picked as go side by side."""
-        shown = self._listed.shown if isinstance(self._listed, _Listing) else ()
+        shown = self._listed.shown if self._listed else ()
         known = {revision.key: revision for revision in (*self.desk.picked, *shown)}
         self.desk.pick([revision for key, revision in known.items() if key in event.new])
         self._picks()  # also where one too many was refused
@@ -261,11 +255,8 @@ def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: fr
     return _Listing(found, place.tags(), histories, bool(search or tag or archived), place.read_only)
 
 
-def _blocks(listing: _Listing | InputError) -> Iterator[Block]:
-    """The list, or why there is none."""
-    if isinstance(listing, InputError):
-        yield Text(f"The library cannot be opened. {listing}")
-        return
+def _blocks(listing: _Listing) -> Iterator[Block]:
+    """The list, or why it is empty."""
     if listing.read_only:
         yield Text("This library is read-only: its file or folder cannot be written.")
     if not listing.found:
@@ -296,10 +287,8 @@ def _row(revision: Revision, listing: _Listing) -> Row:
     )
 
 
-def _answer(listing: _Listing | InputError) -> Answer:
+def _answer(listing: _Listing) -> Answer:
     """What is in the library, in a line."""
-    if isinstance(listing, InputError):
-        return Answer("The library cannot be opened", "bad", (str(listing),))
     closing = sum(saved.closes is True for saved in listing.found)
     what = counted(len(listing.found), "design") + (" found" if listing.narrowed else " saved")
     said = f"{closing} of {len(listing.found)} close." if closing else "None closes."

@@ -60,6 +60,14 @@ def test_an_empty_library_is_said_to_have_no_review(tmp_path: Path) -> None:
     assert room.answer.word == "No review yet"
 
 
+def test_a_library_that_cannot_be_opened_is_said_so_with_the_reason(tmp_path: Path) -> None:
+    (tmp_path / "library.db").write_text("no database")
+    use_library(str(tmp_path / "library.db"))
+    scene = _Scene()
+    assert scene.view.answer.word == "The library cannot be opened"
+    assert "file is not a database" in scene.desk.notice.object
+
+
 def test_all_that_is_ticked_is_picked_and_stays_ticked_in_a_new_list(scene: _Scene) -> None:
     scene.tick("ABC")
     scene.tick("A", value=False)
