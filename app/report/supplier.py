@@ -6,8 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 from app.document.blocks import Answer, Bullets, Cell, Chapter, Report, Row, Section, Table, Text, numbers, table
-from app.document.numbers import show_in
-from app.document.wording import printable, title_of
+from app.document.wording import input_in_words, printable, title_of
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.explore.supplier import (
@@ -75,7 +74,7 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required]) -> Table:
     rows = (
         (
             str(declaration_of(line.key).label),
-            *(_said(design, line.key, value) for value in (line.value, share * line.value, line.current)),
+            *(input_in_words(design, line.key, value) for value in (line.value, share * line.value, line.current)),
         )
         for line in lines
     )
@@ -99,8 +98,8 @@ def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
     return (
         f"At rest, white noise per axis. The design multiplies it by {design.imu.vibration_factor:g} in flight.",
         "Residual biases, 1σ after the filter: "
-        f"{_said(design, 'imu.accelerometer_bias', design.imu.accelerometer_bias)} and "
-        f"{_said(design, 'imu.gyro_bias', design.imu.gyro_bias)}. A log at rest does not show them.",
+        f"{input_in_words(design, 'imu.accelerometer_bias', design.imu.accelerometer_bias)} and "
+        f"{input_in_words(design, 'imu.gyro_bias', design.imu.gyro_bias)}. A log at rest does not show them.",
     )
 
 
@@ -136,7 +135,7 @@ def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answe
         (
             printable(row.axis),
             str(declaration_of(row.key).label),
-            *(_said(design, row.key, value) for value in (row.reading, row.accepted, row.required)),
+            *(input_in_words(design, row.key, value) for value in (row.reading, row.accepted, row.required)),
             f"{row.degrees:.0f}",
             Cell("✓ pass", tone="good") if row.passes else Cell("✗ fail", tone="bad"),
         )
@@ -166,7 +165,3 @@ def acceptance_json(design: Design, rows: Sequence[Acceptance]) -> dict[str, Any
             for row in rows
         ],
     }  # fmt: skip
-
-
-def _said(design: Design, key: str, value: float) -> str:
-    return show_in(value, design.unit(key), declaration_of(key).dimension, given=True)

@@ -5,8 +5,8 @@ Where there is none, the budget's value is taken: the sampled filter with veloci
 vibration, unsensed motion and oscillator do over the aperture, and levels in decibels.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -62,18 +62,7 @@ _VELOCITY = ("gnss.velocity_noise", "gnss.vertical_velocity_noise", "gnss.veloci
 
 STATES = {"prior": "just before a fix", "closed": "average between fixes", "posterior": "just after a fix"}
 _SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}
-_UNITS = {"position": "m", "velocity": "m/s", "tilt": "rad"}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
-
-
-@dataclass(frozen=True)
-class Sum:
-    """A figure of the budget, 1σ, in the cell named `symbol`; `dimension` is that of its limit."""
-
-    label: str
-    symbol: str
-    dimension: str
-    mark: str
 
 
 def followed(design: Design) -> tuple[str, ...]:
@@ -93,8 +82,8 @@ class Traces:
     Attributes
     ----------
     workings : Workings
-    sums : list of Sum
-        In order.
+    sums : mapping of str to str
+        Name of the cell of each figure of the budget, 1σ -> the dimension of its limit.
     sources : mapping of str to PhaseVariances
         Source of phase -> the symbols of its variances [m²].
     contributors : mapping of str to list of Part
@@ -105,7 +94,7 @@ class Traces:
     def __init__(self, design: Design) -> None:
         self.design, self.plain = design, replace(inputs_of(design), post_processed=False)
         self.workings = Workings()
-        self.sums: list[Sum] = []
+        self.sums: dict[str, str] = {}
         self.sources: dict[str, phase.PhaseVariances] = {}
         self.contributors: dict[str, list[Part]] = {}
         self.x = self._inputs()
@@ -142,51 +131,36 @@ class Traces:
             ),
             "aperture time from the resolution", "s", "[S-3]",
         )  # fmt: skip
-        changes: dict[str, Any] = {field: cell(key) for field, key in _PLAIN.items()}
-        changes |= {
-            "sigma_a": name(
-                "sigma_a", cell("imu.velocity_random_walk") * factor, "accelerometer noise in flight", "m/s/√s"
-            ),
-            "sigma_w": name("sigma_w", cell("imu.angle_random_walk") * factor, "gyro noise in flight", "rad/√s"),
-            "fix_vertical": name(
-                "fix_vertical", self._or("gnss.vertical_position_noise", cell("gnss.position_noise")),
-                "noise of a fix, vertical", "m",
-            ),
-            "wavelength": wavelength,
-            "aperture": name("aperture", self._or("radar.aperture_time", inside), "aperture time in force", "s"),
-        }  # fmt: skip
+        changes: dict[str, Any] = {field: cell(key) for field, key in _PLAIN.items()} | {"wavelength": wavelength}
+        upright = self._or("gnss.vertical_position_noise", changes["fix"])
+        named: list[tuple[Any, ...]] = [
+            ("sigma_a", cell("imu.velocity_random_walk") * factor, "accelerometer noise in flight", "m/s/√s"),
+            ("sigma_w", cell("imu.angle_random_walk") * factor, "gyro noise in flight", "rad/√s"),
+            ("fix_vertical", upright, "noise of a fix, vertical", "m"),
+            ("aperture", self._or("radar.aperture_time", inside), "aperture time in force", "s"),
+        ]
         if self.plain.velocity is not None:
-            level = cell("gnss.velocity_noise")
-            changes |= {
-                "velocity": level,
-                "velocity_vertical": name(
-                    "velocity_vertical", self._or("gnss.vertical_velocity_noise", level), "vertical velocity", "m/s"
-                ),
-                "velocity_interval": name(
-                    "velocity_interval", self._or("gnss.velocity_interval", cell("gnss.interval")), "interval", "s"
-                ),
-            }
+            level = changes["velocity"] = cell("gnss.velocity_noise")
+            named += [
+                ("velocity_vertical", self._or("gnss.vertical_velocity_noise", level), "vertical velocity", "m/s"),
+                ("velocity_interval", self._or("gnss.velocity_interval", changes["interval"]), "interval", "s"),
+            ]
         if self.plain.rectified is not None:
-            changes["rectified"] = name(
-                "rectified", self.plain.rectified, "bias caused by vibration", "m/s²", "[P-12]"
-            )
-        changes["fast"] = {
-            source: replace(
-                made,
-                **{
-                    part: name(
-                        f"source_{number}_{part}", getattr(made, part), f"{source}, {part}", "m²", "[P-8]", taken=True
-                    )
-                    for part in ("quadratic", "cubic", f"left_{self.plain.autofocus_order}", "mean", "slope")
-                },
-            )
-            for number, (source, made) in enumerate(self.plain.fast.items(), 1)
-        }
+            named.append(("rectified", self.plain.rectified, "bias caused by vibration", "m/s²", "[P-12]"))
+        changes |= {symbol: name(symbol, *said) for symbol, *said in named}
+        mark, parts = "[P-8]", ("quadratic", "cubic", f"left_{self.plain.autofocus_order}", "mean", "slope")
+        changes["fast"] = {}
+        for number, (source, own) in enumerate(self.plain.fast.items(), 1):
+            cells = {
+                part: name(f"source_{number}_{part}", getattr(own, part), f"{source}, {part}", "m²", mark, taken=True)
+                for part in parts
+            }
+            changes["fast"][source] = replace(own, **cells)
         return replace(self.plain, **changes)
 
     def _sum(self, symbol: str, of: Any, label: str, dimension: str, mark: str, *, taken: bool = False) -> None:
         self.workings.name(symbol, of, label, _SI.get(dimension, dimension), mark, taken=taken)
-        self.sums.append(Sum(label, symbol, dimension, mark))
+        self.sums[symbol] = dimension
 
     def _figure(self, figure: str, of: Any, dimension: str, mark: str, *, taken: bool = False, key: str = "") -> None:
         """A figure that a requirement limits, with the contributors that enter it in cells of their own.
@@ -208,25 +182,24 @@ class Traces:
 
     def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
         """Both channels' covariances, every element in a cell."""
-        name = self.workings.name
-        level, upright = (
+        made = [
             [
-                name(
-                    f"{prefix}_{letter}{place}",
-                    element,
-                    f"{channel} covariance {place}",
-                    _CHANNEL[place],
-                    mark,
-                    taken=taken,
+                self.workings.name(
+                    f"{letter}{place}", element, f"{channel} covariance {place}", _CHANNEL[place], mark, taken=taken
                 )
                 for place, element in zip(places, elements, strict=True)
             ]
             for letter, channel, places, elements, mark in (
-                ("p", "horizontal", tuple(_CHANNEL), saw.horizontal, marks[0]),
-                ("v", "vertical", ("11", "12", "22"), saw.vertical, marks[1]),
+                (f"{prefix}_p", "horizontal", tuple(_CHANNEL), saw.horizontal, marks[0]),
+                (f"{prefix}_v", "vertical", ("11", "12", "22"), saw.vertical, marks[1]),
             )
-        )
-        return Sawtooth(Horizontal(*level), Vertical(*upright))
+        ]
+        return Sawtooth(Horizontal(*made[0]), Vertical(*made[1]))
+
+    def _variances(self, symbol: str, of: Mapping[str, Any], label: str, mark: str) -> Iterator[Any]:
+        """Variances by part, each in a cell."""
+        for part, variance in of.items():
+            yield self.workings.name(symbol.format(part), variance, f"{label}, {part}", "m²", mark)
 
     def _settled(self) -> dict[str, Sawtooth]:
         x, marks = self.x, steady_marks(self.design)
@@ -259,8 +232,9 @@ class Traces:
             steady.lambda_dt(upright.v11, x.s_vertical, x.interval),
         )
         self._sum("lambda_dt", np.maximum(*products), "Filter bandwidth times fix interval", "", "[T-8]")
-        for part, variance in zip(_UNITS, steady.gyro_dominated(x.sigma_w, x.s, x.g), strict=True):
-            dimension = {"position": "length", "velocity": "speed", "tilt": "angle"}[part]
+        asymptotes = steady.gyro_dominated(x.sigma_w, x.s, x.g)
+        kinds = {"position": "length", "velocity": "speed", "tilt": "angle"}
+        for (part, dimension), variance in zip(kinds.items(), asymptotes, strict=True):
             self._sum(f"asymptote_{part}", np.sqrt(variance), f"{part.capitalize()}, gyro alone", dimension, "[T-7]")
         return saw
 
@@ -270,6 +244,7 @@ class Traces:
         t = x.duration
         free = free_growth(x, saw["closed"], t)
         perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, t)
+        tilted = growth.initial_tilt(saw["closed"].horizontal.p33, x.g, t)
         for label, variance, dimension, mark in (
             ("Horizontal position, polynomial", free["position_horizontal"], "length", "[T-9]"),
             ("Vertical position, polynomial", free["position_vertical"], "length", "[T-10]"),
@@ -279,12 +254,7 @@ class Traces:
             ("Yaw growth", free["coast_heading"], "angle", "[T-5]"),
             ("Horizontal position, perfect start", perfect[0], "length", "[T-11]"),
             ("Vertical position, perfect start", perfect[1], "length", "[T-11]"),
-            (
-                "Horizontal position from initial tilt",
-                growth.initial_tilt(saw["closed"].horizontal.p33, x.g, t),
-                "length",
-                "[T-12]",
-            ),
+            ("Horizontal position from initial tilt", tilted, "length", "[T-12]"),
         ):
             symbol = "end_" + label.lower().replace(", ", "_").replace(" ", "_")
             self._sum(symbol, np.sqrt(variance), f"{label}, at the end of the outage", dimension, mark)
@@ -317,20 +287,13 @@ class Traces:
             self._figure(limit.name, of, limit.dimension, mark, taken=taken, key=own_key(number))
 
     def _image(self, start: Sawtooth) -> None:
-        x, name = self.x, self.workings.name
+        x = self.x
         self.workings.head("Phase over the aperture, by source: variances along the line of sight [S-5], [S-6]")
-        to_phase = name("to_phase", x.to_phase, "phase of a metre", "rad/m", "[T-13]")
-        found = {
-            source: phase.PhaseVariances(
-                *(
-                    name(f"{part}_{number}", variance, f"{source}, {part}", "m²", "[S-5], [S-6]")
-                    for part, variance in zip(phase.PhaseVariances._fields, variances, strict=True)
-                )
-            )
-            for number, (source, variances) in enumerate(phase_sources(x, start.horizontal).items(), 1)
-        }
-        self.sources = found
-        whole = phase.total(found)
+        to_phase = self.workings.name("to_phase", x.to_phase, "phase of a metre", "rad/m", "[T-13]")
+        for number, (source, made) in enumerate(phase_sources(x, start.horizontal).items(), 1):
+            cells = self._variances(f"{{}}_{number}", made._asdict(), source, "[S-5], [S-6]")
+            self.sources[source] = phase.PhaseVariances(*cells)
+        whole = phase.total(self.sources)
         along = along_track_phase(x, start.horizontal)
         marks = ("[S-5]", "[S-2]", "[S-6]", "[T-15], [S-6]")
         values = (*(to_phase * np.sqrt(part) for part in whole),)
@@ -344,18 +307,13 @@ class Traces:
             self._figure(figure, value, "level", mark, taken=bool(self.plain.fast))
 
     def _place(self, start: Sawtooth) -> None:
-        x, name = self.x, self.workings.name
+        x = self.x
         self.workings.head("Where the image lies [P-7]")
-        moved = free_shifts(x, start)
-        moved = type(moved)(*(
-            name(f"shift_{part}", value, f"variance of the shift, {part}", "m²", "[P-7]")
-            for part, value in zip(moved._fields, moved, strict=True)
-        ))  # fmt: skip
+        shifts = free_shifts(x, start)
+        moved = type(shifts)(*self._variances("shift_{}", shifts._asdict(), "variance of the shift", "[P-7]"))
         ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
-        one, other, both = (
-            name(f"ground_{part}", value, f"on the ground, {part}", "m²", "[P-7]")
-            for part, value in zip(("azimuth", "across", "both"), ground, strict=True)
-        )
+        parts = dict(zip(("azimuth", "across", "both"), ground, strict=True))
+        one, other, both = self._variances("ground_{}", parts, "on the ground", "[P-7]")
         placed = placing(x, moved, [figure for figure in PLACING if figure not in ("ce90", "cep")])
         placed |= {"ce90": circular_error(one, other, both), "cep": circular_error(one, other, both, share=0.5)}
         for figure in PLACING:
@@ -364,14 +322,13 @@ class Traces:
     def _checked(self) -> None:
         """Figures of the steady state at the point of the fix cycle that the design's limits hold for."""
         self.workings.head("Steady state that is checked")
-        rows = {row.symbol: row for row in self.workings.rows}
         marks = steady_marks(self.design) if self.plain.steady_state == "closed" else ("[T-8]", "[T-8]")
         for figure in SETTLED:
-            prior, closed, posterior = (rows[f"{state}_{figure}"] for state in STATES)
-            chosen = rows[f"{self.plain.steady_state}_{figure}"]
-            choice = f'IF({CHOICE}="prior",{prior.symbol},IF({CHOICE}="closed",{closed.symbol},{posterior.symbol}))'
-            taken = prior.taken or closed.taken or posterior.taken
-            of = Traced(choice, chosen.value, self.workings, taken)
+            states = {state: self.workings.cell(f"{state}_{figure}") for state in STATES}
+            prior, closed, posterior = states.values()
+            choice = f'IF({CHOICE}="prior",{prior.text},IF({CHOICE}="closed",{closed.text},{posterior.text}))'
+            taken = any(state.taken for state in states.values())
+            of = Traced(choice, states[self.plain.steady_state].value, self.workings, taken)
             self._figure(figure, of, limit_on(figure).dimension, marks["vertical" in figure])
 
 

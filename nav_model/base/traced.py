@@ -48,10 +48,14 @@ class Row:
 
 @dataclass
 class Workings:
-    """Rows in the order in which they are found; the first is written to row `first` of the sheet "Workings"."""
+    """Rows in the order in which they are found; the first is written to row `first` of the sheet "Workings".
+
+    ``named`` are those whose cell has a name, by it.
+    """
 
     first: int = 2
     rows: list[Row] = field(default_factory=list)
+    named: dict[str, Row] = field(default_factory=dict)
 
     def head(self, label: str) -> None:
         """Begin a group."""
@@ -65,8 +69,14 @@ class Workings:
         of = _bare(of)
         if not isinstance(of, Traced):
             of = Traced(repr(float(of)), np.float64(of), self, taken)
-        self.rows.append(Row(label, symbol, of.text, np.asarray(of.value).item(), unit, mark, of.taken))
+        self.named[symbol] = Row(label, symbol, of.text, np.asarray(of.value).item(), unit, mark, of.taken)
+        self.rows.append(self.named[symbol])
         return Traced(symbol, of.value, self, of.taken)
+
+    def cell(self, symbol: str) -> Traced:
+        """A cell with a name, to make formulas of."""
+        row = self.named[symbol]
+        return Traced(symbol, np.float64(row.value), self, row.taken)
 
     def step(self, of: Traced) -> str:
         """Put a part of a formula into a cell without a name."""

@@ -36,11 +36,7 @@ _CONTRIBUTOR = (
 )
 _BOX = {"width": 250, "sizing_mode": None}
 _ENTRY = (
-    Field("source", "Source", read=True),
-    Field("allocated", "Allocated", read=True),
-    Field("estimated", "Estimated", read=True),
-    Field("margin", "Margin", read=True),
-    Field("owner", "Owner", read=True),
+    *(Field(key, key.capitalize(), read=True) for key in ("source", "allocated", "estimated", "margin", "owner")),
     Field("lock", "Locked at", "free"),
 )
 

@@ -10,22 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.document.numbers import show
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.units import from_si
+from nav_model.design.contributors import ENTERED, label_of
+from nav_model.design.trajectory import LIMITED
 
 if TYPE_CHECKING:
     from nav_model.trajectory.result import TrajectoryResult
 
-_DEG = 180 / math.pi
-
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure by its name in a result. dimension: of `show`. shares: of which figure."""
+    """A figure that a requirement of the design may limit, by its name in a result. dimension: of `show`."""
 
     name: str
     label: str
     dimension: str
-    shares: str
-    spread: str = "1σ"
+    spread: str
+
+    @property
+    def shares(self) -> str:
+        """The name of its shares in a result, where a state's comes before its channel's."""
+        channel, _, state = self.name.partition("_")
+        return f"{state}_{channel}" if channel in ("horizontal", "vertical") else self.name
 
     def told(self, value: float, *, given: bool = False) -> str:
         """A value with its unit; `given` as a person gave it."""
@@ -39,31 +46,15 @@ class Figure:
     @property
     def axis(self) -> str:
         """Label of an axis, which has room for its last word."""
-        unit = {"length": "m", "speed": "m/s", "angle": "°"}[self.dimension]
-        return f"{self.said.rpartition(' ')[2]}, {self.spread} [{unit}]"
+        return f"{self.said.rpartition(' ')[2]}, {self.spread} [{DIMENSIONS[self.dimension].default_unit}]"
 
     @property
     def scale(self) -> float:
         """From SI to the axis's unit."""
-        return _DEG if self.dimension == "angle" else 1.0
+        return from_si(1.0, DIMENSIONS[self.dimension].default_unit, self.dimension)
 
 
-FIGURES = {
-    figure.name: figure
-    for figure in (
-        Figure("detrended_phase", "Detrended phase", "angle", "detrended_phase"),
-        Figure("quadratic_phase", "Quadratic phase", "angle", "quadratic_phase"),
-        Figure("cubic_phase", "Cubic phase", "angle", "cubic_phase"),
-        Figure("azimuth_shift", "Azimuth shift", "length", "azimuth_shift"),
-        Figure("range_shift", "Range shift", "length", "range_shift"),
-        Figure("ce90", "CE90", "length", "ce90", "90 %"),
-        Figure("horizontal_position", "Horizontal position", "length", "position_horizontal"),
-        Figure("vertical_position", "Vertical position", "length", "position_vertical"),
-        Figure("horizontal_velocity", "Horizontal velocity", "speed", "velocity_horizontal"),
-        Figure("vertical_velocity", "Vertical velocity", "speed", "velocity_vertical"),
-        Figure("tilt", "Tilt", "angle", "tilt"),
-    )
-}
+FIGURES = {name: Figure(name, label_of(name), ENTERED[name], "90 %" if name == "ce90" else "1σ") for name in LIMITED}
 
 
 def limit_of(result: TrajectoryResult, name: str) -> float:
