@@ -41,7 +41,6 @@ from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.design.parts import INPUTS
 
-_NONE = "choose a review"
 _OPENING = Answer("Reviews", "open", ("Opening the library …",))
 _NO_REVIEW = Answer("No review yet", "open", ("Select designs in the library, then start one.",))
 _EMPTY = (
@@ -83,8 +82,6 @@ class ReviewRoom(View):
             ]
         )
         self._comments.visible = presenting.rx.not_()
-        shown = {"visible": presenting.rx.not_()}
-        self._choice = pmui.Select(label="Review", options={_NONE: ""}, value="", width=300, **LOOK, **shown)
         self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=200, **LOOK)
         self._begin_button = button("Start review of selected designs", self._begin)
         self._of_review = [
@@ -114,7 +111,6 @@ class ReviewRoom(View):
         self._view = pn.Column(
             pn.FlexBox(
                 self._of_review[0],
-                self._choice,
                 self._title,
                 self._begin_button,
                 self._sign_button,
@@ -132,7 +128,6 @@ class ReviewRoom(View):
             self._details,
             self._all,
         )
-        self._choice.param.watch(self._chosen, "value")
         self._about.param.watch(self._turned, "value")
 
     # --- which review ----------------------------------------------------------------------------------
@@ -146,13 +141,6 @@ class ReviewRoom(View):
         table = await asyncio.to_thread(lambda: html_of(overview(reviews)))
         if self._asked is not asked:
             return
-        options = {_NONE: ""}
-        for review in reviews:
-            said = f"{shortened(review.title, 60)} ({'signed off' if review.signed else 'open'}, {review.opened[:10]}"
-            options[f"{said}, {review.id[:4]})" if f"{said})" in options else f"{said})"] = review.id
-        if self._choice.options != options:
-            self._choice.options = options
-            self._choice.param.trigger("value")  # the browser knows the value by its words, which may be others now
         self._all.html = table
         said = f"{sum(own.signed is None for own in reviews)} open. Choose one, or start one of selected designs."
         self.review = next((own for own in reviews if own.id == self._wanted), None)
@@ -165,11 +153,6 @@ class ReviewRoom(View):
         if found is not None:
             self._wanted = found.id
             await self.refresh()
-
-    async def _chosen(self, _: param.parameterized.Event) -> None:
-        chosen = self._choice.value or ""
-        if chosen != self._wanted:
-            await (self.open(chosen) if chosen else self._leave())
 
     async def _leave(self) -> None:
         self.desk.say("")
@@ -211,7 +194,6 @@ class ReviewRoom(View):
             self._table.visible = review is not None
             self._talk.visible = self._sign_button.visible = open_ and not presenting
             self._details.visible = review is not None and not presenting
-            self._choice.value = "" if review is None else review.id
             if review is None:
                 self._slide.object, self._comments.object = "", _EMPTY
             else:
