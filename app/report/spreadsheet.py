@@ -19,7 +19,7 @@ from app.document.numbers import percent
 from app.document.verdict import SAID
 from app.document.wording import printable, title_of
 from app.report.inputs import shown_value
-from app.report.workings import CHOICE, RULE, STATES, Traces, followed, own_key, symbol_of
+from app.report.workings import CHOICE, RULE, STATES, Traces, own_key, symbol_of
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
@@ -111,12 +111,11 @@ class _Sheets:
             ("Change the yellow cells. The formulas of the other sheets follow them.",
              "An empty cell is an input that is not given, or a limit that is not checked."),
         )  # fmt: skip
-        keys = followed(self.design)
         others = []
         for section, names in INPUTS.items():
             for name in names:
                 key = f"{section}.{name}"
-                if key in keys or (section == "requirements" and symbol_of(key) != CHOICE):
+                if key in self.traces.followed or (section == "requirements" and symbol_of(key) != CHOICE):
                     self._input(sheet, row, key)
                     if section != "requirements":
                         self._counts(sheet, row)

@@ -54,21 +54,9 @@ _PLAIN = {
     "grazing_angle": "radar.grazing_angle", "squint": "radar.squint_angle",
     "scene_height_error": "processing.scene_height_error",
 }  # fmt: skip
-_MORE = (
-    "imu.velocity_random_walk", "imu.angle_random_walk", "imu.vibration_factor", "gnss.vertical_position_noise",
-    "radar.frequency", "radar.azimuth_resolution", "radar.aperture_time",
-)  # fmt: skip
-_VELOCITY = ("gnss.velocity_noise", "gnss.vertical_velocity_noise", "gnss.velocity_interval")
-
 STATES = {"prior": "just before a fix", "closed": "average between fixes", "posterior": "just after a fix"}
 _SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
-
-
-def followed(design: Design) -> tuple[str, ...]:
-    """Keys of the inputs that the formulas follow; each is a cell in SI under the name of `symbol_of`."""
-    given = _VELOCITY if design.gnss.velocity_noise is not None else ()
-    return (*_PLAIN.values(), *_MORE, *given)
 
 
 def symbol_of(key: str) -> str:
@@ -82,6 +70,8 @@ class Traces:
     Attributes
     ----------
     workings : Workings
+    followed : set of str
+        Keys of the inputs that the formulas follow; each is a cell in SI under the name of `symbol_of`.
     sums : mapping of str to str
         Name of the cell of each figure of the budget, 1σ -> the dimension of its limit.
     sources : mapping of str to PhaseVariances
@@ -94,6 +84,7 @@ class Traces:
     def __init__(self, design: Design) -> None:
         self.design, self.plain = design, replace(inputs_of(design), post_processed=False)
         self.workings = Workings()
+        self.followed: set[str] = set()
         self.sums: dict[str, str] = {}
         self.sources: dict[str, phase.PhaseVariances] = {}
         self.contributors: dict[str, list[Part]] = {}
@@ -108,6 +99,7 @@ class Traces:
 
     def _cell(self, key: str) -> Any:
         value: Any = self.design[key]
+        self.followed.add(key)
         return Traced(symbol_of(key), np.nan if value is None else np.float64(value), self.workings)
 
     def _or(self, key: str, otherwise: Any) -> Any:

@@ -14,9 +14,8 @@ _COLOURS = {"path": "ff8b877b", "closes": "ff4b7f1a", "fails": "ff2f2fc6"}  # al
 
 def as_kml(followed: Followed) -> bytes:
     """The path and the lines as placemarks; a line's description says whether it keeps its limits, or why not."""
-    ElementTree.register_namespace("", NAMESPACE)
     result = followed.result
-    root = ElementTree.Element(_tag("kml"))
+    root = ElementTree.Element("kml", xmlns=NAMESPACE)
     document = _add(root, "Document")
     _add(document, "name", followed.design.name or "flight")
     for key, colour in _COLOURS.items():
@@ -40,11 +39,7 @@ def as_kml(followed: Followed) -> bytes:
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
-def _tag(name: str) -> str:
-    return f"{{{NAMESPACE}}}{name}"
-
-
 def _add(parent: ElementTree.Element, name: str, text: str = "", **attributes: str) -> ElementTree.Element:
-    element = ElementTree.SubElement(parent, _tag(name), attributes)
+    element = ElementTree.SubElement(parent, name, attributes)
     element.text = printable(text) or None
     return element

@@ -57,9 +57,9 @@ class Followed:
 
     def place(self, north: float, east: float) -> tuple[float, float]:
         """Latitude and longitude [rad] of a place north and east of the start [m]."""
-        scale = _scales(self.result.truth.position[0])
         start = self.result.truth.position[0]
-        return start[0] + north / scale[0], start[1] + east / scale[1]
+        to_north, to_east = _scales(start)
+        return start[0] + north / to_north, start[1] + east / to_east
 
 
 def follow(design: Design, states: int, file: File | None = None) -> Followed:
