@@ -186,15 +186,25 @@ class Tab:
         await self.connection.write_message("{}")
         await self.connection.write_message(content if isinstance(content, str) else json.dumps(content))
 
+    async def _message(self) -> tuple[str, Any] | None:
+        """Kind and content of the next message; None where the connection ends before its last frame.
+
+        They are its first and third frame; the frames of arrays are counted, not looked at.
+        """
+        frames: list[Any] = []
+        left = 3
+        while left:
+            if (frame := await self.connection.read_message()) is None:  # told once: no other may be waited for
+                return None
+            if not frames:
+                left += 2 * json.loads(frame).get("num_buffers", 0)
+            frames.append(frame)
+            left -= 1
+        return json.loads(frames[0])["msgtype"], frames[2]
+
     async def _read(self) -> None:
-        """Take messages apart by their first and third frame; the frames of arrays are counted, not looked at."""
-        while (frame := await self.connection.read_message()) is not None:
-            header = json.loads(frame)
-            await self.connection.read_message()
-            content = await self.connection.read_message()
-            for _ in range(2 * header.get("num_buffers", 0)):
-                await self.connection.read_message()
-            kind = header["msgtype"]
+        while (message := await self._message()) is not None:
+            kind, content = message
             if kind == "ACK":
                 self._greeted.set()
             elif kind == "PULL-DOC-REPLY" and self._reply is not None:
