@@ -88,6 +88,8 @@ class Traces:
         self.sums: dict[str, str] = {}
         self.sources: dict[str, phase.PhaseVariances] = {}
         self.contributors: dict[str, list[Part]] = {}
+        rule = zip(RULE, longest_rule(), strict=True)  # the one that integrates the outage, in cells
+        self.rule: Any = tuple(Traced(name, part, self.workings) for name, part in rule)
         self.x = self._inputs()
         self.own = parts_of(design, self.x.wavelength)
         saw = self._settled()
@@ -102,13 +104,11 @@ class Traces:
         self.followed.add(key)
         return Traced(symbol_of(key), np.nan if value is None else np.float64(value), self.workings)
 
-    def _or(self, key: str, otherwise: Any) -> Any:
+    def _or(self, key: str, otherwise: Traced) -> Any:
         """The input, or what is used where its cell is empty."""
         own, value = self._cell(key), self.design[key]
-        other = otherwise if isinstance(otherwise, Traced) else Traced(repr(otherwise), otherwise, self.workings)
-        return Traced(
-            f'IF({own.text}="",{other.text},{own.text})', other.value if value is None else own.value, self.workings
-        )
+        used = otherwise.value if value is None else own.value
+        return Traced(f'IF({own.text}="",{otherwise.text},{own.text})', used, self.workings)
 
     def _inputs(self) -> Inputs:
         name, cell, design = self.workings.name, self._cell, self.design
@@ -250,12 +250,8 @@ class Traces:
         ):
             symbol = "end_" + label.lower().replace(", ", "_").replace(" ", "_")
             self._sum(symbol, np.sqrt(variance), f"{label}, at the end of the outage", dimension, mark)
-        for figure, variance in zip(COASTING, outage(x, saw["posterior"], t, self._rule()), strict=True):
+        for figure, variance in zip(COASTING, outage(x, saw["posterior"], t, self.rule), strict=True):
             self._figure(figure, np.sqrt(variance), "length", "[T-17]")
-
-    def _rule(self) -> Any:
-        """The rule that integrates the outage, in cells."""
-        return tuple(Traced(name, part, self.workings) for name, part in zip(RULE, longest_rule(), strict=True))
 
     def _limits(self, saw: Mapping[str, Sawtooth]) -> None:
         """What limits of the user's own limit, where that is no figure of before."""
@@ -269,7 +265,7 @@ class Traces:
             if limit.at is not None:
                 time = Traced(repr(limit.at), np.float64(limit.at), self.workings)
             if limit.on in COASTING:
-                of = np.sqrt(outage(self.x, saw["posterior"], time, self._rule())[COASTING.index(limit.on)])
+                of = np.sqrt(outage(self.x, saw["posterior"], time, self.rule)[COASTING.index(limit.on)])
             elif limit.on in IN_OUTAGE:
                 of = np.sqrt(free_growth(self.x, saw["closed"], time)[limit.on])
             elif limit.on in RESPONSE:

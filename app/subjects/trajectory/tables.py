@@ -65,26 +65,21 @@ def failure(result: TrajectoryResult, line: LineResult) -> str:
 def line_table(followed: Followed, name: str) -> Table:
     """Each line: the figure `name` and those with a limit, their rms, worst and share of the line within it."""
     result = followed.result
-    limited = [key for line in result.lines for key in line.limits]
-    shown = [FIGURES[key] for key in dict.fromkeys([*limited, name])]
+    having_one = [key for line in result.lines for key in line.limits]
+    shown = [FIGURES[key] for key in dict.fromkeys([*having_one, name])]
     rows: list[Row] = []
     for line in result.lines:
         rows.append((f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s",))
         for figure in shown:
             within = line.within.get(figure.name)
-            failing = figure.name in line.failing
-            mean, worst = (part.get(figure.name) for part in (line.mean, line.worst))
-            rows.append(
-                (
-                    figure.label,
-                    NONE if mean is None else figure.told(mean),
-                    NONE if worst is None else figure.told(worst),
-                    NONE if within is None else figure.told(line.limits[figure.name], given=True),
-                    NONE
-                    if within is None
-                    else Cell(percent(within), "✗" if failing else "✓", "bad" if failing else "good"),
-                )
-            )
+            limited: tuple[str | Cell, ...] = (NONE, NONE)
+            if within is not None:
+                sign, tone = ("✗", "bad") if figure.name in line.failing else ("✓", "good")
+                limit = figure.told(line.limits[figure.name], given=True)
+                limited = limit, Cell(percent(within), sign, tone)
+            found = (part.get(figure.name) for part in (line.mean, line.worst))
+            told = (NONE if value is None else figure.told(value) for value in found)
+            rows.append((figure.label, *told, *limited))
     return table(
         "trajectory-lines",
         f"Figures by line, {result.spec.limits.processing}",
