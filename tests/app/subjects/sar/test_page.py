@@ -83,7 +83,7 @@ def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPa
     assert not any(place.objects for place in sar._details._places)
     assert (
         "Appears when the strategies have been run"
-        in part(sar, "Parts of the error, impulse response in figures").object
+        in part(sar, "Parts of the error, impulse response in numbers").object
     )
     assert len(part(sar, "Error histories and impulse responses")) == 1  # no figure without data
 
@@ -100,7 +100,7 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)
     assert best[1] == study.best().name
     assert sar._images.object.count("<img") == 10 + 1  # and the scale
-    tables = part(sar, "Parts of the error, impulse response in figures")
+    tables = part(sar, "Parts of the error, impulse response in numbers")
     assert tables.object.count("<table") == 3
     reasons = part(sar, "Why, and what would change it")
     marked = (sar._rank_head, sar._image_head, tables)
@@ -267,7 +267,7 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
     sar.engine = "simulator"
     run(sar)
     assert "50 flights of the simulator" in sar._bar.state.object
-    tables = part(sar, "Parts of the error, impulse response in figures")
+    tables = part(sar, "Parts of the error, impulse response in numbers")
     assert "Simulator and error model compared" in tables.object
     assert "WGS 84" in part(sar, "Why, and what would change it").object
     result = sar._result
