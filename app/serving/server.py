@@ -37,8 +37,9 @@ from app.upstream.browser import head_script
 from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
 from app.upstream.listening import let_nobody_new_in, listen_on
+from app.upstream.rendering import copy_none
 from app.upstream.requests import ask_first, believe_proxies_only, read_any_address
-from app.upstream.sending import keep_first_changes, send_in_order
+from app.upstream.sending import keep_first_changes, send_in_order, write_once
 from app.work import pool as workers
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -133,9 +134,11 @@ def serve_on(
     settings.simple_ids = True  # as it is unless said; said, it is not looked up anew for each id
     settings.perform_document_validation = False  # warns of empty layouts, at each look at a document
     send_in_order()
+    write_once()
     keep_first_changes()
     read_any_address()
     look_at_what_was_given()
+    copy_none()
     believe_proxies_only()
     for name in COMPONENTS:
         import_module(name)
