@@ -384,22 +384,22 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
         wanted &= set(COASTING)
     if wanted.intersection(LEVELS):
         found |= levels(x.fast.values(), x.to_phase, x.aperture, x.window)
-    saw = None
-    if wanted.intersection(COASTING) or (wanted.intersection(SETTLED) and x.steady_state != "closed"):
+    steady, coasting = wanted.intersection(SETTLED), wanted.intersection(COASTING)
+    imaged = wanted.intersection((*IMAGING, *PLACING, INITIAL_TILT))
+    if steady or coasting or imaged:
         saw = sampled(x)
-    if not wanted.isdisjoint((*IMAGING, *PLACING, INITIAL_TILT)):
-        start = begun(x, saw and saw.posterior)
+        start = begun(x, saw.posterior) if imaged or x.steady_state == "closed" else saw.posterior
         if placed := wanted.intersection(PLACING):
             found |= placing(x, free_shifts(x, start), placed)
         if wanted.intersection(IMAGING):
             found |= imaging(x, start.horizontal)
-        found[INITIAL_TILT] = np.sqrt(start.horizontal.p33)
-    if wanted.intersection(SETTLED):
-        found |= sigmas(begun(x) if saw is None or x.steady_state == "closed" else getattr(saw, x.steady_state))
-    if wanted.intersection(COASTING):
-        assert saw is not None
-        ends = outage(x, saw.posterior, x.duration)
-        found |= {name: np.sqrt(variance) for name, variance in zip(COASTING, ends, strict=True)}
+        if imaged:
+            found[INITIAL_TILT] = np.sqrt(start.horizontal.p33)
+        if steady:
+            found |= sigmas(start if x.steady_state == "closed" else getattr(saw, x.steady_state))
+        if coasting:
+            ends = outage(x, saw.posterior, x.duration)
+            found |= {name: np.sqrt(variance) for name, variance in zip(COASTING, ends, strict=True)}
     return {name: found[name] for name in (*FIGURES, "cep", INITIAL_TILT) if name in names}
 
 
