@@ -182,9 +182,10 @@ class Tab:
     async def send(self, kind: str, content: Any) -> None:
         """Send a message; text goes as it is."""
         self._sent += 1
-        await self.connection.write_message(json.dumps({"msgid": str(self._sent), "msgtype": kind}))
-        await self.connection.write_message("{}")
-        await self.connection.write_message(content if isinstance(content, str) else json.dumps(content))
+        header = json.dumps({"msgid": str(self._sent), "msgtype": kind})
+        text = content if isinstance(content, str) else json.dumps(content)
+        # Written at once, then waited for: where one waits between frames, those of another message come between.
+        await asyncio.gather(*map(self.connection.write_message, (header, "{}", text)))
 
     async def _message(self) -> tuple[str, Any] | None:
         """Kind and content of the next message; None where the connection ends before its last frame.
