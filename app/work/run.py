@@ -137,8 +137,6 @@ class Run(param.Parameterized):
         except (BrokenProcessPool, RunLost):
             end = {"message": "The process that did the work ended without an answer. Start again."}
         finally:
-            if self.mine:  # a run that was replaced leaves the word to its successor
+            if self.mine:  # one that was replaced leaves the word to its successor; a dropped one has no page left
                 self._task = None
                 self.param.update(running=False, progress=None, **end)
-            elif self._task is None:  # dropped
-                self.running = False

@@ -123,9 +123,11 @@ async def test_a_session_is_busy_while_any_of_its_runs_is_and_ends_them_when_it_
     runs[0].cancel()
     await tasks[0]
     assert session.running
+    heard: list[str] = []
+    runs[1].param.watch(lambda event: heard.append(event.name), ["running", "progress", "result", "message"])
     session.close()
     await tasks[1]
-    assert not session.running
+    assert not heard, "what the page showed is gone"
 
 
 def test_the_bar_follows_its_run():
