@@ -84,12 +84,20 @@ def _is_read_only(path: Path) -> dict[str, str]:
 
 
 def _set_up_to_read(connection: Any, _: Any) -> None:
+    """Set up SQLite: transactions begin explicitly, not where the driver guesses; any row can be read."""
     connection.isolation_level = None
+    connection.text_factory = bytes  # as text, one that is not UTF-8 would end the reading of all others
+    connection.row_factory = _as_text
+
+
+def _as_text(_: Any, row: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A row without bytes, which no column of ours holds."""
+    return tuple(value.decode("utf-8", "replace") if isinstance(value, bytes) else value for value in row)
 
 
 def _set_up(connection: Any, _: Any) -> None:
-    """Set up SQLite: durable when a save returns; transactions begin explicitly, not where the driver guesses."""
-    connection.isolation_level = None
+    """Set up SQLite also to write: durable when a save returns."""
+    _set_up_to_read(connection, _)
     for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
         connection.execute(f"PRAGMA {setting}")
 

@@ -43,12 +43,16 @@ def keep_offers(library: Library, name: str, content: str) -> None:
         insert(connection, "offers", {"name": name[:_LONGEST_NAME], "kept": now(), "text": content})
 
 
-def kept_offers(library: Library) -> Offers:
-    """All that is kept; of one name the unit that was kept last."""
+def kept_offers(library: Library) -> tuple[Offers, tuple[str, ...]]:
+    """All that is kept, of one name the unit that was kept last; and the files that cannot be read any more."""
     with library.read() as connection:
-        rows = connection.execute(text("SELECT text FROM offers ORDER BY kept, name")).scalars().all()
+        rows = connection.execute(text("SELECT name, text FROM offers ORDER BY kept, name")).all()
     found: dict[Kind, dict[str, Entry]] = {kind: {} for kind in KINDS}
-    for content in rows:
-        for kind, entries in read_offers(content).items():
-            found[kind] |= entries
-    return found
+    damaged = []
+    for name, content in rows:
+        try:
+            for kind, entries in read_offers(content).items():
+                found[kind] |= entries
+        except InputError:
+            damaged.append(name)
+    return found, tuple(damaged)

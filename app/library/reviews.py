@@ -230,15 +230,10 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
     """
     signer = clean("author", author, required=True)
     with library.write() as connection:
-        _touch(connection, review)
-        now_there = _load(connection, review)
-        if now_there.version != seen + 1:
+        now_there = _locked(connection, review)
+        if now_there.version != seen:
             raise Conflict(
                 "review", "Somebody added a comment or a decision after you opened it. Look again before you sign."
-            )
-        if not now_there.intact:
-            raise InputError(
-                "review", "It cannot be signed: the library no longer has the designs that the review froze."
             )
         left = now_there.open_points()
         if left:
@@ -247,7 +242,9 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
             need = "1 requirement still needs" if len(left) == 1 else f"{len(left)} requirements still need"
             raise InputError("review", f"{need} a decision. Next: {first}.")
         connection.execute(
-            text("UPDATE reviews SET signed_by = :signer, signed = :signed WHERE id = :review"),
+            text(
+                "UPDATE reviews SET signed_by = :signer, signed = :signed, version = version + 1 WHERE id = :review"
+            ),
             {"signer": signer, "signed": now(), "review": review},
         )
         seal = _seal(_load(connection, review))
@@ -260,8 +257,7 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
 
 def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: int | None = None) -> Review:
     with library.write() as connection:
-        _touch(connection, review)
-        before = _load(connection, review)
+        before = _locked(connection, review)
         if row["place"] not in {item.place for item in before.items}:
             raise InputError("review", f"has no design number {row['place']!r}")
         if table == "review_decisions":
@@ -276,28 +272,22 @@ def _add(library: Library, review: str, table: str, row: dict[str, Any], seen: i
                 raise InputError("reason", "This requirement is not met. Enter why it is accepted: a waiver.")
         entries = before.comments if table == "review_comments" else before.decisions
         insert(connection, table, {**row, "review": review, "number": len(entries) + 1})
+        connection.execute(text("UPDATE reviews SET version = version + 1 WHERE id = :review"), {"review": review})
         return _load(connection, review)
 
 
-def _touch(connection: Connection, review: str) -> None:
-    """Lock the review for this transaction; refuses a signed one."""
-    taken = None
+def _locked(connection: Connection, review: str) -> Review:
+    """The review, which nobody else changes during this transaction; refuses one that is signed or damaged."""
     if "\0" not in review:
-        taken = connection.execute(
-            text(
-                "UPDATE reviews SET version = version + 1 WHERE id = :review AND signed IS NULL"
-                " AND signed_by IS NULL AND seal IS NULL AND signature IS NULL"
-            ),
-            {"review": review},
-        )
-    if taken is None or taken.rowcount != 1:
-        standing = _load(connection, review)
-        if standing.signed is None:
-            raise InputError("review", f"It was {CHANGED} after it was signed. It never changes.")
+        connection.execute(text("UPDATE reviews SET version = version WHERE id = :review"), {"review": review})
+    there = _load(connection, review)
+    if there.signed:
         raise InputError(
-            "review",
-            f"{standing.title!r} was signed by {standing.signed_by}, {moment(standing.signed)}. It never changes.",
+            "review", f"{there.title!r} was signed by {there.signed_by}, {moment(there.signed)}. It never changes."
         )
+    if not there.intact:
+        raise InputError("review", f"It was {CHANGED}, so nothing can be added. Open a new review.")
+    return there
 
 
 def _load(connection: Connection, review: str) -> Review:
@@ -336,17 +326,9 @@ def _whole_or_in_doubt(head: dict[str, Any], *parts: Any) -> Review:
     """A review from its rows; without what it is about, and in doubt, where they are damaged: one must not take the
     others from everybody."""
     try:
-        damaged = any(
-            isinstance(value, bytes) for row in (head, *parts[0], *parts[1], *parts[2]) for value in row.values()
-        )
-        if not damaged:
-            return _assembled(head, *parts)
-    except (KeyError, TypeError, ValueError, AttributeError):  # a revision is gone; a column holds another kind
-        pass
-    told: dict[str, Any] = {
-        name: value.decode("utf-8", "replace") if isinstance(value, bytes) else value for name, value in head.items()
-    }
-    return Review(**told, items=(), revisions=(), comments=(), decisions=(), doubt=CHANGED)
+        return _assembled(head, *parts)
+    except (KeyError, ValueError):  # a revision is gone, or is no design any more; a place that no item has
+        return Review(**head, items=(), revisions=(), comments=(), decisions=(), doubt=CHANGED)
 
 
 def _assembled(
@@ -366,6 +348,10 @@ def _assembled(
         decisions=tuple(Decision(**{**row, "accepted": bool(row["accepted"])}) for row in decision_rows),
         doubt="",
     )
+    loaded.points()  # each revision is a design
+    places = list(range(1, len(items) + 1))
+    if [item.place for item in items] != places:
+        raise ValueError("the items are not numbered from 1")
     return replace(loaded, doubt=_doubt(loaded))
 
 
@@ -377,7 +363,10 @@ def _doubt(review: Review) -> str:
     if not frozen:
         return CHANGED
     if review.signed is None:
-        return CHANGED if review.signed_by or review.seal or review.signature else ""
+        # Each addition counts, and so does the signature: without all that it left, there is one too many.
+        added = 1 + len(review.comments) + len(review.decisions)
+        left = review.signed_by or review.seal or review.signature
+        return CHANGED if left or review.version != added else ""
     seal = _seal(review)
     if review.seal == (earlier := _seal(review, _SEALED_AT_FIRST)):  # by a program before the verdict was sealed
         seal = earlier

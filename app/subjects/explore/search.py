@@ -163,15 +163,17 @@ class SearchPanel(Question):
     async def _load(self, _: Any) -> None:
         """Rank what the library holds."""
         try:
-            found = await asyncio.to_thread(lambda: kept_offers(library()))
+            found, damaged = await asyncio.to_thread(lambda: kept_offers(library()))
         except InputError as error:
             self._say(f"Not opened. {error}")
             return
         if any(found.values()):
             self._add(found)
             self.show(self.session.budget)
-        else:
+        elif not damaged:
             self._say("The library holds no offers yet. Open a file and keep it.")
+        if damaged:
+            self._say(f"Left out, as they are damaged: {', '.join(damaged)}. Keep these files again.")
 
     def _say(self, text: str) -> None:
         self._said.object = f'<p role="status">{escape(text)}</p>'

@@ -129,7 +129,7 @@ def test_a_signed_review_never_changes(library: Library, review: Review) -> None
         "UPDATE reviews SET signed_by = 'Eve'",
         "UPDATE reviews SET seal = NULL",
         "UPDATE reviews SET signed = NULL",
-        "UPDATE reviews SET signed = NULL, signed_by = NULL, seal = NULL",
+        "UPDATE reviews SET signed = NULL, signed_by = NULL, seal = NULL, signature = NULL",
         "UPDATE revisions SET closes = 1 - closes",
         "UPDATE revisions SET verdict = 'Fine.'",
         "UPDATE revisions SET product = '0'",
@@ -203,8 +203,10 @@ def test_the_list_holds_what_each_review_says_of_itself(library: Library, review
     [
         "DELETE FROM revisions WHERE rowid = (SELECT max(rowid) FROM revisions)",
         "UPDATE revisions SET number = 9 WHERE rowid = (SELECT max(rowid) FROM revisions)",
-        "UPDATE revisions SET text = CAST(text AS BLOB) WHERE rowid = (SELECT max(rowid) FROM revisions)",
-        "UPDATE reviews SET title = CAST(title AS BLOB) WHERE title = 'Damaged'",
+        "UPDATE revisions SET text = 'no design' WHERE rowid = (SELECT max(rowid) FROM revisions)",
+        "UPDATE revisions SET text = CAST(x'ff' AS TEXT) WHERE rowid = (SELECT max(rowid) FROM revisions)",
+        "UPDATE review_items SET place = 7 WHERE rowid = (SELECT max(rowid) FROM review_items)",
+        "UPDATE reviews SET version = x'ff' WHERE title = 'Damaged'",
     ],
 )
 def test_one_damaged_row_takes_no_other_review(library: Library, review: Review, mems: Budget, damage: str) -> None:
@@ -212,6 +214,7 @@ def test_one_damaged_row_takes_no_other_review(library: Library, review: Review,
     with create_engine(library.engine.url).begin() as connection:  # without foreign keys
         connection.execute(text(damage))
     listed = {own.id: own for own in list_reviews(library)}
+    assert len(overview(listed.values()).rows) == 2
     assert set(listed) == {review.id, damaged.id}
     assert listed[damaged.id].title == "Damaged"
     assert listed[review.id].intact
@@ -224,6 +227,6 @@ def test_one_damaged_row_takes_no_other_review(library: Library, review: Review,
 def test_a_review_that_was_signed_is_not_opened_again(library: Library, review: Review) -> None:
     sign(library, review.id, "Chief", decided(library, review).version)
     with library.write() as connection:
-        connection.execute(text("UPDATE reviews SET signed = NULL"))
-    with pytest.raises(InputError, match="never changes"):
+        connection.execute(text("UPDATE reviews SET signed = NULL, signed_by = NULL, seal = NULL, signature = NULL"))
+    with pytest.raises(InputError, match="changed outside the program"):
         add_comment(library, review.id, 1, "", "Eve", "late")

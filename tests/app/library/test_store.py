@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 from behind_its_back import sql
+from sqlalchemy import text as text_of
 from waiting import PATIENCE
 
+from app.library.exchange import export_archive
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library, now, revision_from_file
 from app.library.texts import LIMITS
@@ -97,6 +99,27 @@ def test_huge_or_broken_texts_are_refused(library: Library, mems: Budget, field:
     with pytest.raises(InputError, match=rf"name: {LIMITS['name'] + 1} characters"):
         revision_from_file(format_design(mems.design), "a file", "Ann", "", now(), "x" * (LIMITS["name"] + 1))
     assert library.designs() == ()
+
+
+@pytest.mark.parametrize("value", ["x'6fff'", "CAST(x'6fff' AS TEXT)", "CAST(x'6feda080' AS TEXT)"])
+def test_a_row_that_holds_no_text_takes_no_other_design(
+    library: Library, mems: Budget, tactical: Budget, value: str
+) -> None:
+    damaged, whole = library.save(mems, "Ann"), library.save(tactical, "Bob")
+    library.retag(damaged.design, "air")
+    library.retag(whole.design, "sea")
+    texts = ("name", "author", "note", "saved", "text", "content_hash", "verdict", "product", "origin")
+    with library.write() as connection:
+        of_it = f"WHERE design = '{damaged.design}'"
+        connection.execute(text_of(f"UPDATE tags SET tag = {value} {of_it}"))
+        connection.execute(
+            text_of(f"UPDATE revisions SET {', '.join(f'{name} = {value}' for name in texts)} {of_it}")
+        )
+    assert {saved.design for saved in library.designs()} == {damaged.design, whole.design}
+    assert [saved.author for saved in library.designs("sea")] == ["Bob"]
+    assert "sea" in library.tags()
+    assert len(library.revisions(damaged.design)) == 1
+    assert export_archive(library, [whole.design, damaged.design])
 
 
 @pytest.mark.parametrize("key", ["", ".", "x.1", "x.99999999999999999999", "\0.1", "1' OR '1'='1.1", "x" * 10_000])
