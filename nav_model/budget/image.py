@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import partial
 
 from nav_model.analytic.steady_state import Horizontal
@@ -12,7 +13,7 @@ from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import composed, entering
 from nav_model.budget.fast import LEVELS, levels, stays
-from nav_model.budget.figures import INITIAL_TILT, PLACING, imaging, phase_sources, placing
+from nav_model.budget.figures import INITIAL_TILT, PLACING, along_track_phase, imaging, phase_sources, placing
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.response import NO_IMAGE, response_of
 from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
@@ -37,11 +38,13 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         name: {source: float(getattr(made, column) / getattr(whole, column)) for source, made in budget.items()}
         for name, column in _COLUMNS.items()
     } | {"along_track_quadratic_phase": shares["along_track_quadratic_phase"]}
+    of_navigation = {name: float(value) for name, value in imaging(x, start).items()}
     found = {
-        name: composed(float(value), of_model[name], entering(x.own, name, post_processed=False))
-        for name, value in imaging(x, start).items()
+        name: composed(value, of_model[name], entering(x.own, name, post_processed=False))
+        for name, value in of_navigation.items()
     }
     one, two, three = (found[name] for name in _COLUMNS)
+    in_the_middle = along_track_phase(replace(x, before_aperture=x.before_aperture + x.aperture / 2), start)
     lines = tuple(
         PhaseLine(
             source,
@@ -63,6 +66,7 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         cubic=two.sigma,
         detrended=three.sigma,
         along_track_quadratic=found["along_track_quadratic_phase"].sigma,
+        along_track_growth=float(in_the_middle) / of_navigation["along_track_quadratic_phase"],
         lines=lines,
         shares=FrozenMapping({name: each.shares for name, each in found.items()}),
         tilt_shares=shares[INITIAL_TILT],

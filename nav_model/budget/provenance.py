@@ -15,6 +15,7 @@ from nav_model.design.parts import OUTDATED
 from nav_model.design.trajectory import LINES, WAYPOINTS
 
 _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
+_GROWTH_SAID = 0.05  # growth of the along-track velocity error in the aperture, likewise
 
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
@@ -106,6 +107,12 @@ def cautions(budget: Budget) -> tuple[str, ...]:
         said.append(
             f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle per aperture. Slower noise is "
             "not included."
+        )
+    growth = budget.sar.along_track_growth
+    if budget.smoothed is None and growth > 1 + _GROWTH_SAID:
+        said.append(
+            "In real time the along-track quadratic phase takes the velocity error at the aperture's start [S-2]. "
+            f"With that in mid-aperture it is {growth:.3g} times as large, which the verdict leaves out."
         )
     if (smoothed := budget.smoothed) is not None:
         counted = math.hypot(*(smoothed.navigation[f"{name}quadratic_phase"] for name in ("", "along_track_")))

@@ -131,6 +131,7 @@ class Sar:
     ``impulse_response`` is that of the 1σ quadratic as navigation delivers it; ``after_autofocus`` that of
     what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe, and so is
     ``half_power_extent`` [cells], the width of the first.
+    ``along_track_growth`` is the velocity error of mid-aperture over that at its start, which [S-2] takes.
     ``shares`` gives, for each phase that a requirement can limit, the share of each source in its variance;
     ``tilt_shares`` splits the initial tilt by the source that put it there [T-18].
     """
@@ -145,6 +146,7 @@ class Sar:
     cubic: float
     detrended: float
     along_track_quadratic: float
+    along_track_growth: float
     lines: tuple[PhaseLine, ...]
     shares: Mapping[str, Shares]
     tilt_shares: Shares
