@@ -38,15 +38,15 @@ NONE: Parts = FrozenMapping({})
 
 @dataclass(frozen=True)
 class Composed:
-    """A figure with its contributors: 1σ in SI, the share of each source, and its size.
+    """A figure with its contributors: 1σ in SI, the share of each source, and its size; numbers or arrays.
 
     A share is the figure's logarithmic derivative by the source's size, so that all add up to one: that in the
     variance where nothing is systematic.
     """
 
-    sigma: float
-    shares: Shares
-    sizes: Mapping[str, float]
+    sigma: Any
+    shares: Mapping[str, Any]
+    sizes: Mapping[str, Any]
 
 
 def parts_of(design: Design, wavelength: Any) -> Parts:
@@ -103,17 +103,17 @@ def all_with_contributors(found: Mapping[str, Array], parts: Parts, *, post_proc
     }
 
 
-def composed(sigma: float, shares: Shares, parts: tuple[Part, ...]) -> Composed:
-    """A figure of the model, 1σ, whose `shares` are those in its variance, with what enters it."""
-    sizes = {source: sigma * math.sqrt(share) for source, share in shares.items()}
+def composed(sigma: Any, shares: Mapping[str, Any], parts: tuple[Part, ...]) -> Composed:
+    """A figure of the model, 1σ, whose `shares` are those in its variance, with what enters it; numbers or arrays."""
+    sizes = {source: sigma * share**0.5 for source, share in shares.items()}
     if not parts:
         return Composed(sigma, shares, sizes)
     root, systematic = random_and_systematic(sigma, parts)
-    whole = float(root + systematic)
-    scale = sigma * sigma / float(root * whole)
+    whole = root + systematic
+    scale = sigma * sigma / (root * whole)
     mixed = {source: share * scale for source, share in shares.items()}
     for part in parts:
-        size = float(part.size)
-        mixed[part.name] = size / whole if part.systematic else size * size / float(root * whole)
+        size = part.size
+        mixed[part.name] = size / whole if part.systematic else size * size / (root * whole)
         sizes[part.name] = size
     return Composed(whole, FrozenMapping(mixed), sizes)

@@ -1,7 +1,8 @@
 """The covariance along a flight: what the simulator would give with infinitely many runs, by source, smoothed too.
 
     specification.py  what is asked: CovarianceSpec, the simulator's study with aperture, aiding and their errors
-    errors.py         the linear model of the simulator's errors: nodes, transition, noise of each source, fixes
+    states.py         the states and sources of the simulator's errors, the same for every flight
+    errors.py         their linear model along a flight: nodes, transition, noise of each source, fixes
     covariance.py     covariance(spec): filter, smoother and the share of every source -> TrajectoryResult
     aperture.py       the weights of the image figures, of the errors at the nodes of a flight
     result.py         TrajectoryResult and its parts; to_json

@@ -17,16 +17,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.contributors import entering
-from nav_model.budget.shares import ACCELEROMETER_NOISE
-from nav_model.simulation.layout import ATTITUDE
+from nav_model.budget.contributors import composed, entering
+from nav_model.simulation.layout import VELOCITY
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
 from nav_model.trajectory.errors import ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import judge
-from nav_model.trajectory.result import Processed, TrajectoryResult, with_contributors
+from nav_model.trajectory.result import Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
+from nav_model.trajectory.states import RADAR_TIME
 
 FloatArray = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -57,17 +57,12 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
     Raises InputError for a flight that cannot be flown, ArithmeticError where the covariance is not finite.
     """
     model = error_model(spec)
-    own = tuple(dict.fromkeys(part.name for parts in spec.contributors.values() for part in parts))
     run = _filtered(model)
     looks = apertures_of(model, spec.aperture, spec.study.gnss.interval)
     variances, images = _forward(model, run, looks, *_sums(model, run, looks))
     parts = [
-        with_contributors(
-            _processed(values, image, spec, looks, model),
-            {name: entering(spec.contributors, name, post_processed=smoothed) for name in spec.contributors},
-            own,
-        )
-        for values, image, smoothed in zip(variances, images, (False, True), strict=True)
+        _processed(spec, model, looks, values, image, post)
+        for values, image, post in zip(variances, images, (False, True), strict=True)
     ]
     time_s = model.time_s[model.outputs]
     truth = model.truth.at(model.outputs)
@@ -75,7 +70,7 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
         spec=spec,
         time_s=time_s,
         truth=truth,
-        sources=(*model.sources, *own),
+        sources=_all_sources(spec, model),
         real_time=parts[0],
         post_processed=parts[1],
         lines=judge(spec, time_s, *parts),
@@ -84,9 +79,9 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
 
 
 def _filtered(model: ErrorModel) -> _Filter:
-    (k, r, _), m = model.rows.shape, model.states
+    (k, r, _), m = model.rows.shape, model.states.estimated
     found = _Filter(np.empty((k, m, m)), np.zeros((k, m, r)), np.zeros((k, m, r)))
-    identity, p = np.eye(m), model.filter_start
+    identity, p = np.eye(m), model.states.believed
     for node in range(k):
         if node:
             step = _transition(model, node, m)
@@ -113,15 +108,6 @@ def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
     return found
 
 
-def _shown(model: ErrorModel, node: int) -> FloatArray:
-    """Position, velocity and roll, pitch, yaw as the radar takes them at a node, of all states (9, n)."""
-    found = np.eye(_AXES, model.rows.shape[2])
-    found[ATTITUDE:, ATTITUDE:_AXES] = model.error_map[node]
-    if model.radar is not None:
-        found[:, model.radar] = model.late[node]
-    return found
-
-
 def _sums(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[_Sums, tuple[_Sums, _Sums]]:
     """Position, velocity and roll, pitch, yaw smoothed at the outputs, on the errors there; and the sums of the
     apertures in real time and smoothed, on the errors at the start of each."""
@@ -145,7 +131,7 @@ def _along(looks: Apertures, *, back: bool = False) -> Iterator[tuple[int, Indic
 def _ends(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[FloatArray, FloatArray]:
     """What smoothing adds to the sums of the apertures: weights on λ at the end of each (apertures, COLUMNS, m), and
     on the innovations at its nodes (nodes, apertures, COLUMNS, r)."""
-    m, (count, nodes) = model.states, looks.weights.shape[:2]
+    m, (count, nodes) = model.states.estimated, looks.weights.shape[:2]
     found = np.zeros((count, COLUMNS, m))
     by_innovation = np.zeros((nodes, count, COLUMNS, model.rows.shape[1]))
     for step, on, node in _along(looks):
@@ -162,17 +148,16 @@ def _ends(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[FloatArray
 def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) -> tuple[_Sums, _Sums]:
     """Position, velocity and roll, pitch, yaw smoothed at the outputs; and what λ at the end of each aperture adds to
     its sums, on the errors there."""
-    m, n, noisy = model.states, model.rows.shape[2], model.noisy
+    m, n, noisy = model.states.estimated, model.states.size, model.states.noisy
     states = _Sums(np.zeros((len(model.outputs), _AXES, n)), np.zeros((noisy, len(model.outputs), _AXES)))
     images = _Sums(np.zeros((len(ends), COLUMNS, n)), np.zeros((noisy, len(ends), COLUMNS)))
-    driven, measuring = list(model.driven), _measuring(model)
+    driven, measuring = _driven(model), _measuring(model)
     ending, output_of = _by_node(looks.last), _by_node(model.outputs)
     carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
     for node in range(len(model.time_s) - 1, -1, -1):
         for at in output_of.get(node, ()):
-            shown = _shown(model, node)
-            sums = shown[:, :m] @ run.covariance[node]
-            states.rows[at] = shown - sums @ carried
+            sums = model.shown[at, :, :m] @ run.covariance[node]
+            states.rows[at] = model.shown[at] - sums @ carried
             states.added[:, at] = ((sums @ now) * sums).sum(axis=2)
         for look in ending.get(node, ()):
             images.rows[look] = ends[look] @ carried
@@ -185,7 +170,7 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
             by_noise = kept @ carried[:, :m] @ gain - run.weight[node]
             carried, now = kept @ carried - by_noise @ rows, kept @ now @ kept.T
             now[measuring] += (by_noise * model.noise[node, measuring, None, :]) @ by_noise.T
-        now[driven] += _square(carried[:, : model.moving] @ _factors(model, node))
+        now[driven] += _square(carried[:, : model.states.moving] @ _factors(model, node))
         step = _transition(model, node, n)
         back = step[:m, :m].T
         carried, now = back @ carried @ step, back @ now @ back.T
@@ -194,23 +179,23 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
 
 def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_innovation: FloatArray | None) -> None:
     """Take the sums from the errors at the end of each aperture to those at its start, with the noises between."""
-    measuring = _measuring(model)
+    measuring, radar = _measuring(model), model.states.first.get(RADAR_TIME)
     for step, on, node in _along(looks, back=True):
         now = sums.rows[on]
         now[:, :, :6] += looks.weights[on, step]
-        if model.radar is not None:
-            now[:, :, model.radar] += np.einsum("acx,ax->ac", looks.weights[on, step], model.late[node, :6])
+        if radar is not None:
+            now[:, :, radar] += np.einsum("acx,ax->ac", looks.weights[on, step], model.late[node, :6])
         if step:
             if by_innovation is not None:
-                by_noise = now[:, :, : model.states] @ run.gain[node] - by_innovation[step, on]
+                by_noise = now[:, :, : model.states.estimated] @ run.gain[node] - by_innovation[step, on]
                 for source in measuring:
                     sums.added[source, on] += (by_noise**2 * model.noise[node, source][:, None]).sum(axis=2)
                 now -= by_noise @ model.rows[node]
-            for place, source in enumerate(model.driven):
-                factor, own = model.factors[node - 1, place], model.own[place]
+            for place, (source, first, _) in enumerate(model.states.drives):
+                factor = model.factors[node - 1, place]
                 driven = now[:, :, :_AXES] @ factor[:, :_AXES]
-                if own:
-                    driven += now[:, :, own : own + 3] @ factor[:, _AXES:]
+                if first >= _AXES:
+                    driven += now[:, :, first : first + 3] @ factor[:, _AXES:]
                 sums.added[source, on] += (driven**2).sum(axis=2)
             moved = now[:, :, :_AXES] @ model.top[node - 1]
             moved[:, :, _AXES:] += now[:, :, _AXES:] * model.kept[node - 1, None]
@@ -226,17 +211,17 @@ def _forward(
     Returns variances of position, velocity and roll, pitch, yaw (2 processings, sources, outputs, 9), and of the sums
     of the apertures (2, sources, apertures, COLUMNS).
     """
-    k, _, n = model.rows.shape
-    m, s, size, sources = model.states, model.noisy, model.moving, len(model.sources)
+    own = model.states
+    m, n, s, size, sources = own.estimated, own.size, own.noisy, own.moving, len(own.sources)
     variances = np.zeros((2, sources, len(model.outputs), _AXES))
     found = np.zeros((2, sources, len(looks.output), COLUMNS))
     variances[1, :s], found[:, :s] = states.added, [part.added for part in images]
-    owner, state = np.nonzero(model.initial[s:])
+    owner, state = np.nonzero(own.initial[s:])
     owned = np.eye(sources - s)[owner].T
     constant = np.zeros((n, len(owner)))  # what each sigma of the constant sources does to every state
-    constant[state, range(len(owner))] = np.sqrt(model.initial[s:][owner, state])
+    constant[state, range(len(owner))] = np.sqrt(own.initial[s:][owner, state])
     now = np.zeros((size, s, size))  # the noisy ones, state before source: both products are of large matrices
-    now[range(size), :, range(size)] = model.initial[:s, :size].T
+    now[range(size), :, range(size)] = own.initial[:s, :size].T
 
     def by_source(both: FloatArray) -> FloatArray:
         """Variances (2, sources, q) of sums of both processings, rows (2, q, n)."""
@@ -247,8 +232,8 @@ def _forward(
         return whole.reshape(2, -1, sources).swapaxes(1, 2)
 
     starting, output_of = _by_node(looks.first), _by_node(model.outputs)
-    driven, measuring = list(model.driven), _measuring(model)
-    for node in range(k):
+    driven, measuring = _driven(model), _measuring(model)
+    for node in range(len(model.time_s)):
         if node:
             now = _stepped(model, node, now)
             now[:, driven] += _square(_factors(model, node)).swapaxes(0, 1)
@@ -262,10 +247,15 @@ def _forward(
             now[:, :, :m] -= ((now.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
             now[:m, measuring, :m] += ((gain * model.noise[node, measuring, None, :]) @ gain.T).swapaxes(0, 1)
         for at in output_of.get(node, ()):
-            variances[:, :, at] += by_source(np.stack([_shown(model, node), states.rows[at]]))
+            variances[:, :, at] += by_source(np.stack([model.shown[at], states.rows[at]]))
         for look in starting.get(node, ()):
             found[:, :, look] += by_source(np.stack([part.rows[look] for part in images]))
     return variances, found
+
+
+def _driven(model: ErrorModel) -> list[int]:
+    """The source of each process noise."""
+    return [drive.source for drive in model.states.drives]
 
 
 def _measuring(model: ErrorModel) -> Indices:
@@ -287,12 +277,12 @@ def _stepped(model: ErrorModel, node: int, covariances: FloatArray) -> FloatArra
 
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:
-    """Factors (driven, moving, 9) of what process noise adds in the step to a node."""
-    found = np.zeros((len(model.driven), model.moving, 9))
+    """Factors (drives, moving, 9) of what process noise adds in the step to a node."""
+    found = np.zeros((len(model.states.drives), model.states.moving, 9))
     found[:, :_AXES] = model.factors[node - 1, :, :_AXES]
-    for place, own in enumerate(model.own):
-        if own:
-            found[place, own : own + 3] = model.factors[node - 1, place, _AXES:]
+    for place, drive in enumerate(model.states.drives):
+        if drive.first >= _AXES:
+            found[place, drive.first : drive.first + 3] = model.factors[node - 1, place, _AXES:]
     return found
 
 
@@ -308,15 +298,17 @@ def _by_node(nodes: Indices) -> Mapping[int, list[int]]:
     return found
 
 
+def _all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
+    """The model's sources, then the user's own contributors."""
+    own = (part.name for parts in spec.contributors.values() for part in parts)
+    return *model.states.sources, *dict.fromkeys(own)
+
+
 def _processed(
-    variances: FloatArray,
-    image: FloatArray,
-    spec: CovarianceSpec,
-    looks: Apertures,
-    model: ErrorModel,
+    spec: CovarianceSpec, model: ErrorModel, looks: Apertures, variances: FloatArray, image: FloatArray, post: bool
 ) -> Processed:
-    """The figures and their shares of variances (sources, outputs, 9), and (sources, apertures, COLUMNS)."""
-    variances = np.maximum(variances, 0.0)
+    """The figures of one processing of variances (sources, outputs, 9) and (sources, apertures, COLUMNS)."""
+    variances, sources = np.maximum(variances, 0.0), model.states.sources
     groups = {
         "position_horizontal": variances[:, :, 0:2].sum(axis=2),
         "position_vertical": variances[:, :, 2],
@@ -325,19 +317,26 @@ def _processed(
         "tilt": variances[:, :, 6:8].sum(axis=2),
         "heading": variances[:, :, 8],
     }
-    sigmas = np.sqrt(variances.sum(axis=0))
     found: dict[str, FloatArray] = {}
     if spec.aperture is not None:
-        shape, accelerometer = spec.aperture, spec.study.imu.accelerometer
-        white = np.zeros(len(variances))
-        if ACCELEROMETER_NOISE in model.sources:
-            density = (accelerometer.random_walk * spec.study.imu.vibration_factor) ** 2
-            white[model.sources.index(ACCELEROMETER_NOISE)] = density
-        for name, values in aperture.figures(image, shape, white).items():
-            groups[name] = np.full((len(variances), len(model.outputs)), np.nan)
+        white = np.zeros(len(sources))
+        for drive in model.states.drives:
+            if drive.first == VELOCITY:
+                white[drive.source] = drive.density
+        for name, values in aperture.figures(image, spec.aperture, white).items():
+            groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
             groups[name][:, looks.output] = np.maximum(values, 0.0)
             found[name] = np.sqrt(groups[name].sum(axis=0))
-        found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), shape)
-    with np.errstate(invalid="ignore"):
-        shares = {name: values / values.sum(axis=0) for name, values in groups.items()}
-    return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares, {})
+        found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), spec.aperture)
+    entered = {name: entering(spec.contributors, name, post_processed=post) for name in spec.contributors}
+    shares = {}
+    for name, values in groups.items():
+        total = values.sum(axis=0)
+        with np.errstate(invalid="ignore"):
+            by_source = dict(zip(sources, values / total, strict=True))
+        if name in found:
+            whole = composed(found[name], by_source, entered.get(name, ()))
+            found[name], by_source = whole.sigma, dict(whole.shares)
+        shares[name] = np.stack([by_source.get(source, 0.0 * total) for source in _all_sources(spec, model)])
+    sigmas = np.sqrt(variances.sum(axis=0))
+    return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares, entered)

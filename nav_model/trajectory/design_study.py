@@ -46,8 +46,7 @@ def lines_of(design: Design) -> Plan:
         raise InputError("lines", f"{own.lines:g} is not a whole number")
     places = own.waypoints or ((flight.latitude, 0.0, flight.altitude),)
     first = Waypoint(*places[0][:3])
-    rows = strip(first, flight.heading, own.length, own.spacing, int(own.lines), flight.speed, own.bank)
-    return replace(plan_like(design), waypoints=rows.waypoints)
+    return strip(plan_like(design), first, flight.heading, own.length, own.spacing, int(own.lines))
 
 
 def planned(design: Design) -> PlannedFlight:

@@ -73,10 +73,10 @@ def waypoints_of(content: bytes, name: str, height: float | None = None) -> tupl
 def _gpx_waypoints(root: Element, name: str, height: float | None) -> Iterator[Waypoint]:
     """Waypoints of a GPX file: its routes, tracks or single points; a line begins where one has a name."""
     kinds = ("rtept", "trkpt", "wpt")
-    kind = next((kind for kind in kinds if next(_all(root, kind), None) is not None), None)
+    kind = next((kind for kind in kinds if root.find(f".//{{*}}{kind}") is not None), None)
     if kind is None:
         raise InputError(name, "holds no route, track or point")
-    for number, element in enumerate(_all(root, kind), 1):
+    for number, element in enumerate(root.iterfind(f".//{{*}}{kind}"), 1):
         place = element.get("lat"), element.get("lon"), _text(element, "ele")
         yield _waypoint(*place, _plain(_text(element, "name")), name, f"{kind} {number}", height)
 
@@ -84,9 +84,9 @@ def _gpx_waypoints(root: Element, name: str, height: float | None) -> Iterator[W
 def _kml_waypoints(root: Element, name: str, height: float | None) -> Iterator[Waypoint]:
     """Waypoints of a KML file: the places of its placemarks in turn; each leg of a path is a line of that name."""
     count = 0
-    for mark in _all(root, "Placemark"):
+    for mark in root.iterfind(".//{*}Placemark"):
         label = _plain(_text(mark, "name"))
-        for coordinates in _all(mark, "coordinates"):
+        for coordinates in mark.iterfind(".//{*}coordinates"):
             places = (coordinates.text or "").split()
             for number, place in enumerate(places, 1):
                 count += 1
@@ -138,13 +138,8 @@ def _xml(content: bytes, name: str) -> Element:
     return root
 
 
-def _all(root: Element, tag: str) -> Iterator[Element]:
-    """Elements of this name, in any namespace."""
-    return (element for element in root.iter() if isinstance(element.tag, str) and element.tag.split("}")[-1] == tag)
-
-
 def _text(element: Element, tag: str) -> str:
-    return next(((child.text or "").strip() for child in _all(element, tag)), "")
+    return element.findtext(f".//{{*}}{tag}", "").strip()
 
 
 def _plain(text: str) -> str:

@@ -6,7 +6,7 @@ up as samples of a `TrajectorySpec`, which the simulator and the covariance fly 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,23 +69,16 @@ class _Turn:
     before: float = 0.0
 
 
-def strip(
-    first: Waypoint,
-    heading: float,
-    length: float,
-    spacing: float,
-    count: int,
-    speed: float,
-    bank: float = 25 * DEGREE,
-) -> Plan:
-    """Parallel lines, flown to and fro: `count` of them, `length` and `spacing` [m], to the right of the first.
+def strip(like: Plan, first: Waypoint, heading: float, length: float, spacing: float, count: int) -> Plan:
+    """Parallel lines, flown to and fro as `like`: `count` of them, `length` and `spacing` [m], to the right of the
+    first.
 
     They lie to the left for a negative spacing. Before and after each there is a run-in as long as a turn needs.
     Where two turns of a right angle do not fit between two lines, the flight swings out to the other side first.
     """
     if count < 1 or not length > 0.0 or (count > 1 and not abs(spacing) > 0.0):
         raise InputError("lines", f"{count} lines of {length:g} m, {spacing:g} m apart, cannot be laid out")
-    corner = 1.01 * _turn(math.pi / 2, speed, bank).before
+    corner = 1.01 * _turn(math.pi / 2, like.speed, like.bank).before
     places: list[tuple[float, float, str]] = []  # along, to the right, line that begins
     for n in range(count):
         side, ends = n * spacing, (-corner, length + corner)
@@ -101,7 +94,7 @@ def strip(
     c, s = math.cos(heading), math.sin(heading)
     on_earth = zip(*_on_earth((first,), c * along - s * right, s * along + c * right), places, strict=True)
     points = (Waypoint(float(north), float(east), first.height, line) for north, east, (_, _, line) in on_earth)
-    return Plan(tuple(points), speed, bank)
+    return replace(like, waypoints=tuple(points))
 
 
 def fly(plan: Plan) -> PlannedFlight:

@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget import contributors
-from nav_model.budget.contributors import Part, random_and_systematic
+from nav_model.budget.contributors import Part, with_contributors
 from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.truth import TruthStates
 from nav_model.trajectory.specification import CovarianceSpec
@@ -52,26 +51,7 @@ class Processed:
         if name == "tilt":
             part = self.attitude[:, [0, 1, 1]]
         found: FloatArray = part[:, 2] if name.startswith("vertical") else part[:, :2].max(axis=1)
-        return np.asarray(contributors.with_contributors(found, self.entering.get(name, ())))
-
-
-def with_contributors(
-    model: Processed, entering: Mapping[str, tuple[Part, ...]], names: tuple[str, ...]
-) -> Processed:
-    """The image figures with the user's own contributors, and their shares as those of the budget: logarithmic
-    derivatives."""
-    image, shares = dict(model.image), {}
-    for name, values in model.shares.items():
-        own = np.zeros((len(names), 1)) * values[:1]  # no number where there is no aperture
-        if parts := entering.get(name) if name in image else None:
-            sigma = image[name]
-            root, systematic = random_and_systematic(sigma, parts)
-            image[name] = whole = root + systematic
-            values = values * sigma**2 / (root * whole)
-            for part in parts:
-                own[names.index(part.name)] = part.size / whole * (1.0 if part.systematic else part.size / root)
-        shares[name] = np.concatenate([values, own])
-    return replace(model, image=image, shares=shares, entering=entering)
+        return np.asarray(with_contributors(found, self.entering.get(name, ())))
 
 
 @dataclass(frozen=True)
@@ -79,7 +59,7 @@ class LineResult:
     """A line against its limits: worst and rms of the figures over the line, 1 sigma, its limits on them, and the
     share of the line within each.
 
-    failing: names of the figures beyond their limit; missing: whether no aperture lies within the line.
+    failing: names of the figures beyond their limit, or without a value on the line.
     """
 
     name: str
@@ -99,12 +79,12 @@ class LineResult:
 
 @dataclass(frozen=True)
 class Heading:
-    """Heading along the flight: sigma at the start, the best and at the end [rad]; when it becomes observable [s], by
-    what, and what would help, in words. `observable_s` is None where it never does."""
+    """Heading along the flight: sigma at the start, the best and at the end; when it becomes observable, by what, and
+    what would help, in words. `observable_s` is None where it never does."""
 
-    start: float
-    best: float
-    end: float
+    start_sigma_rad: float
+    best_sigma_rad: float
+    end_sigma_rad: float
     observable_s: float | None
     text: str
 
@@ -144,14 +124,8 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
             figure: {source: _numbers(row) for source, row in zip(result.sources, rows, strict=True)}
             for figure, rows in result.chosen.shares.items()
         },
-        "lines": [asdict(line) | {"closes": line.closes, "failing": list(line.failing)} for line in result.lines],
-        "heading": {
-            "start_sigma_rad": result.heading.start,
-            "best_sigma_rad": result.heading.best,
-            "end_sigma_rad": result.heading.end,
-            "observable_s": result.heading.observable_s,
-            "text": result.heading.text,
-        },
+        "lines": [asdict(line) | {"closes": line.closes} for line in result.lines],
+        "heading": asdict(result.heading),
         "closes": result.closes,
     }
 

@@ -229,7 +229,7 @@ def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
     np.testing.assert_allclose(found.real_time.position[1490], fine[1490], rtol=1e-3)
     both = along(lossy((20.0, code), (20.0, floating)), outages=[(100.0, 110.0)])
     noise = error_model(both.spec)
-    fix = noise.noise[:, noise.sources.index("GNSS noise"), 0]
+    fix = noise.noise[:, noise.states.sources.index("GNSS noise"), 0]
     at = np.searchsorted(noise.time_s, [99.0, 112.0, 129.0, 131.0, 149.0, 151.0])
     np.testing.assert_allclose(np.sqrt(fix[at]), [1.0, code, code, floating, floating, 1.0])
 

@@ -71,18 +71,18 @@ def test_through_two_turns_a_climb_and_an_outage_the_filter_is_that_of_another_p
 def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
     """Errors (outputs, 9, runs) of runs drawn from the model, filtered and smoothed back from node to node."""
     generator = np.random.default_rng(7)
-    run, m, n = _filtered(model), model.states, model.rows.shape[2]
+    run, m, n = _filtered(model), model.states.estimated, model.states.size
     draw = generator.standard_normal
-    now = sum(np.sqrt(part)[:, None] * draw((n, runs)) for part in model.initial)
+    now = sum(np.sqrt(part)[:, None] * draw((n, runs)) for part in model.states.initial)
     before, after = [now], []
     for node in range(len(model.time_s)):
         if node:
             now = _transition(model, node, n) @ now
-            for place, own in enumerate(model.own):
+            for place, drive in enumerate(model.states.drives):
                 added = model.factors[node - 1, place] @ draw((9, runs))
                 now[:9] += added[:9]
-                if own:
-                    now[own : own + 3] += added[9:]
+                if drive.first >= 9:
+                    now[drive.first : drive.first + 3] += added[9:]
             before.append(now)
         noise = sum(np.sqrt(part)[:, None] * draw((len(part), runs)) for part in model.noise[node])
         now = now.copy()

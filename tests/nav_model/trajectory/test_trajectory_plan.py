@@ -23,7 +23,7 @@ def places(*rows: tuple[float, float, float]) -> tuple[Waypoint, ...]:
 
 @pytest.mark.parametrize("spacing", [5000.0, 500.0, -500.0])
 def test_a_strip_flies_its_lines_parallel_to_each_other_at_their_spacing(spacing: float) -> None:
-    flight = fly(strip(Waypoint(50 * DEGREE, 8 * DEGREE, 3000.0), 30 * DEGREE, 10e3, spacing, 3, 90.0))
+    flight = fly(strip(Plan((), 90.0), Waypoint(50 * DEGREE, 8 * DEGREE, 3000.0), 30 * DEGREE, 10e3, spacing, 3))
     path = plan_trajectory(flight.trajectory, flight.duration)
     assert [line.name for line in flight.lines] == ["line 1", "line 2", "line 3"]
     for number, line in enumerate(flight.lines):
