@@ -11,7 +11,7 @@ which converges from above monotonically; the other is a quadratic known in clos
 unit circle give the characteristic polynomial of the settled filter, hence its gain, hence its covariance.
 Written in delta = z - 1, every step adds numbers of one sign or nearly so: the result is good to rounding
 from MEMS to navigation grade, at the cost of some eighty array operations, so that it serves one design or a
-map of 40,000.
+map.
 
 Source: spectral factorisation, Anderson and Moore, *Optimal Filtering*, 1979, section 9.3; the sampled spectra
 are those of the Euler-Frobenius polynomials.
