@@ -17,7 +17,7 @@ from app.dashboard.toolbar import Toolbar
 from app.declared import held
 from app.document.display import ONE_SIGMA, display_of
 from app.session import Lineage, Session, link_parts
-from app.subjects import SUBJECTS, Subject
+from app.subjects import SUBJECTS
 from app.ui.faults import tell_here
 from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
@@ -177,23 +177,11 @@ class Frame(pn.viewable.Viewer):
                 place.visible = index == event.new
             if event.new not in self._pages:
                 self._places[event.new].objects = [html_pane(_SKELETON.format(SUBJECTS[event.new].title))]
-                self._begin(SUBJECTS[event.new])
         name, location = SUBJECTS[event.new].title.lower(), pn.state.location
         # The address that opened this page stays as it is: a new one would clear the browser's Forward history.
         if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
             location.hash = f"#{name}"
         next_turn(functools.partial(self._fill, event.new))
-
-    def _begin(self, subject: Subject) -> None:
-        """Have a worker begin with what the page will ask for, while the page is made; a study from a link is another
-        than the design's."""
-        if subject.ahead and pn.state.location and not self.session.study_link:
-            design = self.session.design
-
-            async def begin() -> None:
-                await (await asyncio.to_thread(subject.load, "ahead"))(design)
-
-            pn.state.execute(begin)
 
     def _fill(self, index: int) -> None:
         """Create or update the page that was chosen, and go to the requested place on it."""

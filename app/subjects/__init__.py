@@ -30,8 +30,8 @@ class Subject:
     study : str
         What its study is called in a report; empty for a subject whose results follow from the design at once.
     ahead : str
-        ``module:function`` that begins with what opening the tab computes for a design. It is awaited as the tab is
-        turned to, and once per server for the design that visitors start with, while its first page is at rest.
+        ``module:function`` that computes what opening the tab asks for with a design. It is awaited once per server,
+        for the design that visitors start with, while the first page is at rest.
     """
 
     key: str
