@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.charts.kinds import NO_TIME, NO_VALUES, Array, Band, Chart, Line, Span, without_fixes
+from app.charts.kinds import Array, Band, Chart, Line, Span, without_fixes
 from app.document.numbers import number, percent
 from nav_model.simulation.design_study import SimulationStudy
 from nav_model.simulation.result import STATES
@@ -17,8 +17,8 @@ _SIMULATED, _FILTER = "simulated errors, after the fix", "filter covariance, aft
 _UNITS = {"m": ("m", 1.0), "m_s": ("m/s", 1.0), "rad": ("°", _DEG)}
 
 
-def _outages(study: SimulationStudy | None) -> tuple[Span, ...]:
-    return without_fixes(() if study is None else study.result.spec.outages)
+def _outages(study: SimulationStudy) -> tuple[Span, ...]:
+    return without_fixes(study.result.spec.outages)
 
 
 def _runs(study: SimulationStudy) -> str:
@@ -82,37 +82,36 @@ def designed_attitude_chart(study: SimulationStudy) -> Chart:
     )
 
 
-def position_chart(study: SimulationStudy | None) -> Chart:
-    """Position error, horizontal over both axes; None: the frame alone."""
+def position_chart(study: SimulationStudy) -> Chart:
+    """Position error, horizontal over both axes."""
     closed = "Formula [T-3], [T-4], in the outage [T-9], [T-10]."
     return _errors(study, "position", "position, 1σ [m]", (0, 1), 2, ("horizontal", "vertical"), closed)
 
 
-def velocity_chart(study: SimulationStudy | None) -> Chart:
-    """Velocity error, horizontal over both axes; None: the frame alone."""
+def velocity_chart(study: SimulationStudy) -> Chart:
+    """Velocity error, horizontal over both axes."""
     closed = "Formula [T-3], [T-4], in the outage [T-9], [T-10]."
     return _errors(study, "velocity", "velocity, 1σ [m/s]", (3, 4), 5, ("horizontal", "vertical"), closed)
 
 
-def attitude_chart(study: SimulationStudy | None) -> Chart:
-    """Roll and pitch error together, and yaw error; None: the frame alone."""
+def attitude_chart(study: SimulationStudy) -> Chart:
+    """Roll and pitch error together, and yaw error."""
     closed = "Formula [T-3], in the outage [T-9]; yaw [T-5], which is unobservable on a straight path and only grows."
     return _errors(study, "attitude", "attitude, 1σ [°]", (6, 7), 8, ("roll, pitch", "yaw"), closed)
 
 
 def _errors(
-    study: SimulationStudy | None, key: str, y_label: str, level: tuple[int, ...], other: int,
-    names: tuple[str, str], closed: str,
+    study: SimulationStudy, key: str, y_label: str, level: tuple[int, ...], other: int, names: tuple[str, str],
+    closed: str,
 ) -> Chart:  # fmt: skip
-    scale = _UNITS[STATES[other][2]][1]
+    scale, time = _UNITS[STATES[other][2]][1], study.result.time_s
     (first, second), form = names, "formula, average between fixes"
     usual = ("simulated", "simulated, second axis")
     styles = ("simulated, tilt", "simulated, yaw") if key == "attitude" else usual
 
     def line(name: str, label: str, values: Callable[..., Array], columns: tuple[int, ...], style: str, source: str,
              end: str = "") -> Line:  # fmt: skip
-        y = NO_VALUES if study is None else _pooled(values, study, columns, scale)
-        return Line(name, label, _time(study), y, style, source, end)
+        return Line(name, label, time, _pooled(values, study, columns, scale), style, source, end)
 
     return Chart(
         key=f"sim-{key}",
@@ -128,17 +127,13 @@ def _errors(
         ),
         spans=_outages(study),
         y_log=key != "attitude",
-        knowledge="" if study is None else f"{_runs(study)}. {closed}",
+        knowledge=f"{_runs(study)}. {closed}",
     )
 
 
-def _time(study: SimulationStudy | None) -> Array:
-    return NO_TIME if study is None else study.result.time_s
-
-
-def consistency_chart(study: SimulationStudy | None) -> Chart:
-    """Simulated rms over the filter's sigma, by kind of error; None: the frame alone."""
-    low, high = (math.nan, math.nan) if study is None else study.result.rms_band
+def consistency_chart(study: SimulationStudy) -> Chart:
+    """Simulated rms over the filter's sigma, by kind of error."""
+    (low, high), time = study.result.rms_band, study.result.time_s
     kinds = (
         ("position", (0, 1, 2), "x"), ("velocity", (3, 4, 5), "y"),
         ("roll, pitch", (6, 7), "initial tilt"), ("yaw", (8,), "z"),
@@ -147,9 +142,8 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
     def over_sigma(study: SimulationStudy, column: int, _: float) -> Array:
         return _rms(study, column) / _sigma(study, column)
 
-    ratios = [NO_VALUES if study is None else _pooled(over_sigma, study, columns, 1.0) for _, columns, _ in kinds]
-    time = _time(study)
-    most = max((float(np.nanmax(ratio)) for ratio in ratios if np.isfinite(ratio).any()), default=1.0)
+    ratios = [_pooled(over_sigma, study, columns, 1.0) for _, columns, _ in kinds]
+    most = max(float(np.nanmax(ratio)) for ratio in ratios)
     return Chart(
         key="sim-consistency",
         title="Consistency: simulated error over filter sigma",
@@ -162,7 +156,7 @@ def consistency_chart(study: SimulationStudy | None) -> Chart:
         ),
         spans=_outages(study),
         y_range=(0.0, 2.0 if most <= 2 else 1.2 * most),
-        knowledge="" if study is None else f"{_runs(study)}. 1 = filter sigma is exact.",
+        knowledge=f"{_runs(study)}. 1 = filter sigma is exact.",
     )  # fmt: skip
 
 
@@ -245,22 +239,21 @@ def ensemble_chart(study: SimulationStudy, axis: str = "north") -> Chart:
     )
 
 
-def nees_chart(study: SimulationStudy | None) -> Chart:
-    """Mean NEES at each time, with its band; None: the frame alone."""
-    result, time = None if study is None else study.result, _time(study)
-    low, high = result.nees_curve_band if result else (math.nan, math.nan)
+def nees_chart(study: SimulationStudy) -> Chart:
+    """Mean NEES at each time, with its band."""
+    result, time = study.result, study.result.time_s
     return Chart(
         key="sim-nees",
         title="NEES: normalised estimation error squared",
         x_label=_TIME,
         y_label="mean NEES [1]",
         lines=(
-            Line("nees", "mean over the runs", time, result.nees_curve if result else NO_VALUES, "simulated",
+            Line("nees", "mean over the runs", time, result.nees_curve, "simulated",
                  "errors by filter covariance", ""),
-            *_edges(time, low, high, "95 % band at one time"),
+            *_edges(time, *result.nees_curve_band, "95 % band at one time"),
         ),
         spans=_outages(study),
-        knowledge="" if result is None else (
+        knowledge=(
             f"Band: chi-square of {result.nees.states} states over {result.spec.runs} runs, at one time. A "
             "consistent filter leaves this band 5 % of the time. The verdict uses the mean over all times, with a "
             "band that accounts for their correlation."

@@ -83,6 +83,7 @@ _START = Answer(
     ),
 )
 _COMING = "Appears with the first result."
+_STACKS = {"Errors and sigmas": TIMELINES, "Consistency and NEES": CONSISTENCY}
 
 
 class SimulatePage(View):
@@ -111,20 +112,16 @@ class SimulatePage(View):
         self._settings = StudySettings(session, "simulation", self, names, self._recall)
         self._strip = AnswerStrip(_START)
         self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
-        self._charts = (TIMELINES, CONSISTENCY)
-        self._stacks = [Timelines([draw(None) for draw in TIMELINES])]
-        self._stacks.append(Timelines([draw(None) for draw in CONSISTENCY], self._stacks[0]))
-        self._heads = [html_pane("", margin=_HEAD) for _ in self._charts]
-        halves = [
-            pn.Column(
-                head, *(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in stack.plots),
-                sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE],
-            )
-            for head, stack in zip(self._heads, self._stacks, strict=True)
-        ]  # fmt: skip
+        self._stacks: list[Timelines] = []  # made with the first result
+        coming = f'<span class="quiet fine">{_COMING}</span>'
+        self._heads = [html_pane(head_html(title, _COMING, coming), margin=_HEAD) for title in _STACKS]
+        self._halves = [
+            pn.Column(head, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE])
+            for head in self._heads
+        ]
         self._view = pn.Column(
             first_screen(
-                self._strip, pn.Column(self._bar, self._more.given), left=[halves[0]], right=[halves[1]],
+                self._strip, pn.Column(self._bar, self._more.given), left=self._halves[:1], right=self._halves[1:],
             ),
             Folded(
                 (
@@ -177,20 +174,25 @@ class SimulatePage(View):
 
     def _write(self) -> None:
         """Strip, charts and what was unfolded; a text that stays the same is not sent."""
-        study = self._result.study if self._result else None
         self._strip.show(*self._answer())
-        for draws, stack, head, title in zip(
-            self._charts, self._stacks, self._heads, ("Errors and sigmas", "Consistency and NEES"), strict=True
-        ):
-            lines = [draw(study) for draw in draws]
-            if study is not None:
-                stack.feed(lines)
-            said = "".join(map(described, lines))
-            knowledge = " ".join(line.knowledge for line in lines) if study else _COMING
-            key = _KEY if draws is TIMELINES else _names(lines[0])
-            coming = f'<span class="quiet fine">{_COMING}</span>'
-            head.say(head_html(title, knowledge, said, coming if study is None else key))
+        if self._result:
+            drawn = [[draw(self._result.study) for draw in draws] for draws in _STACKS.values()]
+            if not self._stacks:
+                self._stack(drawn)
+            for stack, charts in zip(self._stacks, drawn, strict=True):
+                stack.feed(charts)
+            for head, charts, title, key in zip(
+                self._heads, drawn, _STACKS, (_KEY, _names(drawn[1][0])), strict=True
+            ):
+                knowledge = " ".join(chart.knowledge for chart in charts)
+                head.say(head_html(title, knowledge, "".join(map(described, charts)), key))
         self._details.follow()
+
+    def _stack(self, drawn: list[list[Chart]]) -> None:
+        """Make the figures, all on one time axis."""
+        for charts, half in zip(drawn, self._halves, strict=True):
+            self._stacks.append(Timelines(charts, *self._stacks[:1]))
+            half.extend(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stacks[-1].plots)
 
     def _answer(self) -> tuple[Answer, str]:
         """What the strip says: the verdict, of which runs, and whether it is one of this design."""
