@@ -15,23 +15,18 @@ from app.declared import declared, held, perhaps
 from app.examples import EXAMPLES, example
 from app.work.run import Run
 from nav_model.base.errors import InputError
-from nav_model.base.units import format_quantity
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
 from nav_model.design.own import Own
-from nav_model.design.parts import INPUTS, declaration_of
+from nav_model.design.parts import declaration_of
 from nav_model.design.several import with_unit
-from nav_model.design.table import Table
 
-WATCHED = tuple(f"{section}.{name}" for section, inputs in INPUTS.items() for name in inputs)
-"""Every input that a person can set, by its dotted key."""
 _SHOWN = "show="
 _MOST_TO_SHARE = 2000  # characters that mail programs and chats do not break
 _MERGE_SECONDS = 1.0  # steps of one slider closer than this are one step to undo
 _HISTORY = 200
-_LONGEST_TABLE = 80  # characters of a table that is told in words
 
 
 class Lineage:
@@ -43,10 +38,10 @@ class Lineage:
 
 @dataclass(frozen=True)
 class Compared:
-    """The design that the current one is compared with: its name in words, and its budget."""
+    """The budget that the current one is compared with, and a name; empty: it was before the last change."""
 
-    name: str
     budget: Budget
+    name: str = ""
 
 
 class Session(param.Parameterized):
@@ -104,7 +99,7 @@ class Session(param.Parameterized):
         old = self._past[-1][0]
         if self.compared is not None and self.compared.budget.design is old:
             return self.compared
-        return Compared(_change_in_words(old, budget.design), analyse(old))
+        return Compared(analyse(old))
 
     def new_run(self) -> Run:
         """A run of this session: `running` follows it, and it ends with the session."""
@@ -255,25 +250,3 @@ def link_parts(query: str) -> tuple[str, str, str]:
     parts = of_design.split("&")
     shown = next((part.removeprefix(_SHOWN) for part in parts if part.startswith(_SHOWN)), "")
     return "&".join(part for part in parts if not part.startswith(_SHOWN)), of_study, shown
-
-
-def _change_in_words(old: Design, new: Design) -> str:
-    """Name of a design in a comparison with its changed version."""
-    keys = [key for key in WATCHED if old[key] != new[key]]
-    if len(keys) != 1:
-        return "the design before the last change"
-    declaration, value = declaration_of(keys[0]), old[keys[0]]
-    if value is None:
-        return f"{declaration.label}: not given"
-    if isinstance(declaration, Choice):
-        return f"{declaration.label} {declaration.options[value]}"
-    if isinstance(declaration, Table):
-        assert isinstance(value, tuple)
-        told = declaration.show(value, 3) or "not given"
-        return f"{declaration.label}: {told if len(told) <= _LONGEST_TABLE else 'before the last change'}"
-    dimension = getattr(declaration, "dimension", "")
-    if isinstance(value, float) and not dimension:
-        return f"{declaration.label} {value:g}"
-    if not dimension or isinstance(value, tuple):
-        return f"{declaration.label} {value}"
-    return f"{declaration.label} {format_quantity(float(value), old.unit(keys[0]), dimension, 3)}"

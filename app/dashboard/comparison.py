@@ -7,12 +7,16 @@ from typing import Any, ClassVar
 import panel as pn
 import param
 
+from app.document.wording import shortened
+from app.report.inputs import shown_value
 from app.session import Compared, Session
 from app.ui.theme import PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
+from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, parse_design
+from nav_model.design.parts import INPUTS
 
 _MOST = 100  # designs offered, the last saved first
 
@@ -33,7 +37,7 @@ class ComparisonChoice(PlainScript):
         session.param.watch(self._follow, "compared")
 
     def _follow(self, event: Any) -> None:
-        name = event.new.name if event.new else ""
+        name = event.new.name or _before(event.new.budget.design, self._session.design) if event.new else ""
         if self.compared != name:
             self.compared = name
 
@@ -67,7 +71,7 @@ class ComparisonChoice(PlainScript):
 
         try:
             revision = await asyncio.to_thread(lambda: library().revision(key))
-            self._session.compare(Compared(revision.name, revision.budget()))
+            self._session.compare(Compared(revision.budget(), revision.name))
         except InputError as error:
             self.problem = f"Not compared. {error}"
 
@@ -77,6 +81,20 @@ class ComparisonChoice(PlainScript):
             return
         try:
             design = parse_design(data, name)
-            self._session.compare(Compared(design.name or name, analyse(design)))
+            self._session.compare(Compared(analyse(design), design.name or name))
         except InputError as error:
             self.problem = f"Not compared. {error}"
+
+
+def _before(old: Design, new: Design) -> str:
+    """What a design before a change is called: the value of the one input that is another now."""
+    changed = [
+        (part, name)
+        for part, names in INPUTS.items()
+        for name in names
+        if old[f"{part}.{name}"] != new[f"{part}.{name}"]
+    ]
+    if len(changed) != 1:
+        return "the design before the last change"
+    ((section, name),) = changed
+    return shortened(f"{INPUTS[section][name].label} {shown_value(old, section, name) or 'not given'}", 100)

@@ -23,13 +23,6 @@ def test_a_change_moves_design_and_budget_together(session: Session) -> None:
     assert session.budget.steady_state.closed.position_horizontal < before
 
 
-def test_a_value_is_told_in_the_comparison_as_in_its_box(session: Session) -> None:
-    session.change({"imu.vibration_factor": 3.0})
-    assert session.compared.name == "Vibration factor 1"
-    session.change({"trajectory.flight": "lines"})
-    assert session.compared.name == "Flight nearly straight"  # not "wandering", the file's word
-
-
 def test_an_origin_is_shown_at_once_and_comes_back_with_undo(session: Session) -> None:
     key = "gnss.position_noise"
     session.change({key: session.design.gnss.position_noise}, origins={key: "data sheet"})

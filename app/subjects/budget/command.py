@@ -2,7 +2,6 @@
 take, the catalogue."""
 
 import argparse
-import json
 import sys
 from typing import Any
 
@@ -72,9 +71,7 @@ def _evaluate(options: argparse.Namespace) -> int:
     if options.sicd:
         sys.stdout.write(sicd_xml(error_statistics(design)).decode())
         return 0
-    json.dump(to_json(budget), sys.stdout, ensure_ascii=False, allow_nan=False, indent=1)
-    sys.stdout.write("\n")
-    return 0
+    return put_json(lambda: to_json(budget))
 
 
 def _times(text: str | None) -> list[float] | None:
@@ -178,8 +175,7 @@ def _presets(options: argparse.Namespace) -> int:
             }
             for entry in entries.values()
         }
-        print(json.dumps(plain, ensure_ascii=False, indent=1))
-        return 0
+        return put_json(lambda: plain)
     for entry in entries.values():
         print(entry.name + (f" ({entry.grade})" if entry.grade else ""))
         for key, value in (*entry.values.items(), *entry.extra.items()):
