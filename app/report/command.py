@@ -55,17 +55,16 @@ def _report(options: argparse.Namespace) -> int:
         if kind == SPREADSHEET:
             raise InputError("-o", "a supplier's sheet is a page: FILE.html or FILE.pdf")
         sheet = supplier_report(designs[0], options.supplier)
-        with whole_file(options.output) as file:
-            file.write(document_bytes(sheet, kind))
-        print(f"wrote {options.output}", file=sys.stderr)
-        return 0
     budgets = [analyse(design) for design in designs]
     with whole_file(options.output) as file:  # refused now, not after the studies
-        studies = []
-        for design, label in zip(designs, design_labels(len(designs)), strict=True):
-            findings = {key: STUDIES[key].load("report").study(design, options) for key in wanted}
-            studies.append(study_sections(findings, design, chapter_key(label)))
-        file.write(report_bytes(budgets, kind, studies=studies, shown=options.show))
+        if options.supplier:
+            file.write(document_bytes(sheet, kind))
+        else:
+            studies = []
+            for design, label in zip(designs, design_labels(len(designs)), strict=True):
+                findings = {key: STUDIES[key].load("report").study(design, options) for key in wanted}
+                studies.append(study_sections(findings, design, chapter_key(label)))
+            file.write(report_bytes(budgets, kind, studies=studies, shown=options.show))
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
 

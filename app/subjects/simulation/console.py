@@ -7,18 +7,13 @@ import sys
 from app.console.files import whole_file
 from app.console.flight import flight_study
 from app.console.progress import COMPILES, count_runs
-from app.subjects.simulation.files import as_csv, as_json, as_npz
+from app.subjects.simulation.files import FILES, as_json
 from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.simulation.design_study import (
-    SimulationStudy,
-    closed_form,
-    study_of,
-)
+from nav_model.simulation.design_study import SimulationStudy, closed_form, study_of
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, SimulationInputs
 
-_KINDS = (".json", ".npz", ".csv")
 _LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they are written
 
 
@@ -44,14 +39,10 @@ def simulate_design(design: Design, more: SimulationInputs, options: argparse.Na
     kind = _kind(options)
     spec = _specification(design, more, options, keep_runs=kind == ".npz")
     if options.output is None:
-        sys.stdout.write(as_json(_fly(design, spec, options)))
+        sys.stdout.write(as_json(_fly(design, spec, options)).decode())
         return
     with whole_file(options.output) as file:
-        study = _fly(design, spec, options)
-        if kind == ".npz":
-            file.write(as_npz(study))
-        else:
-            file.write((as_json(study) if kind == ".json" else as_csv(study)).encode("utf-8"))
+        file.write(FILES[kind](_fly(design, spec, options)))
     print(f"wrote {options.output}", file=sys.stderr)
 
 
@@ -70,8 +61,8 @@ def _kind(options: argparse.Namespace) -> str:
     if options.output is None:
         return ".json"
     kind: str = options.output.suffix.lower()
-    if kind not in _KINDS:
-        raise InputError("-o", f"{str(options.output)!r} does not end in {', '.join(_KINDS)}")
+    if kind not in FILES:
+        raise InputError("-o", f"{str(options.output)!r} does not end in {', '.join(FILES)}")
     return kind
 
 

@@ -1,7 +1,5 @@
 """The Simulate page: Monte Carlo of the design, and whether the formulas hold."""
 
-import asyncio
-import importlib
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -30,7 +28,7 @@ from app.subjects.simulation.charts import (
     path_chart,
 )
 from app.subjects.simulation.controls import StudyControls
-from app.subjects.simulation.files import as_csv, as_json, as_npz
+from app.subjects.simulation.files import FILES
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table, verdict
 from app.ui.answer_strip import AnswerStrip
@@ -55,6 +53,8 @@ from nav_model.budget import Budget
 from nav_model.design.parts import declaration_of
 from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
+from nav_model.simulation.trajectory import file_duration, parse_trajectory
+from nav_model.trajectory.design_study import planned
 
 _PLAN = "plan"
 _FLIGHTS = {
@@ -239,9 +239,9 @@ class SimulatePage(View):
     def _exports(self) -> pn.FlexBox:
         study = self._details.known
         return pn.FlexBox(
-            download("Everything (JSON)", "simulation.json", lambda: as_json(study())),
-            download("Statistics (NPZ)", "simulation.npz", lambda: as_npz(study())),
-            download("Sigmas (CSV)", "simulation.csv", lambda: as_csv(study())),
+            download("Everything (JSON)", "simulation.json", lambda: FILES[".json"](study())),
+            download("Statistics (NPZ)", "simulation.npz", lambda: FILES[".npz"](study())),
+            download("Sigmas (CSV)", "simulation.csv", lambda: FILES[".csv"](study())),
             *(take for draw in CHARTS for take in takes(draw, study)),
             stylesheets=[PRINT_NOTHING],
         )
@@ -253,9 +253,6 @@ class SimulatePage(View):
 
         async def work(run: Run) -> Flown:
             self._asked = self._settings.asked
-            if self.trajectory == _PLAN:
-                # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-                await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.design_study")
             return await fly(run, self._session.design, self._specification())
 
         self.run.start(work)
@@ -299,8 +296,6 @@ class SimulatePage(View):
                 raise InputError("Trajectory file", "open a CSV file first")
             flight = self._file
         elif flight == _PLAN:
-            from nav_model.trajectory.design_study import planned
-
             plan = planned(self._session.design)
             flight, length, outages = plan.trajectory, plan.duration, self._session.design.trajectory.outages
         spec = specification(
@@ -327,15 +322,13 @@ class SimulatePage(View):
         self._bar.message = text
 
     async def _uploaded(self, name: str, content: bytes) -> None:
-        # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-        files = await asyncio.to_thread(importlib.import_module, "nav_model.simulation.trajectory")
         try:
-            flight = await elsewhere(files.parse_trajectory, content, name)
+            flight = await elsewhere(parse_trajectory, content, name)
         except InputError as error:
             self._say(f"Not used. {error}")
         else:
             self._file = flight
-            length = files.file_duration(flight)
+            length = file_duration(flight)
             self._say(f"{name}: a flight of {shown(length, 4, given=True)} s.")
             self.length = f"{math.floor(10 * length) / 10:.1f}"
 

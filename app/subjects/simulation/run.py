@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import copy
-import importlib
 import time
 from collections import deque
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from app.work.pool import elsewhere, size
 from app.work.run import Run
@@ -16,11 +14,10 @@ from app.work.simulator import made_ready, prepare
 from nav_model.design import Design
 from nav_model.design.trajectory import AIDING
 from nav_model.simulation.design_study import SimulationStudy, conclude
+from nav_model.simulation.monte_carlo import chunks, run_chunk
+from nav_model.simulation.single_run import POSTERIOR, RunRecord, fly_without_errors
 from nav_model.simulation.specification import SimulationSpec
-
-if TYPE_CHECKING:
-    from nav_model.simulation.single_run import RunRecord
-    from nav_model.simulation.statistics import Statistics
+from nav_model.simulation.statistics import Statistics
 
 _LOOK_SECONDS = 2.0  # between results shown while runs are still flying
 
@@ -49,24 +46,6 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
         Where the filter does not hold.
     """
     nominal = await made_ready(run, _nominal(spec))
-    return await _fly(run, design, spec, nominal)
-
-
-async def _nominal(spec: SimulationSpec) -> RunRecord:
-    """The flight without errors, which compiles once more where nothing could be kept on disk."""
-    await asyncio.shield(prepare())  # shared: it continues when this run is cancelled
-    # Numba and the kernels' modules take a second to import: in a thread, so that others' sliders move on.
-    await asyncio.to_thread(importlib.import_module, "nav_model.simulation.monte_carlo")
-    from nav_model.simulation.single_run import fly_without_errors
-
-    return await elsewhere(fly_without_errors, spec)
-
-
-async def _fly(run: Run, design: Design, spec: SimulationSpec, nominal: RunRecord) -> Flown:
-    from nav_model.simulation.monte_carlo import chunks, run_chunk
-    from nav_model.simulation.single_run import POSTERIOR
-    from nav_model.simulation.statistics import Statistics
-
     scale = nominal.filter_sigma[POSTERIOR]
     total = Statistics.empty(scale)
     began = looked = time.monotonic()
@@ -104,6 +83,12 @@ async def _fly(run: Run, design: Design, spec: SimulationSpec, nominal: RunRecor
         for task in (*flying, *([looking] if looking else [])):
             task.cancel()
     return await study(total)
+
+
+async def _nominal(spec: SimulationSpec) -> RunRecord:
+    """The flight without errors, which compiles once more where nothing could be kept on disk."""
+    await asyncio.shield(prepare())  # shared: it continues when this run is cancelled
+    return await elsewhere(fly_without_errors, spec)
 
 
 def same_subject(study: SimulationStudy, other: Design) -> bool:

@@ -24,7 +24,7 @@ from app.session import Session
 from app.subjects.simulation import charts
 from app.subjects.simulation import run as simulation_run
 from app.subjects.simulation.charts import CHARTS
-from app.subjects.simulation.files import as_csv, as_json, as_npz
+from app.subjects.simulation.files import FILES
 from app.subjects.simulation.page import SimulatePage
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import findings, verdict
@@ -302,9 +302,9 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     down = np.abs(other.result.worst.error[1, :, 2])
     page.axis = "down"
     assert charts.ensemble_chart(other, "down").lines[2].y == pytest.approx(down)
-    assert as_npz(other)[:2] == b"PK"
-    assert as_csv(other).startswith("time_s,nees")
-    assert '"consistent"' in as_json(other)
+    assert FILES[".npz"](other).startswith(b"PK")
+    assert FILES[".csv"](other).startswith(b"time_s,nees")
+    assert b'"consistent"' in FILES[".json"](other)
 
 
 def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
