@@ -14,7 +14,6 @@ import itertools
 import json
 import os
 import shutil
-import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
@@ -265,13 +264,6 @@ def whole_sweep(
         else [value for part in found for value in part[name]]
         for name, column in found[0].items()
     }
-
-
-def expected_seconds(plan: Plan) -> float:
-    """How long `whole_sweep` takes here, from the time of the first part."""
-    began = time.perf_counter()
-    evaluate(plan, 0, _size(plan, 0))
-    return (time.perf_counter() - began) * plan.rows / _size(plan, 0)
 
 
 def _designs(plan: Plan, start: int, stop: int) -> Iterator[Design]:

@@ -34,12 +34,11 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.inputs import VARIABLES
 from nav_model.explore.margins import quantity
-from nav_model.explore.sweep import Column, expected_seconds, to_csv, to_parquet, whole_sweep
+from nav_model.explore.sweep import Column, to_csv, to_parquet, whole_sweep
 from nav_model.explore.sweep_plan import Plan, parse_plan
 
 MOST_DESIGNS = 200_000
-"""Of one sweep on the page: some 40 MB. The command takes more."""
-MOST_SECONDS = 600.0
+"""Of one sweep on the page: some 40 MB, and a minute where they are post-processed. The command takes more."""
 _MOST_INPUTS = 4
 _COMING = "<p class='quiet'>The designs, those that just pass first, appear here with the first sweep.</p>"
 _COMING_MAP = "<p class='quiet'>A map of the worst requirement over the first two inputs appears here.</p>"
@@ -55,16 +54,15 @@ class Swept:
 
 
 class SweepPanel(Question):
-    """What to vary, how many designs that is and how long they take; then table and map."""
+    """What to vary, and how many designs that is; then table and map."""
 
     of_design = False  # a sweep may be of an earlier one; its table says the processing
 
     run = held(Run)
-    estimate = held(Run)
     files = held(Run)
 
     def __init__(self, session: Session) -> None:
-        super().__init__(session=session, run=session.new_run(), estimate=session.new_run(), files=session.new_run())
+        super().__init__(session=session, run=session.new_run(), files=session.new_run())
         self._plan: Plan | None = None
         self.rows = [self._row(key) for key in ("imu.angle_random_walk", "gnss.position_noise", NONE)]
         self._rows = pn.Column(*self.rows)
@@ -112,12 +110,11 @@ class SweepPanel(Question):
         self._read()
 
     def _read(self) -> None:
-        """Work out what the rows ask for, and how long that takes."""
+        """Work out what the rows ask for."""
         if self.rows[-1].key != NONE and len(self.rows) < _MOST_INPUTS:
             self.rows.append(self._row(NONE))
             self._rows.append(self.rows[-1])
         self._plan = None
-        self.estimate.cancel()
         try:
             plan = parse_plan(sweep_file(self.session.design, self.rows).encode())
         except InputError as error:
@@ -128,23 +125,9 @@ class SweepPanel(Question):
                 self._say(f"{most} {_ELSEWHERE}", alert=True)
             else:
                 self._plan = plan
-                self._say(f"{plan.rows:,} designs; estimating the time …")
-                pn.state.execute(lambda: self.estimate.start(lambda _: elsewhere(expected_seconds, plan)))
+                self._say(f"{plan.rows:,} designs.")
         self.bar.start.disabled = self._plan is None
         self._answer()
-
-    @param.depends("estimate.result", watch=True)
-    def _tell_time(self) -> None:
-        seconds, plan = self.estimate.result, self._plan
-        if seconds is None or plan is None:
-            return
-        if seconds > MOST_SECONDS:
-            self.bar.start.disabled = True
-            most = f"at most {_in_words(MOST_SECONDS)} on this page."
-            said = f"{plan.rows:,} designs take about {_in_words(seconds)}; {most} {_ELSEWHERE}"
-            self._say(said, alert=True)
-        else:
-            self._say(f"{plan.rows:,} designs, about {_in_words(seconds)}.")
 
     def _say(self, text: str, *, alert: bool = False) -> None:
         said = f'<p role="status" style="margin: 0">{text}</p>'
@@ -208,9 +191,3 @@ def _named(error: InputError) -> str:
 
 def _is_range(values: tuple[Any, ...]) -> bool:
     return len(set(values)) > 1 and all(isinstance(value, float) and np.isfinite(value) for value in values)
-
-
-def _in_words(seconds: float) -> str:
-    if seconds < 1:
-        return "1 s"
-    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"

@@ -279,7 +279,6 @@ async def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) 
     _rows(sweep, ("imu.angle_random_walk", "0.01 °/√h", "0.1 °/√h", "5"), ("gnss.position_noise", "0.1", "1", "3"))
     assert "15 designs" in sweep._count.object
     await sweep.start()
-    sweep.estimate.cancel()
     columns = sweep.run.result.columns
     assert len(columns["row"]) == 15
     base = first_design()
@@ -295,7 +294,6 @@ async def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) 
     assert margins.tolist() == [*sorted(passing), *sorted(margins[margins < 0], reverse=True)]
     best = int(np.argmax(1 - sweep_ratios(columns)))
     sweep._table._handle_msg(str(best))
-    sweep.estimate.cancel()
     taken = explore.session.design
     assert taken.imu.angle_random_walk == pytest.approx(columns["imu.angle_random_walk"][best])
     assert "earlier sweep or design" in sweep.answer.sentences[0]  # the design is another now
@@ -314,7 +312,6 @@ async def test_a_sweep_too_large_for_the_page_is_not_started(explore: ExplorePag
     _rows(sweep, ("imu.angle_random_walk", "5 kg", "1", "10"))
     assert "kg" in sweep._count.object
     assert sweep.bar.start.disabled
-    sweep.estimate.cancel()
 
 
 async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> None:
@@ -323,7 +320,6 @@ async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> Non
     sweep.rows[0].names.value = ["LN-200", "STIM300"]
     sweep.rows[1].input.value = NONE
     await sweep.start()
-    sweep.estimate.cancel()
     columns = sweep.run.result.columns
     for name, ratio in zip(columns["imu.preset"], sweep_ratios(columns), strict=True):
         fill = preset_fill("imu", name)[0]
