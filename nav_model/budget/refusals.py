@@ -8,6 +8,8 @@ from nav_model.base.errors import InputError
 from nav_model.base.units import format_bound
 from nav_model.budget.inputs import LONGEST_APERTURE
 from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import declaration_of
 
 
 @contextmanager
@@ -16,9 +18,25 @@ def refused(design: Design) -> Iterator[None]:
     try:
         yield
     except ArithmeticError as error:
-        key = "gnss.correlated_noise" if design.gnss.correlated else "imu.angle_random_walk"
-        reason = f"{design[key]:.3g} (SI) gives no figure beside the other noises: {error}"
+        key, *others = filter(design.uses, _TOGETHER)
+        beside = ", ".join(f"{other} {_shown(design, other)}" for other in others)
+        reason = (
+            f"{_shown(design, key)} is too far from {beside} for double precision ({error}). Bring these values closer "
+            "together."
+        )
         raise InputError(key, reason, design[key]) from error
+
+
+_TOGETHER = (
+    "gnss.correlated_noise", "imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "gnss.interval",
+    "gnss.velocity_noise",
+)  # fmt: skip
+
+
+def _shown(design: Design, key: str) -> str:
+    declaration = declaration_of(key)
+    assert isinstance(declaration, BaseQuantity)
+    return declaration.show(design[key], 3)
 
 
 def refuse_hidden_target(squint: float, grazing: float) -> None:

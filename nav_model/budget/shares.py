@@ -11,6 +11,7 @@ import numpy as np
 from nav_model.analytic.discrete import SlowError
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.fast import LEVELS
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
@@ -19,6 +20,8 @@ ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "s
 GNSS_VELOCITY, SCENE_HEIGHT = "GNSS velocity noise", "scene height error"
 
 _STEP = 1e-20
+_LOST = 0.01
+"""Part of a variance by which the shares may miss it, beyond which its digits are lost to rounding."""
 _FIELDS: Mapping[str, tuple[str, ...]] = {
     ACCELEROMETER_NOISE: ("sigma_a",),
     GYRO_NOISE: ("sigma_w",),
@@ -63,7 +66,11 @@ def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> di
         one[:] = value
     sizes = table.real[:, -1, -1]
     slopes = np.hstack([table.imag[:, -1, : len(seen)], table.imag[:, :-1, -1]])
-    parts = np.maximum(slopes / (np.where(sizes, sizes, 1.0)[:, None] * _STEP), 0)
+    parts = slopes / (np.where(sizes, sizes, 1.0)[:, None] * _STEP)
+    for figure, size, whole in zip(figures, sizes, parts.sum(axis=1), strict=True):
+        if size and figure not in LEVELS and not abs(whole - 1) < _LOST:
+            raise FloatingPointError(f"the shares of {figure} add up to {whole:.3g} instead of one")
+    parts = np.maximum(parts, 0)
     # A figure of zero, or values so far apart that rounding hides every slope: the shares are unknown.
     parts[~np.any(parts > 0, axis=1)] = 1.0
     return {

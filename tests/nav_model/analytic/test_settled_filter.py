@@ -22,18 +22,20 @@ CASES = [
     (3.4e-3, 1.2e-7, 9.8, 0.093, 0.06, (0.38, 8.4), 0.005),
     (2.4e-4, 2e-4, 9.8, 0.11, 3.5, (6.5, 878.0), 0.015),
 ]
+# Position settles long after the slow error has, and is a small part of it.
+LATE = (8.3e-4, 1.45e-4, 9.8, 0.1, 30.0, (30.0, 3.0), 0.001)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("case", CASES)
-def test_against_eighty_digits(case, reference):
+@pytest.mark.parametrize(("case", "off"), [*((case, 1e-9) for case in CASES), (LATE, 1e-5)])
+def test_against_eighty_digits(case, off, reference):
     a, w, g, h, r, slow, v = case
     before, after, slow_with_tilt = settled_cycle(a, w, g, h, (r, r), None if v is None else (v, v), slow)
     exact = reference.doubled(a, w, g, h, r, slow, 80, v)
     upright = reference.doubled(a, 1e-40, g, h, r, slow, 110, v)
     for (level, vertical), matrix, other in zip((before, after), exact, upright, strict=True):
-        _close(level.matrix(), matrix, 3)
-        _close(np.array([[vertical.v11, vertical.v12], [vertical.v12, vertical.v22]]), other, 2)
+        _close(level.matrix(), matrix, 3, off)
+        _close(np.array([[vertical.v11, vertical.v12], [vertical.v12, vertical.v22]]), other, 2, off)
     if slow is not None:
         # The error itself is its estimate minus the error of that estimate, of which alone the tilt knows.
         with mpmath.workdps(60):
@@ -41,12 +43,12 @@ def test_against_eighty_digits(case, reference):
             assert abs(mpmath.mpf(float(slow_with_tilt)) + exact[1][2, 3]) / unit < 1e-9
 
 
-def _close(ours, exact, size):
+def _close(ours, exact, size, off):
     with mpmath.workdps(60):
         for i in range(size):
             for j in range(size):
                 unit = mpmath.sqrt(exact[i, i] * exact[j, j])
-                assert abs(mpmath.mpf(float(ours[i, j])) - exact[i, j]) / unit < 1e-9
+                assert abs(mpmath.mpf(float(ours[i, j])) - exact[i, j]) / unit < off
 
 
 def variances(moment):

@@ -226,6 +226,21 @@ def test_an_aperture_beyond_an_hour_is_refused_by_key():
     assert caught.value.key == "radar.azimuth_resolution"
 
 
+@pytest.mark.parametrize("smoothed", [False, True])
+def test_values_that_double_precision_cannot_hold_together_are_refused(smoothed):
+    """In 120 digits the position just after a fix is 0.1991 m; in double precision 0.1919 m."""
+    design = BASE.replace({
+        "gnss.position_noise": 1700.0, "gnss.interval": 0.006, "gnss.velocity_noise": 3e-4, "gnss.correlated": True,
+        "gnss.correlated_noise": 600.0, "gnss.correlation_time": 4.0,
+        "processing.mode": "post-processed" if smoothed else "real time",
+    })  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        analyse(design)
+    assert caught.value.key == "gnss.correlated_noise"
+    for said in ("600 m is too far from", "gnss.position_noise 1700 m", "gnss.velocity_noise 0.0003 m/s", "closer"):
+        assert said in caught.value.reason
+
+
 def test_autofocus_rescores_the_detrended_phase_only():
     one, two, three = (analyse(BASE.replace({"radar.autofocus_order": n})).sar for n in (1, 2, 3))
     assert one.quadratic == two.quadratic == three.quadratic
