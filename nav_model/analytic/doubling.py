@@ -202,9 +202,7 @@ def settled(units: Doubles[Segment]) -> Array:
     '0.4489 m just after a fix'
     """
     for power in range(_MOST_DOUBLINGS):
-        less, more = (
-            np.diagonal(without_slow_error(units[n].noise), axis1=-1, axis2=-2) for n in (power, power + 1)
-        )
+        less, more = (np.diagonal(without_slow_error(units[n].noise), axis1=-1, axis2=-2) for n in (power, power + 1))
         if np.all(np.abs(more - less) <= _SETTLED * np.abs(more)):
             break
     return units[power + 1].noise

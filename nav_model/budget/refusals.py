@@ -21,22 +21,23 @@ def refused(design: Design) -> Iterator[None]:
         key, *others = filter(design.uses, _TOGETHER)
         beside = ", ".join(f"{other} {_shown(design, other)}" for other in others)
         reason = (
-            f"{_shown(design, key)} is too far from {beside} for double precision ({error}). Bring these values closer "
-            "together."
+            f"{_shown(design, key)} is too far from {beside} for double precision ({error}). "
+            "Bring these values closer together."
         )
         raise InputError(key, reason, design[key]) from error
 
 
 _TOGETHER = (
-    "gnss.correlated_noise", "imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "gnss.interval",
-    "gnss.velocity_noise",
+    "gnss.correlated_noise", "imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise",
+    "gnss.interval", "gnss.velocity_noise",
 )  # fmt: skip
 
 
 def _shown(design: Design, key: str) -> str:
-    declaration = declaration_of(key)
+    declaration, value = declaration_of(key), design[key]
     assert isinstance(declaration, BaseQuantity)
-    return declaration.show(design[key], 3)
+    assert isinstance(value, int | float)
+    return declaration.show(value, 3)
 
 
 def refuse_hidden_target(squint: float, grazing: float) -> None:
