@@ -38,7 +38,7 @@ def room_digest() -> str:
     """SHA-256 over the constants and every file whose kernels call each other: the identity of the compiled code."""
     digest = hashlib.sha256()
     here = Path(__file__)
-    rooms = (path for room in _ROOMS for path in sorted((here.parent / room).glob("*.py")))
+    rooms = (path for room in _ROOMS for path in sorted((here.parents[1] / room).glob("*.py")))
     for path in (here, here.with_name("constants.py"), *rooms):
         digest.update(path.name.encode())
         digest.update(path.read_bytes())

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import nav_model
+from nav_model.base.compiled import room_digest
 
 pytestmark = pytest.mark.long
 
@@ -64,6 +65,16 @@ def test_without_a_place_to_write_the_simulator_still_flies(tmp_path):
         path.chmod(0o755)
 
 
+def test_every_kernel_is_in_the_digest(monkeypatch):
+    read = []
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "read_bytes", lambda path: read.append(path) or b"")
+        room_digest.__wrapped__()
+    kernels = {path for path in ROOM.rglob("*.py") if "nav_model.base.compiled import" in path.read_text()}
+    assert len(kernels) > 10
+    assert kernels <= set(read)
+
+
 FALL = """
 import numpy as np
 from nav_model.simulation.strapdown import initial_state, navigate
@@ -78,7 +89,7 @@ print(navigate(start, np.zeros((102, 6)), 100.0)[-1, 5])
     [
         ("earth/wgs84.py", "return surface * (", "return 2.0 * surface * (", 19.60),
         # Somigliana's formula at 0.7 rad with a flattening of one half.
-        ("constants.py", "FLATTENING: Final = 1.0 / 298.257223563", "FLATTENING: Final = 0.5", 11.79),
+        ("base/constants.py", "FLATTENING: Final = 1.0 / 298.257223563", "FLATTENING: Final = 0.5", 11.79),
     ],
 )
 def test_a_changed_callee_is_compiled_again(tmp_path, file, old, new, expected):
