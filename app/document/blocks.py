@@ -18,6 +18,9 @@ from nav_model.equations.entry import Equation, Symbol
 MARK = re.compile(r"\[([TSBP]-\d+)\]")
 """A reference to an equation."""
 
+UNIT_GAP = re.compile(r"(?<=\d) (?=%|(?:dB|rad|[mkcµ]?m|[mc]?m/s|[mkMG]?Hz|[mµ]?g|m?s|h|min|arcsec)\b)")
+"""The blank between a number and its unit, where no line should end."""
+
 
 @dataclass(frozen=True)
 class Cell:

@@ -25,7 +25,7 @@ from app.charts.legend import legend_html
 from app.charts.screen.figures import to_bokeh
 from app.charts.screen.pictures import picture_gallery
 from app.document.bars import ROWS_SHEET, bars_html
-from app.document.blocks import MARK, Equations, Report, Symbols
+from app.document.blocks import MARK, UNIT_GAP, Equations, Report, Symbols
 from app.document.numbers import NONE, number
 from app.document.pane import html_of
 from app.document.ranks_html import ranks_html
@@ -119,7 +119,7 @@ def _with_links(text: str, marks: Iterable[str]) -> Markup:
         mark = found[1]
         return f'<a href="#{mark}">[{mark}]</a>' if mark in known else found[0]
 
-    return Markup(MARK.sub(link, str(escape(text))))
+    return Markup(MARK.sub(link, str(escape(UNIT_GAP.sub("\N{NO-BREAK SPACE}", text)))))
 
 
 def _math(report: Report) -> dict[str, Markup]:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from html import escape
 from itertools import groupby
 
-from app.document.blocks import MARK, Answer, Block, Bullets, Cell, Column, KeyFigures, Table, Text
+from app.document.blocks import MARK, UNIT_GAP, Answer, Block, Bullets, Cell, Column, KeyFigures, Table, Text
 from app.document.tiles import tiles_html
 from nav_model.equations import ALL_EQUATIONS
 
@@ -15,8 +15,8 @@ _TITLES = {equation.mark: equation.title for equation in ALL_EQUATIONS}
 
 
 def prose(text: str) -> str:
-    """Text for our own pages: escaped, equation marks such as [T-9] linked to the Theory page."""
-    return MARK.sub(_link, escape(text))
+    """Text for our pages: escaped, numbers kept with their units, marks such as [T-9] linked to the Theory page."""
+    return MARK.sub(_link, escape(UNIT_GAP.sub("\N{NO-BREAK SPACE}", text)))
 
 
 def _link(found: re.Match[str]) -> str:

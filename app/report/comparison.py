@@ -182,15 +182,16 @@ def _own_words(design: Design) -> dict[str, str]:
     said = {}
     for one in design.contributors:
         allowance = f" + {percent(one.allowance)}" if one.allowance else ""
-        texts = (f"{one.show(6)}{allowance} in {one.enters}", one.kind, one.processing,
+        texts = (f"{one.show(6)}{allowance} in {label_of(one.enters)}", one.kind, one.processing,
                  one.owner and f"owner {one.owner}", one.source)  # fmt: skip
         said[f"Contributor {printable(one.name)}"] = printable(", ".join(filter(None, texts)))
     for limit in design.limits:
         record = limit.record()
-        said[f"Requirement {printable(limit.name)}"] = printable(", ".join(list(record.values())[1:]))
+        asked = [label_of(limit.on), *list(record.values())[2:]]
+        said[f"Requirement {printable(limit.name)}"] = printable(", ".join(asked))
     if design.allocation:
         plan = design.allocation
-        locks = (f"{lock.name} {lock.show(6)} of {lock.requirement}" for lock in plan.locks)
+        locks = (f"{lock.name} {lock.show(6)} of {label_of(lock.requirement)}" for lock in plan.locks)
         said["Allocation"] = printable(", ".join((plan.split, f"reserve {percent(plan.reserve)}", *locks)))
     return said
 

@@ -18,7 +18,7 @@ from app.subjects import BY_KEY
 from nav_model.budget import Budget
 from nav_model.design.file import format_design
 from nav_model.equations import with_cited
-from nav_model.equations.literature import REFERENCES
+from nav_model.equations.literature import references_of
 
 _REPORT = "Navigation error budget"
 
@@ -104,7 +104,8 @@ def _shared(budgets: Sequence[Budget], labels: Sequence[str], told: Sequence[Sec
         for budget, label in zip(budgets, labels, strict=True)
     )
     equations, symbols = with_cited(_marks_in(told))
-    references = dict.fromkeys((*REFERENCES, *(text for section in told for text in section.references)))
+    added = (text for section in told for text in section.references)
+    references = dict.fromkeys((*references_of(equations), *added))
     return (
         Section("equations", "Equations", (Equations(equations),)),
         Section("symbols", "Symbols", (Symbols(symbols),)),

@@ -6,7 +6,8 @@ from importlib.metadata import version
 from typing import Any
 
 from app.document.blocks import Answer, Bullets, Cell, Chapter, Report, Row, Section, Table, Text, numbers, table
-from app.document.wording import input_in_words, printable, title_of
+from app.document.wording import input_in_words, title_of
+from nav_model.allan.result import axis_label
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.explore.supplier import (
@@ -128,12 +129,12 @@ def _decision(design: Design, unit: Unit) -> str:
 
 def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answer, Table]:
     """Whether a log shows what is required of the inertial unit, and why, axis by axis."""
-    failed = [row.axis for row in rows if not row.passes]
+    failed = [axis_label(row.axis) for row in rows if not row.passes]
     said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"{len(rows)} axes are."
     answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {said}",))
     body: Iterable[Row] = (
         (
-            printable(row.axis),
+            axis_label(row.axis),
             str(declaration_of(row.key).label),
             *(input_in_words(design, row.key, value) for value in (row.reading, row.accepted, row.required)),
             f"{row.degrees:.0f}",

@@ -47,6 +47,9 @@ export function render({ model }) {
     const button = event.target.closest("tbody button")
     if (button) model.send_msg(button.value)
   })
+  if (model.over) document.addEventListener("keydown", ({ key }) => {
+    if (key === "Escape" && place.getClientRects().length) model.send_msg("")
+  })
   model.on("html", draw)
   model.on("ticked", tick)
   draw()

@@ -27,6 +27,7 @@ class SortableTable(PlainScript):
 
     html = param.String(default="", doc="Already escaped.")
     ticked = param.List(default=[], doc="Values of the rows that are ticked, also of rows that are not shown.")
+    over = param.Boolean(doc="Whether it opens over the page: Escape, wherever the focus is, tells `take` nothing.")
 
     _stylesheets: ClassVar[list[str]] = [SHEET]
 

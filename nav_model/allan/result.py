@@ -112,6 +112,11 @@ class LogAnalysis:
     warnings: tuple[str, ...]
 
 
+def axis_label(name: str) -> str:
+    """An axis of a log as a person reads it: "gyro x" of "gyro_x"."""
+    return name.replace("_", " ")
+
+
 def fitted_lines(axis: AxisNoise, tau_s: FloatArray) -> dict[str, FloatArray]:
     """Allan deviation of each resolved term at `tau_s` [s], and of all under "total"; SI of the rate.
 
@@ -137,7 +142,7 @@ def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
     value, low, high = (
         math.sqrt(sum(getattr(c, field) ** 2 for c in known) / len(known)) for field in ("value", "low", "high")
     )
-    read = [axis.name for axis in result.axes if axis.quantity == quantity and _is_reading(axis)]
+    read = [axis_label(axis.name) for axis in result.axes if axis.quantity == quantity and _is_reading(axis)]
     method = f"rms of {quantity} x, y, z"
     if read:
         method += f"; read at 1 s, above the white-noise floor, on {', '.join(read)}"

@@ -1,10 +1,11 @@
 """The literature: works, which equation comes from which, and which work describes a method (`literature.toml`)."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
 from nav_model.base.toml_text import shipped
 from nav_model.equations import ALL_EQUATIONS
+from nav_model.equations.entry import Equation
 
 _LITERATURE = shipped("nav_model.equations", "literature")
 
@@ -14,14 +15,25 @@ WORKS: Mapping[str, str] = MappingProxyType(_LITERATURE["works"])
 METHODS: tuple[tuple[str, str], ...] = tuple(_LITERATURE["methods"].items())
 """What the product does beside its equations, and the work that describes it."""
 
-REFERENCES: tuple[str, ...] = (
-    f"{WORKS['A']} Source of [T-1] to [T-7] and [T-9] to [T-12].",
-    f"{WORKS['C']} Source of [T-13] and of the correction limits.",
-    "[T-8], [T-15], [T-17], [T-18] and [S-1] to [S-6] are derived in NavBudget and verified against Riccati and "
-    "covariance solutions and Monte Carlo runs in its test suite.",
-    "The table of inputs gives the source of each sensor and radar value.",
-)
-"""What every report cites."""
+
+def references_of(equations: Collection[Equation]) -> tuple[str, ...]:
+    """What a report with these equations cites: each work that their sources name, with the equations' marks."""
+
+    def marks(short: str) -> list[str]:
+        named = short if len(short) > 1 else f"[{short}]"  # as within a sentence
+        return [equation.mark for equation in equations if equation.source == short or named in equation.source]
+
+    derived = [equation.mark for equation in equations if equation.source not in WORKS]
+    return (
+        *(f"{work} Used for {_listed(found)}." for short, work in WORKS.items() if (found := marks(short))),
+        f"{_listed(derived)} are derived in NavBudget and verified against Riccati and covariance solutions and "
+        "Monte Carlo runs in its test suite.",
+        "The table of inputs gives the source of each sensor and radar value.",
+    )
+
+
+def _listed(marks: Collection[str]) -> str:
+    return ", ".join(f"[{mark}]" for mark in marks)
 
 
 def source_of(mark: str) -> str:

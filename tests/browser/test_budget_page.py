@@ -198,6 +198,10 @@ def test_what_would_close_it_is_one_press_away(desk: Page) -> None:
     desk.get_by_role("button", name="What would close it").click()
     way = desk.get_by_role("button", name=re.compile("^IMU: ")).first
     expect(way).to_be_visible()
+    desk.keyboard.press("Escape")
+    expect(way).to_be_hidden()
+    expect(desk.get_by_role("button", name="What would close it")).to_be_focused()
+    desk.keyboard.press("Enter")
     way.click()
     expect(desk.get_by_role("status").first).to_contain_text("✓ Closes")
     expect(way).to_be_hidden()  # it has done its work

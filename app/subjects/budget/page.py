@@ -86,7 +86,7 @@ class BudgetPage(View):
         self._strip = AnswerStrip(verdict_strip(budget, self._display), switches, self._close)
         self._ways: tuple[Way, ...] = ()
         self._ways_of: Budget | None = None
-        self._table = SortableTable(self._take, margin=(4, 14))
+        self._table = SortableTable(self._take, over=True, margin=(4, 14))
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
         self._tiles = html_pane("", margin=0)
         self._lines = self._timelines(budget)
@@ -239,6 +239,9 @@ class BudgetPage(View):
         if way is not None and self._ways_of is self.session.budget:
             self.session.change(way.changes, way.written)
             self._toggle_ways(None)
+        elif not text and self._panel.visible:
+            self._toggle_ways(None)
+            self._close.focus()
 
     # --- below the first screen ------------------------------------------------------------------------------
 

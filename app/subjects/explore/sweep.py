@@ -32,8 +32,7 @@ from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.inputs import VARIABLES
-from nav_model.explore.margins import quantity
+from nav_model.design.parts import labelled
 from nav_model.explore.sweep import Column, to_csv, to_parquet, whole_sweep
 from nav_model.explore.sweep_plan import Plan, parse_plan
 
@@ -118,7 +117,7 @@ class SweepPanel(Question):
         try:
             plan = parse_plan(sweep_file(self.session.design, self.rows).encode())
         except InputError as error:
-            self._say(_named(error), alert=True)
+            self._say(str(labelled(error)), alert=True)
         else:
             if plan.rows > MOST_DESIGNS:
                 most = f"{plan.rows:,} designs; at most {MOST_DESIGNS:,} on this page."
@@ -182,11 +181,6 @@ class SweepPanel(Question):
             problem = self.session.change(changes)
             if problem:
                 self._say(str(problem), alert=True)
-
-
-def _named(error: InputError) -> str:
-    """The message with the input's name in place of its key."""
-    return f"{quantity(error.key).label}: {error.reason}" if error.key in VARIABLES else str(error)
 
 
 def _is_range(values: tuple[Any, ...]) -> bool:

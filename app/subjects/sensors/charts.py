@@ -4,7 +4,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line
 from nav_model.allan.noise_terms import TERMS
-from nav_model.allan.result import UNITS, AxisNoise, LogAnalysis, fitted_lines
+from nav_model.allan.result import UNITS, AxisNoise, LogAnalysis, axis_label, fitted_lines
 
 AXES = ("x", "y", "z")
 TERM_NAMES = {
@@ -82,7 +82,7 @@ def axis_chart(result: LogAnalysis, name: str) -> Chart:
         bands=(Band("band", "measured, 95 %", tau, low, high, "measured", _MEASURED),),
         x_log=True,
         y_log=True,
-        knowledge=f"{name}. "
+        knowledge=f"{axis_label(name)[:1].upper()}{axis_label(name)[1:]}. "
         + (
             f"Not resolved in this log, not drawn: {', '.join(missing)}."
             if missing

@@ -46,7 +46,7 @@ from nav_model.allan.adoption import (
 from nav_model.allan.log_file import Limits, LogOptions
 from nav_model.allan.log_names import units_of
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
-from nav_model.allan.result import LogAnalysis
+from nav_model.allan.result import LogAnalysis, axis_label
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.explore.supplier import judge_log, required
@@ -250,10 +250,11 @@ class StaticResult(View):
     def show(self, analysis: LogAnalysis) -> None:
         """Show another log's analysis."""
         self.analysis = analysis
-        names = [axis.name for axis in analysis.axes]
+        names = {axis_label(axis.name): axis.name for axis in analysis.axes}
         with pn.io.hold():
             self.use.disabled = not adopt_random_walks(analysis).changes
-            self.axis.param.update(options=names, value=self.axis.value if self.axis.value in names else names[0])
+            kept = self.axis.value if self.axis.value in names.values() else next(iter(names.values()))
+            self.axis.param.update(options=names, value=kept)
             self._parts.follow()
             self._view.visible = True
 

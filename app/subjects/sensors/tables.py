@@ -9,7 +9,15 @@ from app.subjects.sensors.charts import TERM_NAMES
 from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS
 from nav_model.allan.motion import MOTION_CAVEAT, MotionAnalysis
 from nav_model.allan.noise_terms import TERMS
-from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance, triad_random_walk
+from nav_model.allan.result import (
+    UNITS,
+    AxisNoise,
+    Coefficient,
+    LogAnalysis,
+    Provenance,
+    axis_label,
+    triad_random_walk,
+)
 from nav_model.allan.vibration import BLOCK_S
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
@@ -168,7 +176,7 @@ def warnings(result: LogAnalysis) -> tuple[Bullets, ...]:
 
 def _axes(names: Iterable[str], result: LogAnalysis) -> str:
     chosen = list(names)
-    return "all axes" if len(chosen) == len(result.axes) else ", ".join(chosen)
+    return "all axes" if len(chosen) == len(result.axes) else ", ".join(map(axis_label, chosen))
 
 
 def _list(title: str, items: Iterable[str]) -> tuple[Bullets, ...]:
@@ -207,5 +215,6 @@ def motion_table(result: MotionAnalysis) -> Table:
         unit, scale = UNITS[axis.quantity]["random_walk"]
         effective, typical = (f"{number(value / scale)} {unit}" for value in (axis.effective, axis.typical))
         blocks = f"{number(axis.low / scale)} to {number(axis.high / scale)}"
-        rows.append((axis.name, effective, typical, blocks, NONE if axis.factor is None else number(axis.factor)))
+        factor = NONE if axis.factor is None else number(axis.factor)
+        rows.append((axis_label(axis.name), effective, typical, blocks, factor))
     return table("log-motion", "Effective noise in motion", ("Axis", *numbers(*heads)), rows)

@@ -65,6 +65,7 @@ _FLIGHTS = {
     "The design's flight plan": _PLAN,
     "From a file (CSV)": "file",
 }
+_FIELDS = {"duration": "Length", "outage": "Outages"}  # what a specification names -> its field here
 _AXES = ["north", "east", "down"]
 _MOST_RUNS = 2000
 _MOST_SAMPLES = 1e9  # of the instrument, over all runs: ten minutes and more of one processor
@@ -253,7 +254,10 @@ class SimulatePage(View):
 
         async def work(run: Run) -> Flown:
             self._asked = self._settings.asked
-            return await fly(run, self._session.design, self._specification())
+            try:
+                return await fly(run, self._session.design, self._specification())
+            except InputError as error:
+                raise error.under(_FIELDS.get(error.key, error.key)) from error
 
         self.run.start(work)
 

@@ -23,11 +23,7 @@ _ERRORS = tuple(partial(draw, channel=c) for c in (2, 1, 0) for draw in (errors.
 _SENSORS = tuple(partial(sensors.sensor_chart, sensor=s, axis=axis) for s in (0, 1) for axis in range(3))
 _NOISE = tuple(partial(sensors.noise_chart, channel=c) for c in (2, 1, 0))
 _FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart, flight.gravity_chart)
-REFERENCES = (
-    f"{WORKS['B']} [B-1] to [B-9] are derived in NavBudget and verified against independent integrations, scipy's "
-    "align_vectors and Monte Carlo runs in its test suite.",
-    f"{WORKS['van Leeuwen 2007']} The camera's stars.",
-)
+REFERENCES = (f"{WORKS['van Leeuwen 2007']} The camera's stars.",)
 
 
 def study(design: Design, options: argparse.Namespace) -> Shown:

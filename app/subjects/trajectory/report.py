@@ -10,10 +10,9 @@ from app.subjects.trajectory.figures import main_figure
 from app.subjects.trajectory.run import Followed, follow
 from app.subjects.trajectory.tables import line_table, verdict
 from nav_model.design import Design
-from nav_model.equations.literature import WORKS
 
-REFERENCES = (f"{WORKS['Bryson 1963']} Smoothing along the flight.",)
 _STATES = 9
+_HOW = "Covariance [P-13], smoothed [P-14]; image errors of each line [P-15]."
 
 
 def study(design: Design, options: argparse.Namespace) -> Followed:
@@ -37,13 +36,13 @@ def sections(study: Followed, key: str) -> tuple[Section, ...]:
     """The verdict and the lines, then the charts of what is limited most."""
     name = main_figure(study.result)
     lines = line_table(study, name)
+    lines = replace(lines, key=f"{key}-{lines.key}")
     drawn = (map_chart(study, name), *timelines(study, name), shares_chart(study, name))
     return (
         Section(
             f"{key}-trajectory",
             "Trajectory: the figures along the planned flight",
-            (verdict(study, name), Text(printable(study.flight)), replace(lines, key=f"{key}-{lines.key}")),
-            REFERENCES,
+            (verdict(study, name), Text(printable(study.flight)), lines, Text(_HOW)),
         ),
         Section(
             f"{key}-trajectory-charts",

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from app.document.blocks import Bullets, Report, Table, Text
+from app.document.blocks import Bullets, Equations, Report, Table, Text
 from app.document.display import Display
 from app.report.content import report_of
 from nav_model.base.units import format_quantity
 from nav_model.budget import analyse
 from nav_model.design.parts import INPUTS, declaration_of
-from nav_model.equations import EQUATIONS
+from nav_model.equations import ALL_EQUATIONS, EQUATIONS
+from nav_model.equations.literature import references_of
 
 NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 
@@ -231,3 +232,15 @@ def test_a_noted_origin_stands_in_the_table_of_inputs(mems):
     report = report_of([analyse(noted.replace({key: 2 * walk}))], NOW)
     row = next(row for row in table(report, "d-inputs-table").rows if row[0].text == "Angle random walk")
     assert row[1].mark != "noted"
+
+
+def test_references_have_the_source_of_every_equation(mems):
+    report = report_of([mems], NOW)
+    (cited,) = (block for block in report.blocks() if isinstance(block, Equations))
+    (said,) = (section.blocks[0] for section in report.sections if section.key == "references")
+    for equations, references in ((cited.items, said.items), (ALL_EQUATIONS, references_of(ALL_EQUATIONS))):
+        authors = r"Anderson|Squire|Harris|Taylor|Chu\b|JCGM|Prats|Bryson|\[B\]|\[C\]"
+        for e in equations:
+            assert any(f"[{e.mark}]" in reference for reference in references)
+            for author in re.findall(authors, e.source) or {"A": ["[A]"], "C": ["[C]"]}.get(e.source, ()):
+                assert any(author in reference and f"[{e.mark}]" in reference for reference in references)

@@ -31,7 +31,7 @@ def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: s
     assert _OMITTED in before
     assert _OMITTED not in said
     row = re.search(r"<tr>(?:(?!</tr>).)*lever &lt;arm&gt;(?:(?!</tr>).)*mechanics.*?</tr>", said, re.DOTALL)
-    for text in ("Detrended phase", "1 mm", "20 %", "random", "both", "survey, 2026-03"):
+    for text in ("Detrended phase", "1\xa0mm", "20\xa0%", "random", "both", "survey, 2026-03"):
         assert text in row[0]
     assert "Contributors given in the design" not in before
 

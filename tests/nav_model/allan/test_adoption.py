@@ -65,7 +65,7 @@ def test_a_reading_at_one_second_is_said_to_be_one():
     triad = triad_random_walk(analysis, "gyro")
     assert triad.reading
     note = adopt_random_walks(analysis).origins[ARW]
-    assert "read at 1 s, above the white-noise floor, on gyro_x, gyro_y, gyro_z" in note
+    assert "read at 1 s, above the white-noise floor, on gyro x, gyro y, gyro z" in note
     assert "not a confidence interval" in note
     assert "95 %" not in note
 

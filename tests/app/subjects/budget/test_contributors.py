@@ -103,7 +103,7 @@ def test_the_report_has_an_allocation_of_each_requirement() -> None:
     assert "<arm>" not in said
     for label in ("Detrended phase", "Tilt", "heading"):
         assert f"Allocation of {label}" in said
-    assert "reserve 10 %" in said
+    assert "reserve 10\xa0%" in said
     assert "Allocation of" not in to_html(report_of([analyse(_DESIGN)]))
 
 
@@ -112,7 +112,7 @@ def test_a_comparison_lists_contributors_that_differ() -> None:
     one, other = _DESIGN.replace({}, own=Own(own + same)), _DESIGN.replace({}, own=Own(same))
     said = to_html(report_of([analyse(one), analyse(other)]))
     row = re.search(r"<tr>(?:(?!</tr>).)*Contributor lever &lt;arm&gt;.*?</tr>", said, re.DOTALL)
-    assert "1 mm in detrended_phase, random, both" in row[0]
+    assert "1\xa0mm in Detrended phase, random, both" in row[0]
     assert "not given" in row[0]
     assert "Contributor clock" not in said
     assert "The designs have the same inputs." not in said

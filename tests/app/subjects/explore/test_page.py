@@ -251,7 +251,7 @@ def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(expl
     assert "Residual biases 0 assumed, in real time." in explore._strip._text.object
     passing = {row.imu for row in search._found if row.closes}
     explore.session.change({"imu.accelerometer_bias": 1e-3})
-    said = explore._strip._text.object
+    said = explore._strip._text.object.replace("\xa0", " ")
     assert "None of 15" in said
     assert "Residual biases as in your design: 0.102 mg, in real time." in said
     assert f"With residual biases of zero, {len(passing)} would" in said

@@ -55,7 +55,7 @@ def run(sar: SarPage) -> None:
 
 def said(sar: SarPage) -> str:
     """What the answer strip says."""
-    return sar._strip._text.object
+    return sar._strip._text.object.replace("\xa0", " ")
 
 
 def part(sar: SarPage, title: str) -> Any:
@@ -114,7 +114,7 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert "The runs belong to an earlier design" in said(sar)
     # Of the formulas again, as the runs no longer count.
     assert re.search(r"Best strategy: Quadratic fit, [\d.]+° by formula", said(sar))
-    assert "yours is 1 mm" in reasons.object
+    assert "yours is 1\xa0mm" in reasons.object
     session.undo()
     assert "stale" not in tables.object
     assert said(sar) == before

@@ -52,7 +52,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert not panel.message.visible
     assert not session.running
     assert "bench.csv" in panel.static.head.object
-    for shown in ("bench.csv", analysis.provenance.sha256, "100 Hz"):
+    for shown in ("bench.csv", analysis.provenance.sha256, "100\xa0Hz"):
         assert shown in panel.static.tables.object
     assert "&lt; " in panel.static.tables.object  # a limit for what the log does not resolve
     assert "Which log would resolve the rest" in panel.static.tables.object
@@ -136,7 +136,7 @@ def test_catalogue_marks_what_is_not_confirmed():
             cells = re.findall(r'<td class="num.*?</td>', row)
             doubtful = [item for item in (*entry.values.values(), *entry.extra.values()) if not item.confirmed]
             assert sum("⚠" in cell for cell in cells) == len(doubtful)
-            assert all(item.source in unescape(row) for item in entry.values.values())
+            assert all(item.source in unescape(row).replace("\xa0", " ") for item in entry.values.values())
     assert "● in the design" in html_of(catalogue_table("imu", "STIM300"))
 
 
@@ -157,8 +157,9 @@ def test_charts_carry_confidence_and_fit():
         assert np.interp(1.0, fitted.x, fitted.y) == pytest.approx(truth, rel=0.04)
     single = axis_chart(analysis, "gyro_x")
     assert np.isnan(next(line for line in single.lines if line.key == "ramp").y).all()
+    assert single.knowledge.startswith("Gyro x. ")
     assert "ramp" in single.knowledge
-    assert "95 % confidence" not in html_of(*coefficient_tables(analysis))
+    assert "95\xa0% confidence" not in html_of(*coefficient_tables(analysis))
 
 
 def test_a_reading_at_1_s_stands_beside_its_white_floor():
@@ -173,5 +174,5 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
         assert axis.white_floor < walk.value
         for said in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):
             assert said in cells
-    assert "read at 1 s; white-noise floor" in cells
+    assert "read at 1\xa0s; white-noise floor" in cells
     assert "not a confidence interval" in cells

@@ -125,8 +125,10 @@ def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPa
 
 
 def test_a_flight_that_cannot_be_flown_is_said_in_words() -> None:
-    run, _ = _fly({"runs": 2, "duration": 60.0, "trajectory": "turns"})
-    assert run.message.startswith("duration: 60.0 cannot be simulated; the turns take")
+    page = SimulatePage(Session(DESIGN))
+    page.param.update(trajectory="turns", runs="2", length="60", outages="")
+    when_done(page._begin, page.run)
+    assert page.run.message.startswith("Length: 60.0 cannot be simulated; the turns take")
 
 
 def test_only_instruments_and_flight_make_a_study_stale() -> None:

@@ -269,5 +269,5 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     html = target.read_text(encoding="utf-8")
     assert "0 of 2 lines within the limits in real time" in html
     assert "Flight: parallel lines, 2 lines, " in html
-    assert "outages: 100 s to 130 s" in html
+    assert "outages: 100\xa0s to 130\xa0s" in html
     assert "wrote" in capsys.readouterr().err
