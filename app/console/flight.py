@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nav_model.base.errors import InputError
@@ -81,15 +82,19 @@ def flight_study(
 
 def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
     from nav_model.simulation.design_study import NAMED_TRAJECTORIES
+    from nav_model.simulation.trajectory import FILE_BOUNDS
     from nav_model.trajectory.design_study import PLAN, plan_like
-    from nav_model.trajectory.files import read_flight
+    from nav_model.trajectory.files import parse_flight
 
     try:
         height = None if options.height is None else parse_quantity(options.height, "length").value
     except ValueError as error:
         raise InputError("--height", str(error), options.height) from error
+    path = Path(options.trajectory)
     try:
-        return read_flight(options.trajectory, plan_like(design), height)
+        with path.open("rb") as file:
+            content = file.read(FILE_BOUNDS.most_bytes + 1)
+        return parse_flight(content, path.name, plan_like(design), height)
     except OSError as error:
         known = ", ".join((PLAN, *NAMED_TRAJECTORIES))
         said = f"{options.trajectory!r} is no file that can be read. Name a CSV, GPX, KML or SBET file, or {known}."

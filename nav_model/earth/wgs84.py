@@ -30,6 +30,12 @@ def curvature_radii(sin_latitude: Any) -> Any:
     return prime_vertical * (1.0 - ECCENTRICITY_SQUARED) / (root * root), prime_vertical
 
 
+def metres_per_radian(latitude: Any, height: Any) -> Any:
+    """Metres north of a radian of latitude, and east of one of longitude, at a latitude [rad] and height [m]."""
+    meridian, prime = curvature_radii(np.sin(latitude))
+    return meridian + height, (prime + height) * np.cos(latitude)
+
+
 def normal_gravity(sin_latitude: Any, height: Any) -> Any:
     """Normal gravity [m/s^2], taken along the ellipsoid's normal, at a height [m] (TR8350.2 4-1, 4-3).
 

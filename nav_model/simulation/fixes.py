@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from nav_model.base.compiled import kernel, part
 from nav_model.base.constants import EARTH_RATE
 from nav_model.earth.rotation import normalise, rotate
-from nav_model.earth.wgs84 import curvature_radii, curvature_radii_kernel
+from nav_model.earth.wgs84 import curvature_radii_kernel, metres_per_radian
 from nav_model.simulation.kalman import update
 from nav_model.simulation.layout import (
     ATTITUDE,
@@ -50,9 +50,8 @@ def reported(truth: TruthStates, noise: FloatArray, arm: FloatArray) -> FloatArr
     """
     turned = truth.matrix @ arm
     swing = np.einsum("kij,kj->ki", truth.matrix, np.cross(truth.body_rate, arm))
-    meridian, prime = curvature_radii(np.sin(truth.position[:, 0]))
     latitude, _, height = truth.position.T
-    scale = np.column_stack([meridian + height, (prime + height) * np.cos(latitude), np.full(len(height), -1.0)])
+    scale = np.column_stack([*metres_per_radian(latitude, height), np.full(len(height), -1.0)])
     position = truth.position + (turned + noise[:, POSITION : POSITION + 3]) / scale
     velocity = truth.velocity + swing + noise[:, VELOCITY : VELOCITY + 3]
     both = truth.euler[:, 2] + noise[:, HEADING], height - noise[:, BAROMETER]

@@ -17,7 +17,7 @@ from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.earth.rotation import FloatArray
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
-from nav_model.earth.wgs84 import curvature_radii
+from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec, refused
 
 MARGIN_S = 5.0
@@ -50,10 +50,8 @@ class Trajectory:
     def velocity(self, time_s: FloatArray) -> FloatArray:
         """Velocity over ground, north-east-down [m/s], shape (..., 3)."""
         q, dq = self.evaluate(time_s), self.evaluate(time_s, 1)
-        meridian, prime = curvature_radii(np.sin(q[..., 0]))
-        north = dq[..., 0] * (meridian + q[..., 2])
-        east = dq[..., 1] * (prime + q[..., 2]) * np.cos(q[..., 0])
-        return np.stack([north, east, -dq[..., 2]], axis=-1)
+        north, east = metres_per_radian(q[..., 0], q[..., 2])
+        return np.stack([dq[..., 0] * north, dq[..., 1] * east, -dq[..., 2]], axis=-1)
 
 
 def spline_through(time_s: FloatArray, coordinates: FloatArray) -> Trajectory:
@@ -115,7 +113,9 @@ class Motion(NamedTuple):
     pitch: FloatArray
 
 
-def coordinated(t: FloatArray, speed: float, heading: float, turn: FloatArray, climb: FloatArray) -> Motion:
+def coordinated(
+    t: FloatArray, speed: float | FloatArray, heading: float, turn: FloatArray, climb: FloatArray
+) -> Motion:
     """The flight at this speed along its path, from this heading on, with these rates of turn [rad/s] and climb [m/s]
     at evenly spaced times: without slip, bank = arctan(V rate / g)."""
     step = float(t[1] - t[0])
@@ -148,11 +148,9 @@ def _lay_on_earth(
     latitude = np.full_like(t, spec.latitude)
     # Curvature changes so slowly with latitude that each pass gains four digits or more.
     for _ in range(5):
-        meridian, _prime = curvature_radii(np.sin(latitude))
-        integral = cumulative(north_rate / (meridian + height), step)
+        integral = cumulative(north_rate / metres_per_radian(latitude, height)[0], step)
         latitude = spec.latitude + integral - integral[start]
-    _meridian, prime = curvature_radii(np.sin(latitude))
-    integral = cumulative(east_rate / ((prime + height) * np.cos(latitude)), step)
+    integral = cumulative(east_rate / metres_per_radian(latitude, height)[1], step)
     return latitude, spec.longitude + integral - integral[start]
 
 

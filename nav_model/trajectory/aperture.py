@@ -12,10 +12,9 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from nav_model.aperture.geometry import metres_to_phase
+from nav_model.budget.inputs import Inputs
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.trajectory.errors import ErrorModel
-from nav_model.trajectory.specification import Aperture
 
 FloatArray = NDArray[np.float64]
 ORDERS = 6
@@ -39,40 +38,37 @@ class Apertures(NamedTuple):
     weights: FloatArray
 
 
-def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> Apertures:
-    """The apertures centred at the outputs of a flight that lie within it; none without a shape.
+def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
+    """The apertures centred at the outputs of a flight that lie within it.
 
     One begins at the last fix before where it would begin, as in the budget, and so is up to a fix interval early;
     without a fix there, it begins where it would.
     """
-    if shape is None:
-        none = np.zeros(0, dtype=np.int64)
-        return Apertures(none, none, none, np.zeros((0, 1, COLUMNS, 6)))
-    time_s, half = model.time_s, 0.5 * shape.duration
+    time_s, half = model.time_s, 0.5 * x.aperture
     begin = time_s[model.outputs] - half
     fixes = np.concatenate([[-np.inf], time_s[model.is_fix]])
     last_fix = fixes[np.searchsorted(fixes, begin + _ROUNDING, side="right") - 1]
     begin = np.where(begin - last_fix < interval * (1.0 + 1e-9), last_fix, begin)
-    inside = (begin >= 0.0) & (begin + shape.duration <= time_s[-1])
+    inside = (begin >= 0.0) & (begin + x.aperture <= time_s[-1])
     output, begin = np.flatnonzero(inside), begin[inside]
     first = np.searchsorted(time_s, begin + _ROUNDING, side="right") - 1
-    last = np.searchsorted(time_s, begin + shape.duration - _ROUNDING)
+    last = np.searchsorted(time_s, begin + x.aperture - _ROUNDING)
     weights = np.zeros((len(output), int(np.max(last - first, initial=0)) + 1, COLUMNS, 6))
     middle = np.searchsorted(time_s, begin + half)
     velocity = model.truth.velocity[np.minimum(middle, len(time_s) - 1)]
-    sight, across = directions(velocity, shape)
+    sight, across = directions(velocity, x)
     speed = np.linalg.norm(velocity[:, :2], axis=1)
     # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
-    slope = (2 * shape.slant_range / (speed * math.cos(shape.squint) * shape.duration))[:, None]
+    slope = (2 * x.slant_range / (speed * math.cos(x.squint) * x.aperture))[:, None]
     for step in range(weights.shape[1] - 1):
         on = np.flatnonzero(first + step < last)
         left, right, start = time_s[first[on] + step], time_s[first[on] + step + 1], begin[on]
         length = right - left
-        low, high = np.maximum(left, start), np.minimum(right, start + shape.duration)
+        low, high = np.maximum(left, start), np.minimum(right, start + x.aperture)
         times = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * _POINTS
         s = (times - left[:, None]) / length[:, None]
-        x = (times - start[:, None]) / half - 1.0
-        polynomials = legendre.legvander(x, ORDERS - 1) * (np.arange(ORDERS) + 0.5)  # (apertures, points, orders)
+        u = (times - start[:, None]) / half - 1.0
+        polynomials = legendre.legvander(u, ORDERS - 1) * (np.arange(ORDERS) + 0.5)  # (apertures, points, orders)
         measure = 0.5 * (high - low)[:, None] * _WEIGHTS / half
         h = length[:, None]
         position, velocity = slice(3), slice(3, 6)
@@ -90,41 +86,41 @@ def apertures_of(model: ErrorModel, shape: Aperture | None, interval: float) -> 
     return Apertures(output, first, last, weights)
 
 
-def directions(velocity: FloatArray, shape: Aperture) -> tuple[FloatArray, FloatArray]:
+def directions(velocity: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:
     """Line of sight, and the direction across it in the slant plane, for velocities (n, 3), all NED. [P-7]"""
     level = velocity[:, :2] / np.maximum(np.linalg.norm(velocity[:, :2], axis=1), 1e-9)[:, None]
     zero = np.zeros(len(level))
     along = np.column_stack([level, zero])
     right = np.column_stack([-level[:, 1], level[:, 0], zero])
-    s, psi = math.sin(shape.squint), shape.grazing_angle
+    s, psi = math.sin(x.squint), x.grazing_angle
     sight = s * along + math.sqrt(max(math.cos(psi) ** 2 - s**2, 0.0)) * right
     sight[:, 2] = math.sin(psi)
-    return sight, (along - s * sight) / math.cos(shape.squint)
+    return sight, (along - s * sight) / math.cos(x.squint)
 
 
-def figures(variances: FloatArray, shape: Aperture, white: FloatArray) -> Mapping[str, FloatArray]:
+def figures(variances: FloatArray, x: Inputs, white: FloatArray) -> Mapping[str, FloatArray]:
     """Variances of the image figures by name, of those of the sums (sources, apertures, COLUMNS); [rad²], [m²].
 
     white: density of the accelerometers' noise by source [m²/s³] (sources), which the coefficients do not exhaust.
     `ce90` is the sum of both variances on the ground: `circular` makes the radius of the whole.
     """
-    phase = float(metres_to_phase(1.0, shape.wavelength)) ** 2
-    left = sum(variances[..., n] / (2 * n + 1) for n in range(shape.autofocus_order + 1, ORDERS))
+    phase = x.to_phase**2
+    left = sum(variances[..., n] / (2 * n + 1) for n in range(x.autofocus_order + 1, ORDERS))
     moved = _shifts(variances)
-    along, across, _ = ground_covariance(moved, shape.grazing_angle, 0.0, shape.squint)
+    along, across, _ = ground_covariance(moved, x.grazing_angle, 0.0, x.squint)
     return {
         "quadratic_phase": 9 / 4 * phase * variances[..., 2],
         "cubic_phase": 25 / 4 * phase * variances[..., 3],
-        "detrended_phase": phase * (left + _BEYOND * shape.duration**3 * white[:, None]),
+        "detrended_phase": phase * (left + _BEYOND * x.aperture**3 * white[:, None]),
         "azimuth_shift": moved.azimuth,
         "range_shift": moved.range,
         "ce90": along + across,
     }
 
 
-def circular(variances: FloatArray, shape: Aperture) -> FloatArray:
+def circular(variances: FloatArray, x: Inputs) -> FloatArray:
     """CE90 [m] of variances of the sums (apertures, COLUMNS), with the error of the scene's height. [P-7]"""
-    on_ground = ground_covariance(_shifts(variances), shape.grazing_angle, shape.scene_height_error, shape.squint)
+    on_ground = ground_covariance(_shifts(variances), x.grazing_angle, x.scene_height_error, x.squint)
     return np.asarray(circular_error(*on_ground))
 
 

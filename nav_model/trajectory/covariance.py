@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.budget.contributors import composed, entering
+from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.layout import VELOCITY
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
@@ -57,13 +58,18 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
     Raises InputError for a flight that cannot be flown, ArithmeticError where the covariance is not finite.
     """
     model = error_model(spec)
-    run = _filtered(model)
-    looks = apertures_of(model, spec.aperture, spec.study.gnss.interval)
-    variances, images = _forward(model, run, looks, *_sums(model, run, looks))
-    parts = [
+    run, looks = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
+    ends, by_innovation = _ends(model, run, looks)
+    states, smooth = _later(model, run, looks, ends)
+    # In real time nothing later is known, and the INS is free from the aperture's start on.
+    free = _Sums(np.zeros_like(smooth.rows), np.zeros_like(smooth.added))
+    _within(model, run, looks, free, None)
+    _within(model, run, looks, smooth, by_innovation)
+    variances, images = _forward(model, run, looks, states, (free, smooth))
+    real_time, post_processed = (
         _processed(spec, model, looks, values, image, post)
         for values, image, post in zip(variances, images, (False, True), strict=True)
-    ]
+    )
     time_s = model.time_s[model.outputs]
     truth = model.truth.at(model.outputs)
     return TrajectoryResult(
@@ -71,10 +77,10 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
         time_s=time_s,
         truth=truth,
         sources=_all_sources(spec, model),
-        real_time=parts[0],
-        post_processed=parts[1],
-        lines=judge(spec, time_s, *parts),
-        heading=heading_of(spec, time_s, truth, parts[0].attitude[:, 2]),
+        real_time=real_time,
+        post_processed=post_processed,
+        lines=judge(spec, time_s, real_time if spec.processing == REAL_TIME else post_processed),
+        heading=heading_of(spec, time_s, truth, real_time.attitude[:, 2]),
     )
 
 
@@ -106,17 +112,6 @@ def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
     found = np.diag(np.concatenate([np.zeros(_AXES), model.kept[node - 1, : size - _AXES]]))
     found[:_AXES] = model.top[node - 1, :, :size]
     return found
-
-
-def _sums(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[_Sums, tuple[_Sums, _Sums]]:
-    """Position, velocity and roll, pitch, yaw smoothed at the outputs, on the errors there; and the sums of the
-    apertures in real time and smoothed, on the errors at the start of each."""
-    ends, by_innovation = _ends(model, run, looks)
-    states, smooth = _later(model, run, looks, ends)
-    free = _Sums(np.zeros_like(smooth.rows), np.zeros_like(smooth.added))
-    _within(model, run, looks, free, None)
-    _within(model, run, looks, smooth, by_innovation)
-    return states, (free, smooth)
 
 
 def _along(looks: Apertures, *, back: bool = False) -> Iterator[tuple[int, Indices, Indices]]:
@@ -151,7 +146,7 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
     m, n, noisy = model.states.estimated, model.states.size, model.states.noisy
     states = _Sums(np.zeros((len(model.outputs), _AXES, n)), np.zeros((noisy, len(model.outputs), _AXES)))
     images = _Sums(np.zeros((len(ends), COLUMNS, n)), np.zeros((noisy, len(ends), COLUMNS)))
-    driven, measuring = _driven(model), _measuring(model)
+    driven = [error.source for error in model.states.drives]
     ending, output_of = _by_node(looks.last), _by_node(model.outputs)
     carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
     for node in range(len(model.time_s) - 1, -1, -1):
@@ -169,7 +164,7 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
             kept = np.eye(m) - rows[:, :m].T @ gain.T
             by_noise = kept @ carried[:, :m] @ gain - run.weight[node]
             carried, now = kept @ carried - by_noise @ rows, kept @ now @ kept.T
-            now[measuring] += (by_noise * model.noise[node, measuring, None, :]) @ by_noise.T
+            now[model.measuring] += (by_noise * model.noise[node, :, None, :]) @ by_noise.T
         now[driven] += _square(carried[:, : model.states.moving] @ _factors(model, node))
         step = _transition(model, node, n)
         back = step[:m, :m].T
@@ -179,7 +174,7 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
 
 def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_innovation: FloatArray | None) -> None:
     """Take the sums from the errors at the end of each aperture to those at its start, with the noises between."""
-    measuring, radar = _measuring(model), model.states.first.get(RADAR_TIME)
+    radar = model.states.first.get(RADAR_TIME)
     for step, on, node in _along(looks, back=True):
         now = sums.rows[on]
         now[:, :, :6] += looks.weights[on, step]
@@ -188,15 +183,15 @@ def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_i
         if step:
             if by_innovation is not None:
                 by_noise = now[:, :, : model.states.estimated] @ run.gain[node] - by_innovation[step, on]
-                for source in measuring:
-                    sums.added[source, on] += (by_noise**2 * model.noise[node, source][:, None]).sum(axis=2)
+                for place, source in enumerate(model.measuring):
+                    sums.added[source, on] += (by_noise**2 * model.noise[node, place][:, None]).sum(axis=2)
                 now -= by_noise @ model.rows[node]
-            for place, (source, first, _) in enumerate(model.states.drives):
+            for place, error in enumerate(model.states.drives):
                 factor = model.factors[node - 1, place]
                 driven = now[:, :, :_AXES] @ factor[:, :_AXES]
-                if first >= _AXES:
-                    driven += now[:, :, first : first + 3] @ factor[:, _AXES:]
-                sums.added[source, on] += (driven**2).sum(axis=2)
+                if error.first >= _AXES:
+                    driven += now[:, :, error.first : error.first + 3] @ factor[:, _AXES:]
+                sums.added[error.source, on] += (driven**2).sum(axis=2)
             moved = now[:, :, :_AXES] @ model.top[node - 1]
             moved[:, :, _AXES:] += now[:, :, _AXES:] * model.kept[node - 1, None]
             now = moved
@@ -232,20 +227,20 @@ def _forward(
         return whole.reshape(2, -1, sources).swapaxes(1, 2)
 
     starting, output_of = _by_node(looks.first), _by_node(model.outputs)
-    driven, measuring = _driven(model), _measuring(model)
+    driven = [error.source for error in model.states.drives]
     for node in range(len(model.time_s)):
         if node:
-            now = _stepped(model, node, now)
+            step = _transition(model, node, n)
+            constant, step = step @ constant, step[:size, :size]
+            now = ((step @ now.reshape(size, -1)).reshape(-1, size) @ step.T).reshape(size, s, size)
             now[:, driven] += _square(_factors(model, node)).swapaxes(0, 1)
-            constant[:_AXES] = model.top[node - 1] @ constant
-            constant[_AXES:] *= model.kept[node - 1][:, None]
         if node and model.is_fix[node]:
             rows, gain = model.rows[node], run.gain[node]
             constant[:m] -= gain @ (rows @ constant)
             rows = rows[:, :size]
             now[:m] -= (gain @ (rows @ now.reshape(size, -1))).reshape(m, s, size)
             now[:, :, :m] -= ((now.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
-            now[:m, measuring, :m] += ((gain * model.noise[node, measuring, None, :]) @ gain.T).swapaxes(0, 1)
+            now[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
         for at in output_of.get(node, ()):
             variances[:, :, at] += by_source(np.stack([model.shown[at], states.rows[at]]))
         for look in starting.get(node, ()):
@@ -253,36 +248,13 @@ def _forward(
     return variances, found
 
 
-def _driven(model: ErrorModel) -> list[int]:
-    """The source of each process noise."""
-    return [drive.source for drive in model.states.drives]
-
-
-def _measuring(model: ErrorModel) -> Indices:
-    """The sources with noise in a fix."""
-    return np.flatnonzero(model.noise.any(axis=(0, 2)))
-
-
-def _stepped(model: ErrorModel, node: int, covariances: FloatArray) -> FloatArray:
-    """Covariances (size, noisy, size) at a node from those at the node before, without noise."""
-    size, s, _ = covariances.shape
-    top, kept = model.top[node - 1, :, :size], model.kept[node - 1, : size - _AXES]
-    found = np.empty_like(covariances)
-    found[:_AXES] = (top @ covariances.reshape(size, -1)).reshape(_AXES, s, size)
-    np.multiply(covariances[_AXES:], kept[:, None, None], out=found[_AXES:])
-    moved = found.reshape(-1, size) @ top.T
-    found[:, :, _AXES:] *= kept
-    found[:, :, :_AXES] = moved.reshape(size, s, _AXES)
-    return found
-
-
 def _factors(model: ErrorModel, node: int) -> FloatArray:
     """Factors (drives, moving, 9) of what process noise adds in the step to a node."""
     found = np.zeros((len(model.states.drives), model.states.moving, 9))
     found[:, :_AXES] = model.factors[node - 1, :, :_AXES]
-    for place, drive in enumerate(model.states.drives):
-        if drive.first >= _AXES:
-            found[place, drive.first : drive.first + 3] = model.factors[node - 1, place, _AXES:]
+    for place, error in enumerate(model.states.drives):
+        if error.first >= _AXES:
+            found[place, error.first : error.first + 3] = model.factors[node - 1, place, _AXES:]
     return found
 
 
@@ -318,16 +290,15 @@ def _processed(
         "heading": variances[:, :, 8],
     }
     found: dict[str, FloatArray] = {}
-    if spec.aperture is not None:
-        white = np.zeros(len(sources))
-        for drive in model.states.drives:
-            if drive.first == VELOCITY:
-                white[drive.source] = drive.density
-        for name, values in aperture.figures(image, spec.aperture, white).items():
-            groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
-            groups[name][:, looks.output] = np.maximum(values, 0.0)
-            found[name] = np.sqrt(groups[name].sum(axis=0))
-        found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), spec.aperture)
+    white = np.zeros(len(sources))
+    for error in model.states.drives:
+        if error.first == VELOCITY:
+            white[error.source] = error.drive
+    for name, values in aperture.figures(image, spec.inputs, white).items():
+        groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
+        groups[name][:, looks.output] = np.maximum(values, 0.0)
+        found[name] = np.sqrt(groups[name].sum(axis=0))
+    found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), spec.inputs)
     entered = {name: entering(spec.contributors, name, post_processed=post) for name in spec.contributors}
     shares = {}
     for name, values in groups.items():

@@ -19,7 +19,7 @@ from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
-from nav_model.trajectory.specification import Aperture, CovarianceSpec, Limits, Line
+from nav_model.trajectory.specification import CovarianceSpec, Line, Most
 
 _PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase")
 _PLACES = ("azimuth_shift", "range_shift", "ce90")
@@ -67,20 +67,6 @@ def planned(design: Design) -> PlannedFlight:
         raise error.under(f"trajectory.{own.flight}") from error
 
 
-def aperture_of(design: Design) -> Aperture:
-    """The design's aperture."""
-    x, radar = inputs_of(design), design.radar
-    return Aperture(
-        duration=float(x.aperture),
-        wavelength=float(x.wavelength),
-        grazing_angle=radar.grazing_angle,
-        slant_range=radar.slant_range,
-        squint=radar.squint_angle,
-        autofocus_order=radar.autofocus_order,
-        scene_height_error=design.processing.scene_height_error,
-    )
-
-
 def covariance_specification(design: Design, study: SimulationSpec, lines: tuple[Line, ...] = ()) -> CovarianceSpec:
     """The covariance along the flight of `study`, as `simulation.design_study.specification` makes it of the design.
 
@@ -94,7 +80,7 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
     """
     own = design.trajectory
     names = [line.name for line in lines]
-    limited: dict[str, tuple[tuple[str, float], ...]] = {}
+    limited: dict[str, Most] = {}
     for number, (name, *most) in enumerate(own.limits, 1):
         if name not in names:
             said = f"the flight has no line {name!r}; its lines: {', '.join(dict.fromkeys(names)) or 'none'}"
@@ -102,13 +88,13 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     everywhere = {name: getattr(design.requirements, name) for name in LIMITED}
-    limits = Limits(design.processing.mode, _limits(design, everywhere))
     x = inputs_of(design)
     if x.rectified is not None:  # a bias that vibration makes is one more of the accelerometers
         meters = study.imu.accelerometer
         whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
         study = replace(study, imu=replace(study.imu, accelerometer=whole))
-    return CovarianceSpec(study, aperture_of(design), flown, limits, _besides(x))
+    most = _limits(design, everywhere)
+    return CovarianceSpec(study, x, flown, design.processing.mode, most, _besides(x))
 
 
 def _besides(x: Inputs) -> Parts:
@@ -124,6 +110,6 @@ def _besides(x: Inputs) -> Parts:
     return FrozenMapping(found)
 
 
-def _limits(design: Design, most: Mapping[str, float | None]) -> tuple[tuple[str, float], ...]:
+def _limits(design: Design, most: Mapping[str, float | None]) -> Most:
     """Limits on figures along a flight, brought to one sigma."""
     return tuple((name, limit / confidence_of(design, name)) for name, limit in most.items() if limit is not None)

@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.shares import GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE
+from nav_model.budget.shares import GYRO_NOISE
 from nav_model.earth.rotation import euler_error_map, skew
 from nav_model.simulation.fixes import observe
 from nav_model.simulation.kalman import error_dynamics
 from nav_model.simulation.layout import (
     ATTITUDE,
-    BAROMETER,
     BIASES,
     GYRO,
     HEADING,
@@ -36,7 +35,7 @@ from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
 from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
 from nav_model.trajectory.specification import CovarianceSpec
-from nav_model.trajectory.states import BAROMETRIC, HEADING_AIDING, RADAR_TIME, States, states_of
+from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, States, states_of
 
 FloatArray = NDArray[np.float64]
 _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
@@ -56,7 +55,7 @@ class ErrorModel:
     factors (k - 1, drives, 12, 9): their square is the covariance of what a process noise adds in a step to the first
     nine states and to the three that it drives, where those are further ones. filter_noise (k - 1, m, m): as the
     filter assumes it. rows (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's
-    variance (k, r) and the true ones by source (k, noisy, r).
+    variance (k, r) and the true ones (k, measuring, r) of the sources in `measuring`.
     """
 
     states: States
@@ -72,6 +71,7 @@ class ErrorModel:
     rows: FloatArray
     variance: FloatArray
     noise: FloatArray
+    measuring: NDArray[np.int64]
     is_fix: NDArray[np.bool_]
 
 
@@ -136,7 +136,7 @@ def _steps(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[
         into = np.array([*range(BIASES), *range(max(first, BIASES), max(first + 3, BIASES))])
         factor = driven_by(first, density)[:, : len(into)]
         filter_noise[:, into[:, None], into] += factor @ factor.swapaxes(1, 2)
-    factors = np.stack([driven_by(drive.first, drive.density) for drive in states.drives], axis=1)
+    factors = np.stack([driven_by(error.first, error.drive) for error in states.drives], axis=1)
     return _top(powers, 1.0), _kept(decay, steps), factors, filter_noise
 
 
@@ -144,8 +144,7 @@ def _nodes(trajectory: Trajectory, study: SimulationSpec, anchors: FloatArray, s
     """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
     triads: tuple[TriadModel, ...] = (study.imu.accelerometer, study.imu.gyro)
     times = [model.correlation_time / 5.0 for model in triads if model.bias_instability > 0.0]
-    times += [spec.aperture.duration / _APERTURE_PARTS] if spec.aperture else []
-    longest = max(min([1.0, *times]), _DENSEST)
+    longest = max(min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS, *times]), _DENSEST)
     grid = np.union1d(np.arange(0.0, study.duration, 0.25), anchors)
     rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)
     found = [anchors[:1]]
@@ -249,12 +248,7 @@ def _measurements(
     if (place := states.first.get("time offset")) is not None:
         rows[:, :HEADING, place], rows[:, HEADING, place] = late[:, :ATTITUDE], late[:, ATTITUDE + 2]
     noise = np.zeros((k, len(sources), MEASURED))
-    for source, part in (
-        (GNSS_NOISE, position),
-        (GNSS_VELOCITY, velocity),
-        (HEADING_AIDING, HEADING),
-        (BAROMETRIC, BAROMETER),
-    ):
+    for source, part in MEASURED_BY.items():
         if source in sources:
             noise[:, sources.index(source), part] = np.where(there, sigma, 0.0)[:, part] ** 2
     swung = (np.sum(arm**2) - lever**2) * study.imu.rate  # by the gyros' noise of one sample
@@ -263,10 +257,11 @@ def _measurements(
         noise[:, sources.index(GYRO_NOISE), velocity] = np.where(there[:, velocity], swung, 0.0) * density**2
     variance = (sigma * study.filter.gnss_noise_scale) ** 2
     variance[:, velocity] += swung * tuning_of(study).gyro_density ** 2
-    used = there.any(axis=0)
+    used, measuring = there.any(axis=0), np.flatnonzero(noise.any(axis=(0, 2)))
     return {
         "rows": (rows * there[:, :, None])[:, used],
         "variance": np.where(there, variance, 1.0)[:, used],  # without effect where nothing is measured
-        "noise": noise[:, :, used],
+        "noise": noise[:, measuring][:, :, used],
+        "measuring": measuring,
         "is_fix": there.any(axis=1),
     }

@@ -20,18 +20,18 @@ from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-_PLANS = (".gpx", ".kml")
 _SBET = 17  # doubles in a record
 _MOST_WAYPOINTS = 2000
 _MOST_NAME = 80
 
 
-def read_flight(path: str | Path, like: Plan, height: float | None = None) -> PlannedFlight:
-    """The flight of a file, by the end of its name.
+def parse_flight(content: bytes, name: str, like: Plan, height: float | None = None) -> PlannedFlight:
+    """The flight of a file's content, by the end of its name.
 
     Parameters
     ----------
-    path : str or Path
+    content : bytes
+    name : str
     like : Plan
         Speed, bank, climb and ground for waypoints.
     height : float, optional
@@ -41,17 +41,7 @@ def read_flight(path: str | Path, like: Plan, height: float | None = None) -> Pl
     ------
     InputError
         Under the file's name, with what is wrong and where.
-    OSError
-        Where the file cannot be read.
     """
-    path = Path(path)
-    with path.open("rb") as file:
-        content = file.read(FILE_BOUNDS.most_bytes + 1)
-    return parse_flight(content, path.name, like, height)
-
-
-def parse_flight(content: bytes, name: str, like: Plan, height: float | None = None) -> PlannedFlight:
-    """The flight of a file's content, otherwise as `read_flight`."""
     if points := waypoints_of(content, name, height):
         try:
             return fly(replace(like, waypoints=points))
@@ -62,7 +52,7 @@ def parse_flight(content: bytes, name: str, like: Plan, height: float | None = N
 
 
 def waypoints_of(content: bytes, name: str, height: float | None = None) -> tuple[Waypoint, ...]:
-    """The waypoints of a GPX or KML file; none of a file that is flown as it is. Raises as `read_flight`."""
+    """The waypoints of a GPX or KML file; none of a file that is flown as it is. Raises as `parse_flight`."""
     read = {".gpx": _gpx_waypoints, ".kml": _kml_waypoints}.get(Path(name).suffix.lower())
     found = tuple(read(_xml(content, name), name, height)) if read else ()
     if len(found) > _MOST_WAYPOINTS:
@@ -77,15 +67,16 @@ def _gpx_waypoints(root: Element, name: str, height: float | None) -> Iterator[W
     if kind is None:
         raise InputError(name, "holds no route, track or point")
     for number, element in enumerate(root.iterfind(f".//{{*}}{kind}"), 1):
-        place = element.get("lat"), element.get("lon"), _text(element, "ele")
-        yield _waypoint(*place, _plain(_text(element, "name")), name, f"{kind} {number}", height)
+        place = element.get("lat"), element.get("lon"), element.findtext(".//{*}ele", "").strip()
+        line = _plain(element.findtext(".//{*}name", ""))
+        yield _waypoint(*place, line, name, f"{kind} {number}", height)
 
 
 def _kml_waypoints(root: Element, name: str, height: float | None) -> Iterator[Waypoint]:
     """Waypoints of a KML file: the places of its placemarks in turn; each leg of a path is a line of that name."""
     count = 0
     for mark in root.iterfind(".//{*}Placemark"):
-        label = _plain(_text(mark, "name"))
+        label = _plain(mark.findtext(".//{*}name", ""))
         for coordinates in mark.iterfind(".//{*}coordinates"):
             places = (coordinates.text or "").split()
             for number, place in enumerate(places, 1):
@@ -136,10 +127,6 @@ def _xml(content: bytes, name: str) -> Element:
     except (ParseError, ValueError, LookupError) as error:
         raise InputError(name, f"is not XML: {error}") from error
     return root
-
-
-def _text(element: Element, tag: str) -> str:
-    return element.findtext(f".//{{*}}{tag}", "").strip()
 
 
 def _plain(text: str) -> str:

@@ -3,16 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.design.processing import REAL_TIME
 from nav_model.trajectory.result import LineResult, Processed
 from nav_model.trajectory.specification import CovarianceSpec, Line
 
 FloatArray = NDArray[np.float64]
 
 
-def judge(spec: CovarianceSpec, time_s: FloatArray, real: Processed, post: Processed) -> tuple[LineResult, ...]:
-    """Each line against the limits, in the processing that they are of. Without lines the whole flight is one."""
-    chosen = real if spec.limits.processing == REAL_TIME else post
+def judge(spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> tuple[LineResult, ...]:
+    """Each line against the limits, in the processing that is judged. Without lines the whole flight is one."""
     lines = spec.lines or (Line("flight", 0.0, spec.study.duration),)
     return tuple(_judged(line, spec, time_s, chosen) for line in lines)
 
@@ -22,14 +20,14 @@ def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *
 
     An `image`'s aperture lies within its line as far as the line is long enough for one.
     """
-    half = 0.5 * spec.aperture.duration if image and spec.aperture else 0.0
+    half = 0.5 * spec.inputs.aperture if image else 0.0
     margin = min(half, 0.5 * (stop - start))
     found: NDArray[np.bool_] = (time_s >= start + margin - 1e-9) & (time_s <= stop - margin + 1e-9)
     return found
 
 
 def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> LineResult:
-    most = dict(spec.limits.most) | dict(line.most)
+    most = dict(spec.most) | dict(line.most)
     worst, mean, within, failing = {}, {}, {}, []
     for name in dict.fromkeys([*chosen.image, *most]):
         values = chosen.figure(name)[along(line.start, line.stop, spec, time_s, image=name in chosen.image)]

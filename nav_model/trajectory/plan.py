@@ -7,13 +7,14 @@ up as samples of a `TrajectorySpec`, which the simulator and the covariance fly 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.base.errors import InputError
-from nav_model.earth.wgs84 import curvature_radii
+from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import coordinated, cumulative, flight_through, rise_and_fall
 from nav_model.trajectory.specification import Line
@@ -39,8 +40,8 @@ class Waypoint:
 
 @dataclass(frozen=True)
 class Plan:
-    """Waypoints in their order, speed along the path [m/s], bank of turns [rad], fastest climb and descent [m/s], and
-    the height of the ground [m]."""
+    """Waypoints in their order, ground speed [m/s], bank of turns [rad], fastest climb and descent [m/s], and the
+    height of the ground [m]."""
 
     waypoints: tuple[Waypoint, ...]
     speed: float
@@ -116,14 +117,18 @@ def fly(plan: Plan) -> PlannedFlight:
     for number, point in enumerate(points, 1):
         if not point.height > plan.ground:
             raise InputError("waypoints", f"{_named(number, point)} is not above the ground: {point.height:g} m")
-    north, east = _plane(points)
-    legs = np.hypot(np.diff(north), np.diff(east))
+    latitude, longitude = np.array([(point.latitude, point.longitude) for point in points]).T
+    if np.abs(latitude).max() > math.radians(84.9):
+        raise InputError("waypoints", "must stay within 85° of the equator")
+    scale = _scales(points)
+    north, east = np.diff(latitude) * scale[0], np.diff(np.unwrap(longitude)) * scale[1]
+    legs = np.hypot(north, east)
     for number, leg in enumerate(legs, 1):
         if leg < _NEAREST:
             raise InputError(
                 "waypoints", f"{_named(number, points[number - 1])} and the next are at one place; remove one"
             )
-    heading = np.unwrap(np.arctan2(np.diff(east), np.diff(north)))
+    heading = np.unwrap(np.arctan2(east, north))
     turns = [_Turn()]
     for number, angle in enumerate(np.diff(heading), 2):
         if abs(angle) > _LARGEST_TURN:
@@ -136,46 +141,42 @@ def fly(plan: Plan) -> PlannedFlight:
 
 
 def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_Turn]) -> PlannedFlight:
-    clock, spans, begins = 0.0, [], []
-    for number, leg in enumerate(legs):
-        straight = (leg - turns[number].before - turns[number + 1].before) / plan.speed
-        point = plan.waypoints[number]
-        if straight < 0.0:
-            needed = turns[number].before + turns[number + 1].before
-            said = f"the leg from {_named(number + 1, point)} is {leg:.0f} m long, and its turns need {needed:.0f} m"
+    before, time = np.array([(turn.before, turn.time) for turn in turns]).T
+    needed = before[:-1] + before[1:]
+    straight = (legs - needed) / plan.speed
+    stops = np.cumsum(straight + time[:-1])
+    starts, ramps = stops - straight, np.minimum(6.0, straight / 3.0)
+    rises, steepest = np.diff([point.height for point in plan.waypoints]), min(plan.climb_rate, plan.speed)
+    for n, point in enumerate(plan.waypoints[:-1]):
+        said = f"the leg from {_named(n + 1, point)}"
+        if straight[n] < 0.0:
+            said += f" is {legs[n]:.0f} m long, and its turns need {needed[n]:.0f} m"
             raise InputError("waypoints", f"{said} at a bank of {math.degrees(plan.bank):.3g}°")
-        rise = plan.waypoints[number + 1].height - point.height
-        if abs(rise) > 0.0:
-            ramp = min(6.0, straight / 3.0)
-            if straight <= 0.0 or abs(rise) > plan.climb_rate * (straight - ramp):
-                said = f"the leg from {_named(number + 1, point)} has {straight:.0f} s for {rise:+.0f} m"
-                raise InputError("waypoints", f"{said}, at most {plan.climb_rate:g} m/s")
-        spans.append((clock, clock + straight, rise))
-        clock += straight
-        begins.append(clock)
-        clock += turns[number + 1].time
-    if clock > _LONGEST:
-        raise InputError("plan", f"the flight takes {clock / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h")
-    t = np.linspace(0.0, clock, max(math.ceil(clock / _STEP), 8) + 1)
+        if abs(rises[n]) > steepest * (straight[n] - ramps[n]):
+            said += f" has {straight[n]:.0f} s for {rises[n]:+.0f} m"
+            raise InputError("waypoints", f"{said}, at most {steepest:g} m/s")
+    duration = float(stops[-1])
+    if duration > _LONGEST:
+        raise InputError("plan", f"the flight takes {duration / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h")
+    t = np.linspace(0.0, duration, max(math.ceil(duration / _STEP), 8) + 1)
     step = float(t[1])
     rate, climb = np.zeros_like(t), np.zeros_like(t)
-    for begin, turn in zip(begins, turns[1:], strict=True):
+    for begin, turn in zip(stops, turns[1:], strict=True):
         if turn.angle:
             rate += rise_and_fall(t - begin, turn.plateau, _ENTRY) * turn.angle / turn.plateau
-    for start, stop, rise in spans:
+    for start, time_of_leg, rise, ramp in zip(starts, straight, rises, ramps, strict=True):
         if rise:
-            ramp = min(6.0, (stop - start) / 3.0)
-            climb += rise_and_fall(t - start, stop - start - ramp, ramp) * rise / (stop - start - ramp)
-    course, ground, height, roll, pitch = coordinated(t, plan.speed, float(heading[0]), rate, climb)
+            climb += rise_and_fall(t - start, time_of_leg - ramp, ramp) * rise / (time_of_leg - ramp)
+    course, ground, height, roll, pitch = coordinated(t, np.hypot(plan.speed, climb), float(heading[0]), rate, climb)
     north, east = cumulative(ground * np.cos(course), step), cumulative(ground * np.sin(course), step)
     place = _on_earth(plan.waypoints, north, east)
     samples = np.column_stack([t, *place, plan.waypoints[0].height + height, roll, pitch, course])
     lines = tuple(
         Line(point.line, start, stop)
-        for point, (start, stop, _) in zip(plan.waypoints[:-1], spans, strict=True)
+        for point, start, stop in zip(plan.waypoints[:-1], starts.tolist(), stops.tolist(), strict=True)
         if point.line and stop > start
     )
-    return PlannedFlight(flight_through(samples, list(range(len(t))), "plan"), clock, lines)
+    return PlannedFlight(flight_through(samples, list(range(len(t))), "plan"), duration, lines)
 
 
 def _turn(angle: float, speed: float, bank: float) -> _Turn:
@@ -190,20 +191,10 @@ def _turn(angle: float, speed: float, bank: float) -> _Turn:
     return _Turn(angle, plateau, time, chord / (2.0 * math.cos(0.5 * angle)))
 
 
-def _scales(points: Sequence[Waypoint]) -> tuple[float, float]:
+def _scales(points: Sequence[Waypoint]) -> Any:
     """Metres north and east of a radian of latitude and of longitude, in the middle of the plan."""
-    middle = 0.5 * (max(p.latitude for p in points) + min(p.latitude for p in points))
-    meridian, prime = curvature_radii(math.sin(middle))
-    return float(meridian) + points[0].height, (float(prime) + points[0].height) * math.cos(middle)
-
-
-def _plane(points: Sequence[Waypoint]) -> tuple[FloatArray, FloatArray]:
-    """North and east of the first waypoint [m]."""
-    if max(abs(point.latitude) for point in points) > math.radians(84.9):
-        raise InputError("waypoints", "must stay within 85° of the equator")
-    north, east = _scales(points)
-    latitude, longitude = (np.array([getattr(p, name) for p in points]) for name in ("latitude", "longitude"))
-    return north * (latitude - latitude[0]), east * (np.unwrap(longitude) - longitude[0])
+    latitudes = [point.latitude for point in points]
+    return metres_per_radian(0.5 * (max(latitudes) + min(latitudes)), points[0].height)
 
 
 def _on_earth(points: Sequence[Waypoint], north: FloatArray, east: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -105,7 +105,7 @@ class TrajectoryResult:
     @property
     def chosen(self) -> Processed:
         """The processing that the limits judge."""
-        return self.real_time if self.spec.limits.processing == REAL_TIME else self.post_processed
+        return self.real_time if self.spec.processing == REAL_TIME else self.post_processed
 
     @property
     def closes(self) -> bool:
@@ -117,7 +117,7 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
     """The result as plain data for JSON, in SI; null where an aperture does not lie within the flight."""
     return {
         "time_s": result.time_s.tolist(),
-        "processing": result.spec.limits.processing,
+        "processing": result.spec.processing,
         "real_time": _processed(result.real_time),
         "post_processed": _processed(result.post_processed),
         "shares": {

@@ -7,26 +7,38 @@ The filter's gains act on the first part; the second is considered. A source tha
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE
-from nav_model.simulation.layout import ATTITUDE, BIASES, VELOCITY
+from nav_model.simulation.layout import ATTITUDE, BAROMETER, BIASES, HEADING, POSITION, VELOCITY
 from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec
 
 FloatArray = NDArray[np.float64]
-HEADING_AIDING, BAROMETRIC, RADAR_TIME = "heading aiding", "barometer", "radar time offset"
+WHITE = (ACCELEROMETER_NOISE, GYRO_NOISE)
+MEASURED_BY: Mapping[str, slice] = {
+    GNSS_NOISE: slice(POSITION, POSITION + 3),
+    GNSS_VELOCITY: slice(VELOCITY, VELOCITY + 3),
+    "heading aiding": slice(HEADING, HEADING + 1),
+    "barometer": slice(BAROMETER, BAROMETER + 1),
+}
+"""Sources of noise in what a fix measures, and which measurements have it."""
+RADAR_TIME = "radar time offset"
 
 
-class Drive(NamedTuple):
-    """Process noise of a source (index), which drives three states from `first` on: density [unit²/s]."""
+class Error(NamedTuple):
+    """What one source (index) does to as many `states` from `first` on: sigma at the start, density that drives them
+    [unit²/s], correlation time [s]; zero for none."""
 
     source: int
     first: int
-    density: float
+    states: int
+    sigma: float = 0.0
+    drive: float = 0.0
+    time: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +46,8 @@ class States:
     """n states, of which the filter has the first m, and s sources.
 
     Sources with noise come first, `noisy` of them, then those that are constant through a flight; so do the states:
-    noise moves the first `moving` ones. first: state of each group of considered ones. drives: process noises.
+    noise moves the first `moving` ones. first: state of each group of considered ones. drives: errors with process
+    noise.
     assumed: first state and density of those that the filter assumes. decay (n - 9): rate of each state beyond the
     first nine [1/s]. initial (s, n): variances at time 0 by source; believed (m, m): as the filter starts.
     """
@@ -45,23 +58,11 @@ class States:
     moving: int
     size: int
     first: Mapping[str, int]
-    drives: tuple[Drive, ...]
+    drives: tuple[Error, ...]
     assumed: tuple[tuple[int, float], ...]
     decay: FloatArray
     initial: FloatArray
     believed: FloatArray
-
-
-class _Error(NamedTuple):
-    """What one source does to as many `states` from `first` on: sigma at the start, density that drives them
-    [unit²/s], correlation time [s]; zero for none."""
-
-    source: str
-    first: int
-    states: int
-    sigma: float = 0.0
-    drive: float = 0.0
-    time: float = 0.0
 
 
 def states_of(study: SimulationSpec) -> States:
@@ -69,13 +70,12 @@ def states_of(study: SimulationSpec) -> States:
     imu, gnss, aiding = study.imu, study.gnss, study.aiding
     triads = (("accelerometer", imu.accelerometer), ("gyro", imu.gyro))
     size = m = study.filter.states
+    sources: dict[str, int] = {}
     first: dict[str, int] = {}
-    white = ((ACCELEROMETER_NOISE, VELOCITY, imu.accelerometer), (GYRO_NOISE, ATTITUDE, imu.gyro))
-    errors = [
-        _Error(source, state, 3, drive=(model.random_walk * imu.vibration_factor) ** 2)
-        for source, state, model in white
-        if model.random_walk > 0.0
-    ]
+    errors: list[Error] = []
+
+    def put(source: str, *values: Any) -> None:
+        errors.append(Error(sources.setdefault(source, len(sources)), *values))
 
     def add(group: str, source: str, count: int, sigma: float, drive: float = 0.0, time: float = 0.0) -> None:
         nonlocal size
@@ -83,11 +83,15 @@ def states_of(study: SimulationSpec) -> States:
             if group not in first:
                 first[group] = size
                 size += count
-            errors.append(_Error(source, first[group], count, sigma, drive, time))
+            put(source, first[group], count, sigma, drive, time)
 
-    measured = {GNSS_NOISE: gnss.position_noise, GNSS_VELOCITY: gnss.velocity_noise}
-    measured |= {HEADING_AIDING: aiding.heading_noise, BAROMETRIC: aiding.barometer_noise}
-    errors += [_Error(source, 0, 0) for source, sigma in measured.items() if sigma]
+    for source, state, (_, model) in zip(WHITE, (VELOCITY, ATTITUDE), triads, strict=True):
+        if model.random_walk > 0.0:
+            put(source, state, 3, 0.0, (model.random_walk * imu.vibration_factor) ** 2)
+    measured = (gnss.position_noise, gnss.velocity_noise, aiding.heading_noise, aiding.barometer_noise)
+    for source, sigma in zip(MEASURED_BY, measured, strict=True):
+        if sigma:
+            sources.setdefault(source, len(sources))
     for name, model in triads:
         add(f"{name} bias", f"{name} bias random walk", 3, 0.0, model.rate_random_walk**2)
         source, drive = f"{name} bias instability", 2.0 * model.bias_instability**2 / model.correlation_time
@@ -95,35 +99,34 @@ def states_of(study: SimulationSpec) -> States:
     if gnss.markov_noise > 0.0 or gnss.vertical_markov_noise > 0.0:
         slow = "slow GNSS error"
         add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
-    moving, noisy = size, len({error.source for error in errors})
+    moving, noisy = size, len(sources)
     constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
     constant += [(RADAR_TIME, 1, study.radar_time_offset)]
     for name, model in triads:
         constant += [(f"{name} bias", 3, model.turn_on_bias), (f"{name} scale factor", 3, model.scale_factor)]
         constant += [(f"{name} misalignment", 6, model.misalignment)]
-    for name, count, sigma in constant:
-        add(name, name, count, sigma)
+    for name, count, size_of_one in constant:
+        add(name, name, count, size_of_one)
     names = [*["initial position and velocity"] * 6, *["initial tilt"] * 2, "initial heading"]
-    start = initial_sigma(study)
-    errors += [_Error(name, state, 1, float(start[state])) for state, name in enumerate(names)]
+    for state, (name, start) in enumerate(zip(names, initial_sigma(study)[:BIASES], strict=True)):
+        put(name, state, 1, float(start))
 
-    tuning, sources = tuning_of(study), tuple(dict.fromkeys(error.source for error in errors))
+    tuning, decay, initial = tuning_of(study), np.zeros(size - BIASES), np.zeros((len(sources), size))
     assumed = [(VELOCITY, tuning.accelerometer_density**2), (ATTITUDE, tuning.gyro_density**2)]
     assumed += [(state, float(tuning.bias_drive[state - BIASES])) for state in range(BIASES, m, 3)]
-    decay, initial = np.zeros(size - BIASES), np.zeros((len(sources), size))
     decay[: m - BIASES] = tuning.decay_rate[: m - BIASES]
     for error in errors:
-        initial[sources.index(error.source), error.first : error.first + error.states] += error.sigma**2
+        initial[error.source, error.first : error.first + error.states] += error.sigma**2
         if error.time > 0.0:
             decay[error.first - BIASES : error.first - BIASES + error.states] = 1.0 / error.time
     return States(
-        sources=sources,
+        sources=tuple(sources),
         noisy=noisy,
         estimated=m,
         moving=moving,
         size=size,
         first=first,
-        drives=tuple(Drive(sources.index(each.source), each.first, each.drive) for each in errors if each.drive),
+        drives=tuple(error for error in errors if error.drive > 0.0),
         assumed=tuple(each for each in assumed if each[1] > 0.0),
         decay=decay,
         initial=initial,

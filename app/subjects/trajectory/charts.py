@@ -100,7 +100,7 @@ def map_chart(followed: Followed, name: str) -> Chart:
     with np.errstate(invalid="ignore"):
         low, beyond = values <= 0.5 * level, values > level
         middle = (values <= level) & ~low
-    source = f"{figure.said}, {result.spec.limits.processing}"
+    source = f"{figure.said}, {result.spec.processing}"
     named = [(line.name, int(np.searchsorted(result.time_s, line.start_s))) for line in result.lines]
     starts = np.array([min(at, len(east) - 1) for _, at in named])
     return Chart(
@@ -118,7 +118,7 @@ def map_chart(followed: Followed, name: str) -> Chart:
                        source="begins"),),
         square=True,
         aside=f"{figure.label}: level {figure.told(usual, given=True)}" if known.size else "",
-        knowledge=f"The level is {what}. {result.spec.limits.processing.capitalize()}.",
+        knowledge=f"The level is {what}. {result.spec.processing.capitalize()}.",
     )  # fmt: skip
 
 
@@ -140,11 +140,11 @@ def shares_chart(followed: Followed, name: str) -> Chart:
         y_label="share [%]",
         lines=(),
         bands=tuple(
-            Band(label, label, result.time_s, low, top, style, result.spec.limits.processing)
+            Band(label, label, result.time_s, low, top, style, result.spec.processing)
             for (label, _), low, top, style in zip(parts, lows, tops, _SHARE_STYLES, strict=False)
         ),
         y_range=(0.0, 100.0),
-        knowledge=f"{_HOW} {result.spec.limits.processing.capitalize()}; the shares add up to one at every time.",
+        knowledge=f"{_HOW} {result.spec.processing.capitalize()}; the shares add up to one at every time.",
     )
 
 

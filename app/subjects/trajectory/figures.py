@@ -59,7 +59,7 @@ FIGURES = {name: Figure(name, label_of(name), ENTERED[name], "90 %" if name == "
 
 def limit_of(result: TrajectoryResult, name: str) -> float:
     """The limit on one sigma of a figure that holds unless a line has its own; NaN where there is none."""
-    return dict(result.spec.limits.most).get(name, math.nan)
+    return dict(result.spec.most).get(name, math.nan)
 
 
 def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, float, float], ...]:

@@ -57,8 +57,10 @@ class Followed:
 
     def place(self, north: float, east: float) -> tuple[float, float]:
         """Latitude and longitude [rad] of a place north and east of the start [m]."""
+        from nav_model.earth.wgs84 import metres_per_radian
+
         start = self.result.truth.position[0]
-        to_north, to_east = _scales(start)
+        to_north, to_east = metres_per_radian(start[0], start[2])
         return start[0] + north / to_north, start[1] + east / to_east
 
 
@@ -70,6 +72,7 @@ def follow(design: Design, states: int, file: File | None = None) -> Followed:
     InputError
         Naming the file, the input or the key of the design.
     """
+    from nav_model.earth.wgs84 import metres_per_radian
     from nav_model.simulation.design_study import specification
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import covariance_specification, plan_like, planned
@@ -93,7 +96,7 @@ def follow(design: Design, states: int, file: File | None = None) -> Followed:
     )
     result = covariance(covariance_specification(design, study, flight.lines))
     position = result.truth.position
-    north, east = _scales(position[0])
+    north, east = metres_per_radian(position[0, 0], position[0, 2])
     return Followed(
         design,
         result,
@@ -131,11 +134,3 @@ def row_of(latitude: float, longitude: float, height: float, line: str = "") -> 
 
 def _rows(points: tuple[Waypoint, ...]) -> Rows:
     return tuple(row_of(point.latitude, point.longitude, point.height, point.line) for point in points)
-
-
-def _scales(place: NDArray[np.float64]) -> tuple[float, float]:
-    """Metres north and east of a radian of latitude and longitude at a place."""
-    from nav_model.earth.wgs84 import curvature_radii
-
-    meridian, prime = curvature_radii(math.sin(place[0]))
-    return float(meridian) + place[2], (float(prime) + place[2]) * math.cos(place[0])

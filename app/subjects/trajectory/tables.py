@@ -21,7 +21,7 @@ _MOST_TOLD = 2
 def verdict(followed: Followed, name: str) -> Answer:
     """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
     result = followed.result
-    heading, processing = result.heading.text, result.spec.limits.processing
+    heading, processing = result.heading.text, result.spec.processing
     if not any(line.limits for line in result.lines):
         figure, values = FIGURES[name], result.chosen.figure(name)
         values = values[np.isfinite(values)]
@@ -82,7 +82,7 @@ def line_table(followed: Followed, name: str) -> Table:
             rows.append((figure.label, *told, *limited))
     return table(
         "trajectory-lines",
-        f"Figures by line, {result.spec.limits.processing}",
+        f"Figures by line, {result.spec.processing}",
         ("Quantity", *numbers("Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
         rows,
         "An image's aperture lies within its line.",

@@ -181,19 +181,18 @@ def test_a_radar_whose_time_is_wrong_sees_the_flight_of_another_time() -> None:
         covariance(covariance_specification(design, replace(study, radar_time_offset=offset)))
         for offset in (0.0, 1.0)
     )
-    shape, at = late.spec.aperture, 50
-    assert shape is not None
+    shape, at = late.spec.inputs, 50
     path = plan_trajectory(study.trajectory, study.duration)
     x = np.linspace(-1.0, 1.0, 2001)
-    velocity = path.velocity(late.time_s[at] + 0.5 * shape.duration * x)
+    velocity = path.velocity(late.time_s[at] + 0.5 * shape.aperture * x)
     sight = directions(velocity[1000:1001], shape)[0][0]
     expected = np.polynomial.legendre.legfit(x, velocity @ sight, 7)
     speed = float(np.linalg.norm(velocity[1000]))
-    shift = speed - 2.0 * shape.slant_range / (speed * shape.duration) * expected[1]  # along the track, and by slope
+    shift = speed - 2.0 * shape.slant_range / (speed * shape.aperture) * expected[1]  # along the track, and by slope
     for one, other in ((plain.real_time, late.real_time), (plain.post_processed, late.post_processed)):
         added = np.sqrt(states(other)[at] ** 2 - states(one)[at] ** 2)
         np.testing.assert_allclose(added[:3], np.abs(velocity[1000]), rtol=1e-4)
-        speeding = np.gradient(velocity, axis=0)[1000] * 2000 / shape.duration
+        speeding = np.gradient(velocity, axis=0)[1000] * 2000 / shape.aperture
         np.testing.assert_allclose(added[3:6], np.abs(speeding), rtol=0.01, atol=1e-6)
         phase = np.sqrt(other.image["quadratic_phase"][at] ** 2 - one.image["quadratic_phase"][at] ** 2)
         assert phase == pytest.approx(abs(1.5 * expected[2] * 4 * np.pi / shape.wavelength), rel=0.02)
@@ -229,7 +228,7 @@ def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
     np.testing.assert_allclose(found.real_time.position[1490], fine[1490], rtol=1e-3)
     both = along(lossy((20.0, code), (20.0, floating)), outages=[(100.0, 110.0)])
     noise = error_model(both.spec)
-    fix = noise.noise[:, noise.states.sources.index("GNSS noise"), 0]
+    fix = noise.noise[:, noise.measuring == noise.states.sources.index("GNSS noise"), 0][:, 0]
     at = np.searchsorted(noise.time_s, [99.0, 112.0, 129.0, 131.0, 149.0, 151.0])
     np.testing.assert_allclose(np.sqrt(fix[at]), [1.0, code, code, floating, floating, 1.0])
 

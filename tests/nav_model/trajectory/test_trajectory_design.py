@@ -122,7 +122,7 @@ def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None
     flight = planned(own)
     study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
     plain, whole = (covariance(covariance_specification(one, study, flight.lines)) for one in (own, more))
-    phase = 4 * math.pi / whole.spec.aperture.wavelength * 1e-3
+    phase = 4 * math.pi / whole.spec.inputs.wavelength * 1e-3
     for before, after, systematic in (
         (plain.real_time, whole.real_time, 0.02),
         (plain.post_processed, whole.post_processed, 0.0),

@@ -10,6 +10,7 @@ from pyins.filters import run_feedforward_filter
 from pyins.inertial_sensor import EstimationModel
 from pyins.measurements import Position
 
+from nav_model.budget.inputs import inputs_of
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.specification import Aiding, GnssModel, ImuModel, InitialErrors, SimulationSpec, TriadModel
@@ -22,6 +23,7 @@ from nav_model.trajectory.plan import Plan, Waypoint, fly
 from nav_model.trajectory.specification import CovarianceSpec
 
 METRE = 1 / 6.38e6
+MEMS = read_design("examples/mems_x_band.toml")
 START = math.radians(45.0)
 
 
@@ -34,7 +36,7 @@ def test_through_two_turns_a_climb_and_an_outage_the_filter_is_that_of_another_p
     imu = ImuModel(TriadModel(random_walk=1.5e-4), TriadModel(random_walk=8e-4))
     duration, outage = math.floor(flight.duration), (150.0, 210.0)
     spec = SimulationSpec(imu, GnssModel(1.0), flight.trajectory, duration=float(duration), outages=(outage,))
-    found = covariance(CovarianceSpec(spec)).real_time
+    found = covariance(CovarianceSpec(spec, inputs_of(MEMS))).real_time
     mine = np.hstack([found.position, found.velocity, found.attitude])
 
     start = InitialErrors()
@@ -78,11 +80,11 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
     for node in range(len(model.time_s)):
         if node:
             now = _transition(model, node, n) @ now
-            for place, drive in enumerate(model.states.drives):
+            for place, error in enumerate(model.states.drives):
                 added = model.factors[node - 1, place] @ draw((9, runs))
                 now[:9] += added[:9]
-                if drive.first >= 9:
-                    now[drive.first : drive.first + 3] += added[9:]
+                if error.first >= 9:
+                    now[error.first : error.first + 3] += added[9:]
             before.append(now)
         noise = sum(np.sqrt(part)[:, None] * draw((len(part), runs)) for part in model.noise[node])
         now = now.copy()
@@ -102,12 +104,12 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
 @pytest.mark.parametrize("runs", [400, pytest.param(4000, marks=pytest.mark.slow)])
 def test_runs_that_are_smoothed_back_from_fix_to_fix_lie_within_their_confidence(runs: int) -> None:
     """Errors that the filter does not estimate, a turn, an outage, heading and height among the fixes."""
-    design = read_design("examples/mems_x_band.toml").replace({"trajectory.lever_arm_error": 0.3})
+    design = MEMS.replace({"trajectory.lever_arm_error": 0.3})
     more = read_study_inputs(
         {"gyro.bias_instability": "20 °/h", "gyro.correlation_time": "100 s", "gyro.scale_factor": "1000 ppm"}
     )
     study = specification(design, trajectory="turns", duration=180.0, every=6.0, outages=[(100, 130)], more=more)
-    spec = CovarianceSpec(replace(study, aiding=Aiding(heading_noise=0.002, barometer_noise=2.0)))
+    spec = CovarianceSpec(replace(study, aiding=Aiding(heading_noise=0.002, barometer_noise=2.0)), inputs_of(MEMS))
     found = covariance(spec).post_processed
     squares = np.mean(smoothed_runs(error_model(spec), runs)[:, :6] ** 2, axis=2)
     ratio = squares / np.hstack([found.position, found.velocity]) ** 2

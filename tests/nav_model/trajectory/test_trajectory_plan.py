@@ -1,7 +1,6 @@
 """Plans and files of flights: geometry by hand, both ways of writing a heading, and refusals by name."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ import pytest
 from nav_model.base.errors import InputError
 from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory
 from nav_model.simulation.truth import true_states
-from nav_model.trajectory.files import parse_sbet, read_flight, waypoints_of
+from nav_model.trajectory.files import parse_flight, parse_sbet, waypoints_of
 from nav_model.trajectory.plan import Plan, Waypoint, fly, strip
 
 DEGREE = math.pi / 180
@@ -43,7 +42,15 @@ def test_a_turn_is_flown_at_its_bank_and_without_slip() -> None:
     assert np.max(now.euler[:, 0]) == pytest.approx(20 * DEGREE, rel=0.01)
     np.testing.assert_allclose(np.arctan2(now.velocity[:, 1], now.velocity[:, 0]), now.euler[:, 2], atol=0.01)
     assert now.position[-1, 2] == pytest.approx(1500.0, abs=1.0)
-    np.testing.assert_allclose(now.position[-1, :2] / METRE, [20e3, 20e3], rtol=0.01)
+
+
+def test_after_a_climb_the_next_waypoints_are_where_they_were_planned() -> None:
+    plan = Plan(places((0, 0, 1000), (10e3, 0, 2900), (10e3, 10e3, 2900)), 50.0, climb_rate=12.0)
+    flight = fly(plan)
+    now = plan_trajectory(flight.trajectory, flight.duration).evaluate(np.array([flight.duration]))
+    end = plan.waypoints[-1]
+    np.testing.assert_allclose(now[0, :2] / METRE, np.array([end.latitude, end.longitude]) / METRE, atol=1.0)
+    assert now[0, 2] == pytest.approx(2900.0, abs=0.1)
 
 
 @pytest.mark.parametrize(
@@ -53,6 +60,7 @@ def test_a_turn_is_flown_at_its_bank_and_without_slip() -> None:
         ([(0, 0, 1000), (0, 0, 1000), (5e3, 500, 1000)], "waypoint 1 and the next are at one place"),
         ([(0, 0, 1000), (5e3, 0, -10)], "waypoint 2 is not above the ground"),
         ([(0, 0, 1000), (5e3, 0, 2000)], "at most 5 m/s"),
+        ([(0, 0, 1000), (5e3, 0, 50e3)], "at most 90 m/s"),
         ([(0, 0, 1000), (5e3, 0, 1000), (0, 1, 1000)], "turns back"),
         ([(0, 0, 1000)], "two waypoints"),
     ],
@@ -61,7 +69,7 @@ def test_a_plan_that_cannot_be_flown_is_refused_by_the_waypoint(
     rows: list[tuple[float, float, float]], said: str
 ) -> None:
     with pytest.raises(InputError, match=said):
-        fly(Plan(places(*rows), 90.0))
+        fly(Plan(places(*rows), 90.0, climb_rate=500.0 if rows[-1][2] > 3000 else 5.0))
 
 
 KML = (
@@ -75,10 +83,9 @@ GPX = (
 )
 
 
-def test_the_same_leg_in_gpx_and_kml_is_the_same_flight(tmp_path: Path) -> None:
-    (tmp_path / "a.kml").write_text(KML)
-    (tmp_path / "a.gpx").write_text(GPX)
-    kml, gpx = (read_flight(tmp_path / name, Plan((), 90.0)) for name in ("a.kml", "a.gpx"))
+def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
+    files = {"a.kml": KML, "a.gpx": GPX}
+    kml, gpx = (parse_flight(text.encode(), name, Plan((), 90.0)) for name, text in files.items())
     assert kml.trajectory == gpx.trajectory
     assert [line.name for line in kml.lines] == ["North & back"]
 

@@ -70,11 +70,11 @@ def after(page: TrajectoryPage, do: Any) -> str:
 
 def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) -> None:
     said = verdict(followed, "detrended_phase")
-    limit = dict(followed.result.spec.limits.most)["detrended_phase"]
+    limit = dict(followed.result.spec.most)["detrended_phase"]
     values, time = followed.result.real_time.image["detrended_phase"], followed.result.time_s
     good = 0
     for line in followed.result.spec.lines:
-        half = followed.result.spec.aperture.duration / 2
+        half = followed.result.spec.inputs.aperture / 2
         good += bool((values[(time >= line.start + half) & (time <= line.stop - half)] <= limit).all())
     assert good == 0
     assert said.word == "✗ 0 of 2 lines within the limits in real time"
@@ -105,7 +105,7 @@ def test_shares_are_stacked_up_to_one_hundred_percent(followed: Followed) -> Non
 
 def test_the_map_colours_every_place_by_the_limit(followed: Followed) -> None:
     chart = map_chart(followed, "detrended_phase")
-    values, limit = followed.result.real_time.image["detrended_phase"], dict(followed.result.spec.limits.most)
+    values, limit = followed.result.real_time.image["detrended_phase"], dict(followed.result.spec.most)
     beyond = next(line for line in chart.lines if line.key == "high")
     assert np.isfinite(beyond.y[values > limit["detrended_phase"]]).all()
     assert [point.names for point in chart.points] == [("line 1", "line 2")]
