@@ -17,6 +17,7 @@ Int. J. Control 77(8), 2004.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -96,7 +97,7 @@ def left(covariance: Array, info: Array, sides: Array) -> Array:
     """
     size = np.sqrt(np.maximum(np.diagonal(info, axis1=-1, axis2=-2).real, 0))[..., None]
     size = np.where(size > 0, size, 1.0)
-    whole = np.eye(info.shape[-1]) + size * (covariance @ info) / turned(size)
+    whole = _identity(info.shape[-1]) + size * (covariance @ info) / turned(size)
     try:
         return np.asarray(np.linalg.solve(whole, size * sides) / size)
     except np.linalg.LinAlgError:  # one row beyond double precision must not fail the others
@@ -108,6 +109,11 @@ def left(covariance: Array, info: Array, sides: Array) -> Array:
         return found
 
 
+@cache
+def _identity(size: int) -> Array:
+    return np.eye(size)
+
+
 def updated(covariance: Array, info: Array) -> Array:
     """Covariance of a state with this information more."""
     return even(left(covariance, info, covariance))
@@ -115,7 +121,7 @@ def updated(covariance: Array, info: Array) -> Array:
 
 def kept(one: Segment, info: Array) -> Array:
     """(1 + Q Y)⁻¹ where information Y about the last state is added: what remains of its noise, (..., n, n)."""
-    return left(one.noise, info, np.broadcast_to(np.eye(info.shape[-1]), one.noise.shape))
+    return left(one.noise, info, _identity(info.shape[-1]))
 
 
 def measured(one: Segment, info: Array, keep: Array | None = None) -> Segment:
@@ -138,8 +144,10 @@ def continued(met: Segment, second: Segment) -> Segment:
 
 def without_slow_error(covariance: Array) -> Array:
     """From states with position and slow error together to states with position alone, (..., n, n)."""
-    of = np.eye(covariance.shape[-1])
-    of[0, 3:] = -1
+    if covariance.shape[-1] == 3:
+        return covariance
+    of = np.eye(4)
+    of[0, 3] = -1
     return np.asarray(of @ covariance @ of.T)
 
 
@@ -201,8 +209,13 @@ def settled(units: Doubles[Segment]) -> Array:
     >>> f"{settled(Doubles(unit, joined))[0, 0] ** 0.5:.4f} m just after a fix"
     '0.4489 m just after a fix'
     """
-    for power in range(_MOST_DOUBLINGS):
-        less, more = (np.diagonal(without_slow_error(units[n].noise), axis1=-1, axis2=-2) for n in (power, power + 1))
-        if np.all(np.abs(more - less) <= _SETTLED * np.abs(more)):
+    variances = _variances(units[0].noise)
+    for power in range(1, _MOST_DOUBLINGS):
+        before, variances = variances, _variances(units[power].noise)
+        if np.all(np.abs(variances - before) <= _SETTLED * np.abs(variances)):
             break
-    return units[power + 1].noise
+    return units[power].noise
+
+
+def _variances(covariance: Array) -> Array:
+    return np.asarray(np.diagonal(without_slow_error(covariance), axis1=-1, axis2=-2))

@@ -71,7 +71,7 @@ def _analyse(design: Design, times: ArrayLike | None) -> Budget:
     steady_state = steady_state_of(inputs, closed, start, moments, shares)
     coast = outage_of(inputs, closed, moments.posterior, time, sized)
     sar = sar_of(design, inputs, start.horizontal, shares)
-    placement = placement_of(inputs, free_shifts(inputs, start), shares)
+    placement = placement_of(inputs, free_shifts(inputs, start), sized)
     spectral = spectral_of(inputs, sar.cell_length)
     verdict = judge(design, steady_state, coast, sar, placement, spectral)
     later = partial(after_flight, design, inputs, steady_state, coast, sar, spectral)

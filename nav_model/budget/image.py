@@ -13,7 +13,7 @@ from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import composed, entering
 from nav_model.budget.fast import LEVELS, levels, stays
-from nav_model.budget.figures import INITIAL_TILT, PLACING, along_track_phase, imaging, phase_sources, placing
+from nav_model.budget.figures import INITIAL_TILT, PLACING, along_track_phase, imaging, phase_sources
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.response import NO_IMAGE, response_of
 from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
@@ -119,17 +119,14 @@ def _of(names: Collection[str], shares: Shares) -> Shares:
 
 
 def placement_of(
-    x: Inputs, moved: Shifts, shares: Mapping[str, Shares], *, post_processed: bool = False
+    x: Inputs, moved: Shifts, sized: Mapping[str, tuple[float, Shares]], *, post_processed: bool = False
 ) -> Placement:
-    """Where the image lies, from the variances of its shift; `shares` are those of `PLACING` and more. [P-7]
+    """Where the image lies: from the variances of its shift, and from value and shares of `PLACING`. [P-7]
 
     What enters a figure in this processing is in that figure, and in no other.
     """
     ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
-    placed = {
-        name: composed(float(value), shares[name], entering(x.own, name, post_processed=post_processed))
-        for name, value in placing(x, moved).items()
-    }
+    placed = {name: composed(*sized[name], entering(x.own, name, post_processed=post_processed)) for name in PLACING}
     return Placement(
         range=placed["range_shift"].sigma,
         azimuth=placed["azimuth_shift"].sigma,

@@ -84,4 +84,4 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
     )
     assert moved[0] is not None
     shifts = Shifts(*(np.asarray(value.real.flat[0]) for value in moved[0]))  # the shares' steps are imaginary
-    return smoothed, placement_of(x, shifts, shares, post_processed=True)
+    return smoothed, placement_of(x, shifts, sized, post_processed=True)
