@@ -7,7 +7,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from app.declared import held
-from app.document.allocation import NOTHING, SPLIT_WORDS, entry_texts, outcome
+from app.document.allocation import SPLIT_WORDS, entry_texts, outcome
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
@@ -110,21 +110,19 @@ class Contributors(View):
 
     def _allocate(self) -> None:
         """Show the allocation of the requirement that is chosen."""
-        budget = self.session.budget
+        budget, requirement = self.session.budget, self._requirement.value
         if self._following:
             return
-        said, rows = NOTHING, []
-        if budget.verdict.tightest is not None:
-            check = check_of(budget, self._requirement.value)
-            plan = budget.design.allocation or Allotment()
-            locks = {lock.name: lock.show() for lock in plan.locks if lock.requirement == check.name}
-            try:
-                found = allocate(budget, check.name)
-                rows = [row | {"lock": locks.get(row["source"], "")} for row in entry_texts(found, check.dimension)]
-                said = outcome(found, check, plan)
-            except InputError as error:
-                rows = [{"source": source, "lock": lock} for source, lock in locks.items()]
-                said = str(error)
+        plan = budget.design.allocation or Allotment()
+        locks = {lock.name: lock.show() for lock in plan.locks if lock.requirement == requirement}
+        try:
+            check, found = check_of(budget, requirement), allocate(budget, requirement)
+            texts = entry_texts(budget.design, check, found)
+            rows = [row | {"lock": locks.get(row["source"], "")} for row in texts]
+            said = outcome(budget.design, check, found)
+        except InputError as error:
+            rows = [{"source": source, "lock": lock} for source, lock in locks.items()]
+            said = error.reason
         self._entries.rows = rows
         self._outcome.say(html_of(Text(said)))
 
