@@ -19,7 +19,7 @@ from app.document.numbers import percent
 from app.document.verdict import SAID
 from app.document.wording import printable, title_of
 from app.report.inputs import shown_value
-from app.report.workings import CHOICE, RULE, STATES, Traces, own_key, symbol_of
+from app.report.workings import RULE, Traces, own_key, symbol_of
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
@@ -29,14 +29,14 @@ from nav_model.budget.inputs import inputs_of
 from nav_model.budget.result import Check
 from nav_model.design import Design
 from nav_model.design.contributors import UNSCALED, label_of
-from nav_model.design.declaration import BaseQuantity
+from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 LIVE, OTHER, TAKEN = "live formula", "from other inputs", "value, not a formula"
 """What the column "State" says."""
 
-_CHANGED, _NOT_FOLLOWED = "inputs_changed", "fixed_inputs_changed"
+_CHANGED = "inputs_changed"
 
 
 def workbook_bytes(budget: Budget) -> bytes:
@@ -111,53 +111,45 @@ class _Sheets:
             ("Change the yellow cells. The formulas of the other sheets follow them.",
              "An empty cell is an input that is not given, or a limit that is not checked."),
         )  # fmt: skip
-        others = []
+        fixed = []
         for section, names in INPUTS.items():
-            for name in names:
+            for name, declared in names.items():
                 key = f"{section}.{name}"
-                if key in self.traces.followed or (section == "requirements" and symbol_of(key) != CHOICE):
+                if key in self.traces.followed or section == "requirements":
                     self._input(sheet, row, key)
-                    if section != "requirements":
-                        self._counts(sheet, row)
+                    if section != "requirements":  # another than as computed
+                        sheet.write_formula(row, 5, f"=IF(B{row + 1}=E{row + 1},0,1)", None, 0)
                     row += 1
-                elif section != "requirements" and getattr(self.design, section).given():
-                    others.append((section, name))
+                elif getattr(self.design, section).given():
+                    fixed.append((str(declared.label), shown_value(self.design, section, name)))
         for number, limit in enumerate(self.design.limits, 1):
             unit = _Unit.of(limit.unit, limit.dimension)
             self._entry(sheet, row, own_key(number), limit.name, limit.value, unit, "Requirement of your own")
             row += 1
-        self._choice(sheet, row)
-        self._any_changed(sheet, row + 2, "Inputs changed", _CHANGED, first, row)
-        row += 6
-        sheet.write(row - 1, 0, "Fixed here: the formulas do not follow these. Change them in NavBudget.", self.bold)
-        for at, (section, name) in enumerate(others, row):
-            text = shown_value(self.design, section, name)
-            sheet.write_row(at, 0, (str(INPUTS[section][name].label), text, "", "", text))
-            self._counts(sheet, at)
-        after = row + len(others)
-        self._any_changed(sheet, after + 1, "Fixed inputs changed", _NOT_FOLLOWED, row, after)
-
-    def _any_changed(self, sheet: Any, row: int, label: str, symbol: str, first: int, after: int) -> None:
-        """Whether one of the inputs in the rows from `first` is changed, in a cell with a name."""
-        sheet.write(row, 0, label)
-        sheet.write_formula(row, 1, f"=SUM(F{first + 1}:F{after})>0", None, False)
-        self._name(symbol, "Inputs", row, 1)
+        sheet.write(row + 1, 0, "Inputs changed")
+        sheet.write_formula(row + 1, 1, f"=SUM(F{first + 1}:F{row})>0", None, False)
+        self._name(_CHANGED, "Inputs", row + 1, 1)
+        sheet.write(row + 3, 0, "Fixed here: the formulas do not follow these. Change them in NavBudget.", self.bold)
+        for at, said in enumerate(fixed, row + 4):
+            sheet.write_row(at, 0, said)
 
     def _input(self, sheet: Any, row: int, key: str) -> None:
-        declaration = declaration_of(key)
-        assert isinstance(declaration, BaseQuantity)
-        unit = _unit_of(self.design, key)
-        low, high = map(unit.number, declaration.limits)
-        sheet.data_validation(row, 1, row, 1, {
-            "validate": "decimal", "criteria": "between", "minimum": low, "maximum": high,
-            "error_title": "Not allowed", "error_message": declaration.allowed(unit.symbol)[:255],
-        })  # fmt: skip
-        value, doc = cast("float | None", self.design[key]), str(declaration.doc or "").split(". ")[0]
-        self._entry(sheet, row, symbol_of(key), str(declaration.label), value, unit, doc)
+        declaration, unit = declaration_of(key), _unit_of(self.design, key)
+        if isinstance(declaration, Choice):
+            allowed: dict[str, Any] = {"validate": "list", "source": [*declaration.options]}
+            doc = "; ".join(f"{option}: {label}" for option, label in declaration.options.items())
+        else:
+            assert isinstance(declaration, BaseQuantity)
+            low, high = map(unit.number, declaration.limits)
+            allowed = {
+                "validate": "decimal", "criteria": "between", "minimum": low, "maximum": high,
+                "error_title": "Not allowed", "error_message": declaration.allowed(unit.symbol)[:255],
+            }  # fmt: skip
+            doc = str(declaration.doc or "").split(". ")[0]
+        sheet.data_validation(row, 1, row, 1, allowed)
+        self._entry(sheet, row, symbol_of(key), str(declaration.label), self.design[key], unit, doc)
 
-    def _entry(
-        self, sheet: Any, row: int, symbol: str, label: str, value: float | None, unit: "_Unit", doc: str
-    ) -> None:
+    def _entry(self, sheet: Any, row: int, symbol: str, label: str, value: Any, unit: "_Unit", doc: str) -> None:
         """A cell to change, in SI under its name, and what it is as computed."""
         shown, cell = None if value is None else unit.number(value), f"B{row + 1}"
         sheet.write_row(row, 0, (label, None, unit.symbol, None, shown, None, doc))
@@ -165,19 +157,6 @@ class _Sheets:
         in_si = f'=IF({cell}="","",{unit.to_si(cell)})'
         sheet.write_formula(row, 3, in_si, self.number, "" if value is None else value)
         self._name(symbol, "Inputs", row, 3)
-
-    def _counts(self, sheet: Any, row: int) -> None:
-        """Whether an input is another than as computed."""
-        sheet.write_formula(row, 5, f"=IF(B{row + 1}=E{row + 1},0,1)", None, 0)
-
-    def _choice(self, sheet: Any, row: int) -> None:
-        chosen = self.design.requirements.steady_state
-        sheet.write(row, 0, str(declaration_of("requirements.steady_state").label))
-        sheet.write(row, 1, chosen, self.entry)
-        sheet.data_validation(row, 1, row, 1, {"validate": "list", "source": [*STATES]})
-        sheet.write_formula(row, 3, f"=B{row + 1}", None, chosen)
-        sheet.write(row, 6, "; ".join(f"{state}: {when}" for state, when in STATES.items()))
-        self._name(CHOICE, "Inputs", row, 3)
 
     # -- what formulas make of them ---------------------------------------------------------------------------------
 
@@ -206,8 +185,10 @@ class _Sheets:
 
     def _state(self, sheet: Any, row: int, column: int, *, taken: bool) -> None:
         """Whether a value follows the inputs; in words, since grey alone is not enough."""
-        otherwise, changed = (TAKEN, f"OR({_CHANGED},{_NOT_FOLLOWED})") if taken else (LIVE, _NOT_FOLLOWED)
-        sheet.write_formula(row, column, f'=IF({changed},"{OTHER}","{otherwise}")', None, otherwise)
+        if taken:
+            sheet.write_formula(row, column, f'=IF({_CHANGED},"{OTHER}","{TAKEN}")', None, TAKEN)
+        else:
+            sheet.write(row, column, LIVE)
 
     def _greyed(self, sheet: Any, cells: str, state: str) -> None:
         sheet.conditional_format(cells, {"type": "formula", "criteria": f'={state}="{OTHER}"', "format": self.grey})
@@ -352,8 +333,8 @@ class _Unit(NamedTuple):
         kind = DIMENSIONS[dimension]
         return cls(written if written in kind.units else otherwise or kind.default_unit, dimension)
 
-    def number(self, value: float) -> float:
-        return from_si(value, *self) if self.symbol else float(value)
+    def number(self, value: Any) -> Any:
+        return from_si(value, *self) if self.symbol else value
 
     def to_si(self, cell: str) -> str:
         if not self.symbol:
@@ -377,5 +358,6 @@ class _Unit(NamedTuple):
 def _unit_of(design: Design, key: str) -> _Unit:
     """The unit of an input's cell."""
     declaration = declaration_of(key)
-    assert isinstance(declaration, BaseQuantity)
-    return _Unit.of(design.unit(key), declaration.dimension, declaration.unit)
+    if isinstance(declaration, BaseQuantity):
+        return _Unit.of(design.unit(key), declaration.dimension, declaration.unit)
+    return _Unit("", "")

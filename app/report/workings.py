@@ -15,7 +15,6 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
-from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.aperture import geometry, phase
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.traced import Traced, Workings
@@ -174,19 +173,16 @@ class Traces:
 
     def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
         """Both channels' covariances, every element in a cell."""
-        made = [
-            [
-                self.workings.name(
-                    f"{letter}{place}", element, f"{channel} covariance {place}", _CHANNEL[place], mark, taken=taken
-                )
-                for place, element in zip(places, elements, strict=True)
-            ]
-            for letter, channel, places, elements, mark in (
-                (f"{prefix}_p", "horizontal", tuple(_CHANNEL), saw.horizontal, marks[0]),
-                (f"{prefix}_v", "vertical", ("11", "12", "22"), saw.vertical, marks[1]),
-            )
-        ]
-        return Sawtooth(Horizontal(*made[0]), Vertical(*made[1]))
+
+        def named(channel: Any, label: str, mark: str) -> Any:
+            cells = {}
+            for field, element in channel._asdict().items():
+                place = field[1:]
+                said = f"{label} covariance {place}", _CHANNEL[place], mark
+                cells[field] = self.workings.name(f"{prefix}_{field}", element, *said, taken=taken)
+            return channel._replace(**cells)
+
+        return Sawtooth(named(saw.horizontal, "horizontal", marks[0]), named(saw.vertical, "vertical", marks[1]))
 
     def _variances(self, symbol: str, of: Mapping[str, Any], label: str, mark: str) -> Iterator[Any]:
         """Variances by part, each in a cell."""
@@ -202,8 +198,7 @@ class Traces:
         head("Just before a fix and just after it [T-8]")
         both = sampled(x if closed_form else self.plain)
         for state in ("prior", "posterior"):
-            moment, marked = getattr(both, state), ("[T-8]", "[T-8]")
-            saw[state] = self._channels(moment, state, marked, taken=not closed_form)
+            saw[state] = self._channels(getattr(both, state), state, ("[T-8]",) * 2, taken=not closed_form)
         start, closed = begun(self.plain), settled(self.plain)
         if np.allclose(np.hstack(start), np.hstack(closed), rtol=1e-12, atol=0):
             saw["start"] = saw["closed"]
