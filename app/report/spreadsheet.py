@@ -48,7 +48,6 @@ def workbook_bytes(budget: Budget) -> bytes:
         book.set_properties(
             {"title": printable(title_of(budget.design)), "comments": f"NavBudget {version('navbudget')}"}
         )
-        book.set_calc_mode("auto")
         _Sheets(book, budget).write()
     return file.getvalue()
 
@@ -87,10 +86,7 @@ class _Sheets:
         sheet.write_column(1, 0, said)
         sheet.set_landscape()
         sheet.fit_to_pages(1, 0)
-        return self._heads(sheet, len(said) + 2, columns)
-
-    def _heads(self, sheet: Any, row: int, columns: Mapping[str, float]) -> int:
-        """Heads of columns and their widths; the row after them."""
+        row = len(said) + 2
         sheet.write_row(row, 0, columns, self.head)
         for column, width in enumerate(columns.values()):
             sheet.set_column(column, column, width)
@@ -161,8 +157,9 @@ class _Sheets:
     # -- what formulas make of them ---------------------------------------------------------------------------------
 
     def _workings(self, sheet: Any) -> None:
-        self._heads(sheet, 0, {"Quantity": 46, "Name": 30, "Value": 16, "Unit": 10, "Equation": 16, "State": 22})
-        for row, line in enumerate(self.cells.rows, self.cells.first - 1):
+        columns = {"Quantity": 46, "Name": 30, "Value": 16, "Unit": 10, "Equation": 16, "State": 22}
+        first = self._start(sheet, "From the inputs to every figure, step by step", columns)
+        for row, line in enumerate(self.cells.rows, first):
             if not line.text:
                 sheet.write(row, 0, line.label, self.bold)
                 continue
@@ -174,7 +171,7 @@ class _Sheets:
             if line.symbol:
                 self._name(line.symbol, "Workings", row, 2)
                 self._state(sheet, row, 5, taken=line.taken)
-        self._greyed(sheet, f"A2:F{row + 1}", "$F2")
+        self._greyed(sheet, f"A{first + 1}:F{row + 1}", f"$F{first + 1}")
 
     def _rule(self, sheet: Any) -> None:
         sheet.write(0, 0, "Nodes and weights that integrate the squared responses of the outage [T-17]", self.bold)

@@ -82,7 +82,7 @@ class Traces:
 
     def __init__(self, design: Design) -> None:
         self.design, self.plain = design, replace(inputs_of(design), post_processed=False)
-        self.workings = Workings()
+        self.workings = Workings(first=4)  # under title and heads
         self.followed: set[str] = set()
         self.sums: dict[str, str] = {}
         self.sources: dict[str, phase.PhaseVariances] = {}
