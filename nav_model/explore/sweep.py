@@ -157,8 +157,6 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | 
                 pool, threads = stack.enter_context(cluster_pool(scheduler))
             except InputError as error:
                 raise error.under("--scheduler") from error
-            except (ImportError, OSError, RuntimeError) as error:
-                raise InputError("--scheduler", str(error), scheduler) from error
             yield pool, 4 * threads
     elif workers > 1:
         with worker_pool(workers) as executor:

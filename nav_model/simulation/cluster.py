@@ -14,13 +14,15 @@ def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor
     """A pool for `simulate(pool=..., workers=...)` on the scheduler at `address`, and its number of threads.
 
     A chunk that is lost with its worker is flown again by another; each result counts once. Raises InputError where
-    no scheduler answers or it has no workers, RuntimeError where a worker's simulator is not the same as this one,
-    ImportError where the `cluster` extra is not installed.
+    no scheduler answers or it has no workers, where a worker's simulator is not the same as this one, and where the
+    `cluster` extra is not installed.
     """
     try:
         import distributed
     except ImportError as error:
-        raise ImportError("a scheduler needs the 'cluster' extra: pip install 'navbudget[cluster]'") from error
+        raise InputError(
+            "scheduler", "needs the 'cluster' extra: pip install 'navbudget[cluster]'", address
+        ) from error
     connect: Any = distributed.Client
     try:
         client: Any = connect(address, timeout=timeout, set_as_default=False)
@@ -32,5 +34,7 @@ def cluster_pool(address: str, timeout: float = 30.0) -> Iterator[tuple[Executor
             raise InputError("scheduler", f"{address!r} has no workers", address)
         strangers = [worker for worker, digest in client.run(room_digest).items() if digest != room_digest()]
         if strangers:
-            raise RuntimeError(f"worker {strangers[0]} has another version of nav_model.simulation; update it")
+            raise InputError(
+                "scheduler", f"worker {strangers[0]} has another version of nav_model.simulation; update it", address
+            )
         yield client.get_executor(pure=False, retries=3), threads

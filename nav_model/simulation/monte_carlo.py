@@ -10,7 +10,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
-from concurrent.futures.process import BrokenProcessPool
 from typing import Final
 
 import numpy as np
@@ -57,10 +56,6 @@ def _in_pool(spec: SimulationSpec, scale: FloatArray, pool: Executor, in_flight:
             while waiting and len(flying) < in_flight:
                 flying.append(pool.submit(run_chunk, spec, scale, *waiting.popleft()))
             yield flying.popleft().result()
-    except BrokenProcessPool as error:
-        raise RuntimeError(
-            "a worker process ended before its runs were done; the system may be short of memory"
-        ) from error
     finally:
         for future in flying:
             future.cancel()
@@ -80,7 +75,7 @@ def simulate(
     which is used and left open (`workers` is then how many it has). progress: called in this thread with runs
     done and runs in all.
 
-    Raises ValueError for a study that cannot be flown, RuntimeError where a worker process dies.
+    Raises ValueError for a study that cannot be flown, BrokenProcessPool where a worker process dies.
     """
     began = time.perf_counter()
     if workers < 1:

@@ -115,10 +115,11 @@ class Desk(param.Parameterized):
 
 
 def button(label: str, action: Callable[[], Awaitable[None]], **params: Any) -> pmui.Button:
-    """A button with an asynchronous action."""
+    """A button with an asynchronous action; one pressed too late, when it is disabled, does nothing."""
 
-    async def clicked(_: Any) -> None:
-        await action()
+    async def clicked(pressed: Any) -> None:
+        if not pressed.obj.disabled:
+            await action()
 
     return pmui.Button(label=label, on_click=clicked, **{**BUTTON, **params})
 

@@ -99,7 +99,7 @@ def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> S
                 result = simulate(spec, workers=workers, closed_form=compare, progress=progress)
         except InputError as error:
             raise (error if "." in error.key else error.under(f"--{error.key}")) from error
-        except (ArithmeticError, ImportError, OSError, RuntimeError, ValueError) as error:
+        except (ArithmeticError, ValueError) as error:
             raise InputError("simulate", str(error)) from error
     print(result.verdict, file=sys.stderr)
     return study_of(design, result)

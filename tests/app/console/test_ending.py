@@ -91,6 +91,22 @@ def test_a_stopped_command_ends_its_workers_says_one_line_and_leaves_nothing_hal
     assert not {name for name in left if name.endswith((".part", ".tmp"))}
 
 
+@pytest.mark.parametrize(
+    "name", ["simulate, two workers", pytest.param("sweep, two workers", marks=pytest.mark.slow)]
+)
+def test_a_worker_that_is_killed_ends_its_command_as_a_fault_of_the_surroundings(tmp_path: Path, name: str) -> None:
+    (tmp_path / "sweep.toml").write_text(_SWEEP)
+    with _run(*(part.format(folder=tmp_path) for part in _LONG[name][1])) as process:
+        before = _say_until_under_way(process)
+        workers = [own for own in psutil.Process(process.pid).children() if "spawn_main" in " ".join(own.cmdline())]
+        workers[0].kill()
+        assert process.wait(PATIENCE) == 3
+        lines = (before + process.stderr.read()).splitlines()
+    assert lines[-1] == "navbudget: something ended a worker process, perhaps a lack of memory"
+    psutil.wait_procs(workers, PATIENCE)
+    assert not [own for own in workers if own.is_running() and own.status() != psutil.STATUS_ZOMBIE]
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_while_the_command_is_loaded_ends_it_with_one_line(tmp_path: Path, number: signal.Signals) -> None:
     (tmp_path / "numpy.py").write_text("import os, time\nos.write(2, b'loading\\n')\ntime.sleep(600)\n")

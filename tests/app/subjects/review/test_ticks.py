@@ -9,7 +9,7 @@ import pytest
 from app.library.place import library, use_library
 from app.serving.server import first_design
 from app.session import Session
-from app.subjects.review.desk import Desk
+from app.subjects.review.desk import Desk, button
 from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from nav_model.budget import analyse
@@ -82,3 +82,18 @@ def test_one_more_than_go_side_by_side_is_refused_and_its_tick_goes(scene: _Scen
     assert len(scene.picked) == 6
     assert scene.ticked == scene.picked
     assert "At most 6 revisions" in scene.desk.notice.object
+
+
+async def test_a_press_that_comes_after_its_button_was_disabled_does_nothing() -> None:
+    done: list[str] = []
+
+    async def act() -> None:
+        done.append("done")
+
+    pressed = button("Act", act)
+    pressed.clicks += 1
+    await asyncio.sleep(0)
+    pressed.disabled = True
+    pressed.clicks += 1
+    await asyncio.sleep(0)
+    assert done == ["done"]
