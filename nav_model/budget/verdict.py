@@ -103,7 +103,8 @@ def judge(
     checks = []
     for name, one in required(design).items():
         figure, limit = figures[name], one.limit
-        value = (one.confidence or 1.0) * figure.sigma
+        sigma = float(figure.sigma)
+        value = (one.confidence or 1.0) * sigma
         margin = 1 - value / limit
         checks.append(
             Check(
@@ -113,7 +114,7 @@ def judge(
                 dimension=one.dimension,
                 confidence=one.confidence,
                 value=value,
-                sigma=figure.sigma,
+                sigma=sigma,
                 limit=limit,
                 margin=margin,
                 met=value <= limit,
