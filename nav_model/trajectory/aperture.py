@@ -23,6 +23,7 @@ COLUMNS = ORDERS + 2
 """Sums of an aperture: these coefficients, the image's shift in azimuth, and that in range and azimuth together."""
 _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ROUNDING = 1e-6  # s
+_SLOWEST = 0.1  # m/s, as of a design: what stands has no synthetic aperture
 # Mean square that polynomials up to ORDERS - 1 leave of white noise integrated twice, over its density times T³: with
 # M = ORDERS - 1 it is (M + 1)/(8 (2M - 1)(2M + 1)(2M + 3)(2M + 5)), 1/420 for M = 1. [S-6], [P-15]
 _BEYOND = 1 / 25740
@@ -39,7 +40,7 @@ class Apertures(NamedTuple):
 
 
 def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
-    """The apertures centred at the outputs of a flight that lie within it.
+    """The apertures centred at the outputs of a flight that lie within it, where the aircraft moves.
 
     One begins at the last fix before where it would begin, as in the budget, and so is up to a fix interval early;
     without a fix there, it begins where it would.
@@ -49,17 +50,16 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     fixes = np.concatenate([[-np.inf], time_s[model.is_fix]])
     last_fix = fixes[np.searchsorted(fixes, begin + _ROUNDING, side="right") - 1]
     begin = np.where(begin - last_fix < interval * (1.0 + 1e-9), last_fix, begin)
-    inside = (begin >= 0.0) & (begin + x.aperture <= time_s[-1])
+    middle = np.minimum(np.searchsorted(time_s, begin + half), len(time_s) - 1)
+    speed = np.linalg.norm(model.truth.velocity[middle, :2], axis=1)
+    inside = (begin >= 0.0) & (begin + x.aperture <= time_s[-1]) & (speed > _SLOWEST)
     output, begin = np.flatnonzero(inside), begin[inside]
     first = np.searchsorted(time_s, begin + _ROUNDING, side="right") - 1
     last = np.searchsorted(time_s, begin + x.aperture - _ROUNDING)
     weights = np.zeros((len(output), int(np.max(last - first, initial=0)) + 1, COLUMNS, 6))
-    middle = np.searchsorted(time_s, begin + half)
-    velocity = model.truth.velocity[np.minimum(middle, len(time_s) - 1)]
-    sight, across = directions(velocity, x)
-    speed = np.linalg.norm(velocity[:, :2], axis=1)
+    sight, across = directions(model.truth.velocity[middle[inside]], x)
     # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
-    slope = (2 * x.slant_range / (speed * math.cos(x.squint) * x.aperture))[:, None]
+    slope = (2 * x.slant_range / (speed[inside] * math.cos(x.squint) * x.aperture))[:, None]
     for step in range(weights.shape[1] - 1):
         on = np.flatnonzero(first + step < last)
         left, right, start = time_s[first[on] + step], time_s[first[on] + step + 1], begin[on]

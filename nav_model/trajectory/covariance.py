@@ -70,17 +70,16 @@ def covariance(spec: CovarianceSpec) -> TrajectoryResult:
         _processed(spec, model, looks, values, image, post)
         for values, image, post in zip(variances, images, (False, True), strict=True)
     )
-    time_s = model.time_s[model.outputs]
     truth = model.truth.at(model.outputs)
     return TrajectoryResult(
         spec=spec,
-        time_s=time_s,
+        time_s=truth.time_s,
         truth=truth,
         sources=_all_sources(spec, model),
         real_time=real_time,
         post_processed=post_processed,
-        lines=judge(spec, time_s, real_time if spec.processing == REAL_TIME else post_processed),
-        heading=heading_of(spec, time_s, truth, real_time.attitude[:, 2]),
+        lines=judge(spec, truth.time_s, real_time if spec.processing == REAL_TIME else post_processed),
+        heading=heading_of(spec, truth, real_time.attitude[:, 2]),
     )
 
 
@@ -165,7 +164,8 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
             by_noise = kept @ carried[:, :m] @ gain - run.weight[node]
             carried, now = kept @ carried - by_noise @ rows, kept @ now @ kept.T
             now[model.measuring] += (by_noise * model.noise[node, :, None, :]) @ by_noise.T
-        now[driven] += _square(carried[:, : model.states.moving] @ _factors(model, node))
+        factors = carried[:, : model.states.moving] @ _factors(model, node)
+        now[driven] += factors @ factors.swapaxes(1, 2)
         step = _transition(model, node, n)
         back = step[:m, :m].T
         carried, now = back @ carried @ step, back @ now @ back.T
@@ -233,7 +233,8 @@ def _forward(
             step = _transition(model, node, n)
             constant, step = step @ constant, step[:size, :size]
             now = ((step @ now.reshape(size, -1)).reshape(-1, size) @ step.T).reshape(size, s, size)
-            now[:, driven] += _square(_factors(model, node)).swapaxes(0, 1)
+            factors = _factors(model, node)
+            now[:, driven] += (factors @ factors.swapaxes(1, 2)).swapaxes(0, 1)
         if node and model.is_fix[node]:
             rows, gain = model.rows[node], run.gain[node]
             constant[:m] -= gain @ (rows @ constant)
@@ -255,11 +256,6 @@ def _factors(model: ErrorModel, node: int) -> FloatArray:
     for place, error in enumerate(model.states.drives):
         if error.first >= _AXES:
             found[place, error.first : error.first + 3] = model.factors[node - 1, place, _AXES:]
-    return found
-
-
-def _square(factors: FloatArray) -> FloatArray:
-    found: FloatArray = factors @ factors.swapaxes(-1, -2)
     return found
 
 

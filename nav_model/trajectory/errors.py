@@ -31,7 +31,7 @@ from nav_model.simulation.layout import (
 )
 from nav_model.simulation.schedule import fix_noise, output_samples, samples_at_multiples
 from nav_model.simulation.single_run import tuning_of
-from nav_model.simulation.specification import SimulationSpec, TriadModel
+from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.trajectory import Trajectory, plan_trajectory
 from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
 from nav_model.trajectory.specification import CovarianceSpec
@@ -84,7 +84,7 @@ def error_model(spec: CovarianceSpec) -> ErrorModel:
     trajectory, states = plan_trajectory(study.trajectory, study.duration), states_of(study)
     scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
     wanted = output_samples(study) / study.imu.rate
-    time_s = _nodes(trajectory, study, np.union1d(scheduled, wanted), spec)
+    time_s = _nodes(trajectory, states, np.union1d(scheduled, wanted), spec)
     outputs, truth = np.searchsorted(time_s, wanted - 1e-9), true_states(trajectory, time_s)
     parts = [
         _steps(trajectory, time_s[first : first + _BLOCK + 1], states) for first in range(0, len(time_s) - 1, _BLOCK)
@@ -116,18 +116,20 @@ def _steps(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[
     """`top`, `kept`, `factors` and `filter_noise` of the steps between some nodes, in the fields of `ErrorModel`."""
     steps, decay, m = np.diff(time_s), states.decay, states.estimated
     powers = _powers(_dynamics(trajectory, time_s, states), decay, steps)
-    inner = [(0.5 * (1.0 + x), 0.5 * w * steps) for x, w in zip(_POINTS, _WEIGHTS, strict=True)]
-    flows = [(_top(powers, part), _kept(decay, part * steps), np.sqrt(w)[:, None, None]) for part, w in inner]
+    flows = [
+        (_top(powers, part), np.exp(-decay * part * steps[:, None]), np.sqrt(weight * steps)[:, None])
+        for part, weight in zip(0.5 * (1.0 + _POINTS), 0.5 * _WEIGHTS, strict=True)
+    ]
 
     def driven_by(first: int, density: float) -> FloatArray:
         """Factor (k - 1, 12, 9) of white noise of this density on three states."""
         found = np.zeros((len(steps), BIASES + 3, 9))
         for n, (top, kept, root) in enumerate(flows):
             into = slice(3 * n, 3 * n + 3)
-            found[:, :BIASES, into] = top[:, :, first : first + 3] * root
+            found[:, :BIASES, into] = top[:, :, first : first + 3] * root[:, None]
             if first >= BIASES:
-                for i in range(3):
-                    found[:, BIASES + i, 3 * n + i] = kept[:, first - BIASES + i] * root[:, 0, 0]
+                own = kept[:, first - BIASES : first - BIASES + 3] * root
+                found[:, BIASES:, into] = own[:, None] * np.eye(3)
         found *= math.sqrt(density)
         return found
 
@@ -137,15 +139,14 @@ def _steps(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[
         factor = driven_by(first, density)[:, : len(into)]
         filter_noise[:, into[:, None], into] += factor @ factor.swapaxes(1, 2)
     factors = np.stack([driven_by(error.first, error.drive) for error in states.drives], axis=1)
-    return _top(powers, 1.0), _kept(decay, steps), factors, filter_noise
+    return _top(powers, 1.0), np.exp(-decay * steps[:, None]), factors, filter_noise
 
 
-def _nodes(trajectory: Trajectory, study: SimulationSpec, anchors: FloatArray, spec: CovarianceSpec) -> FloatArray:
+def _nodes(trajectory: Trajectory, states: States, anchors: FloatArray, spec: CovarianceSpec) -> FloatArray:
     """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
-    triads: tuple[TriadModel, ...] = (study.imu.accelerometer, study.imu.gyro)
-    times = [model.correlation_time / 5.0 for model in triads if model.bias_instability > 0.0]
+    times = [error.time / 5.0 for error in states.drives if error.time > 0.0]
     longest = max(min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS, *times]), _DENSEST)
-    grid = np.union1d(np.arange(0.0, study.duration, 0.25), anchors)
+    grid = np.union1d(np.arange(0.0, spec.study.duration, 0.25), anchors)
     rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)
     found = [anchors[:1]]
     for before, after in pairwise(anchors.tolist()):
@@ -213,10 +214,6 @@ def _top(powers: list[FloatArray], part: float) -> FloatArray:
     found = np.asarray(sum(power * part**i for i, power in enumerate(powers, 1)))
     found[:, range(BIASES), range(BIASES)] += 1.0
     return found
-
-
-def _kept(decay: FloatArray, times: FloatArray) -> FloatArray:
-    return np.asarray(np.exp(-decay * times[:, None]))
 
 
 def _measurements(

@@ -14,33 +14,29 @@ _OBSERVED = 0.5  # of the heading that nothing observes
 _TURN = math.radians(1.0)  # per second: a turn
 
 
-def heading_of(spec: CovarianceSpec, time_s: FloatArray, truth: TruthStates, sigma: FloatArray) -> Heading:
+def heading_of(spec: CovarianceSpec, truth: TruthStates, sigma: FloatArray) -> Heading:
     """The heading of a flight in real time, `sigma` its error (outputs) [rad].
 
     Heading shows against fixes where the aircraft accelerates, in a turn above all, or by two antennas.
     It counts as observed once below half of what a gyro alone would keep.
     """
-    gyro, gnss = spec.study.imu.gyro, spec.study.gnss
+    gyro, gnss, time_s = spec.study.imu.gyro, spec.study.gnss, truth.time_s
     density = gyro.random_walk * spec.study.imu.vibration_factor
     alone = np.sqrt(spec.study.initial.yaw**2 + density**2 * time_s + (gyro.turn_on_bias * time_s) ** 2)
     seen = np.flatnonzero(sigma < _OBSERVED * alone)
-    turning = np.abs(truth.body_rate[:, 2]) > _TURN
+    course = np.unwrap(np.arctan2(truth.velocity[:, 1], truth.velocity[:, 0]))
+    turning = np.abs(np.gradient(course, time_s)) > _TURN
     at = float(time_s[seen[0]]) if seen.size else None
     degrees = [f"{math.degrees(value):.3g}°" for value in (sigma[0], sigma.min(), sigma[-1])]
     two = spec.study.aiding.heading_noise is not None
-    by_turn = at is not None and bool(np.any(turning & (time_s <= at)))
-    if at is None:
-        text = f"Heading is not observed: {degrees[0]} at the start, {degrees[2]} at the end."
-    else:
-        cause = "two antennas" if two else "a turn" if by_turn else "acceleration against the fixes"
+    if at is not None:
+        turned = np.any(turning & (time_s <= at))
+        cause = "two antennas" if two else "a turn" if turned else "acceleration against the fixes"
         text = f"Heading is observed from {at:.0f} s on, by {cause}: {degrees[1]} at best, {degrees[2]} at the end."
-    if at is None and not two:
-        need = "a turn of 90° or more, or a change of speed, before the first line"
-        if turning.any():
-            need = (
-                "sharper turns, fixes of velocity, or two antennas"
-                if gnss.velocity_noise is None
-                else ("sharper turns or two antennas")
-            )
-        text += f" The plan lacks {need}."
+    else:
+        text = f"Heading is not observed: {degrees[0]} at the start, {degrees[2]} at the end."
+        if not two:
+            fixes = ", fixes of velocity," if gnss.velocity_noise is None else ""
+            sharper, turn = f"sharper turns{fixes} or two antennas", "a turn of 90° or more, or a change of speed"
+            text += f" The plan lacks {sharper if turning.any() else f'{turn}, before the first line'}."
     return Heading(float(sigma[0]), float(sigma.min()), float(sigma[-1]), at, text)

@@ -18,11 +18,15 @@ def judge(spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> tuple[
 def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *, image: bool) -> NDArray[np.bool_]:
     """Which times count for a line from `start` to `stop` [s], (outputs).
 
-    An `image`'s aperture lies within its line as far as the line is long enough for one.
+    An `image`'s aperture lies within its line as far as the line is long enough for one. Of a line so short that no
+    time lies on it, the nearest to its middle counts.
     """
     half = 0.5 * spec.inputs.aperture if image else 0.0
-    margin = min(half, 0.5 * (stop - start))
+    middle, margin = 0.5 * (start + stop), min(half, 0.5 * (stop - start))
     found: NDArray[np.bool_] = (time_s >= start + margin - 1e-9) & (time_s <= stop - margin + 1e-9)
+    if not found.any():
+        away = np.abs(time_s - middle)
+        found = (away == away.min()) & (away <= spec.study.every)
     return found
 
 

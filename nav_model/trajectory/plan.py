@@ -111,9 +111,8 @@ def fly(plan: Plan) -> PlannedFlight:
     if len(points) < 2:
         raise InputError("waypoints", "a flight needs two waypoints or more")
     if not (1.0 <= plan.speed <= 3000.0 and 0.0 < plan.bank <= 80 * DEGREE and plan.climb_rate > 0.0):
-        raise InputError(
-            "plan", "needs a speed from 1 to 3000 m/s, a bank of at most 80°, and a climb rate above zero"
-        )
+        said = "needs a speed from 1 to 3000 m/s, a bank of at most 80°, and a climb rate above zero"
+        raise InputError("plan", said)
     for number, point in enumerate(points, 1):
         if not point.height > plan.ground:
             raise InputError("waypoints", f"{_named(number, point)} is not above the ground: {point.height:g} m")
@@ -125,16 +124,14 @@ def fly(plan: Plan) -> PlannedFlight:
     legs = np.hypot(north, east)
     for number, leg in enumerate(legs, 1):
         if leg < _NEAREST:
-            raise InputError(
-                "waypoints", f"{_named(number, points[number - 1])} and the next are at one place; remove one"
-            )
+            said = f"{_named(number, points[number - 1])} and the next are at one place; remove one"
+            raise InputError("waypoints", said)
     heading = np.unwrap(np.arctan2(east, north))
     turns = [_Turn()]
     for number, angle in enumerate(np.diff(heading), 2):
         if abs(angle) > _LARGEST_TURN:
-            raise InputError(
-                "waypoints", f"at {_named(number, points[number - 1])} the flight turns back; add one beside it"
-            )
+            said = f"at {_named(number, points[number - 1])} the flight turns back; add one beside it"
+            raise InputError("waypoints", said)
         turns.append(_turn(float(angle), plan.speed, plan.bank))
     turns.append(turns[0])
     return _flown(plan, heading, legs, turns)
@@ -193,8 +190,8 @@ def _turn(angle: float, speed: float, bank: float) -> _Turn:
 
 def _scales(points: Sequence[Waypoint]) -> Any:
     """Metres north and east of a radian of latitude and of longitude, in the middle of the plan."""
-    latitudes = [point.latitude for point in points]
-    return metres_per_radian(0.5 * (max(latitudes) + min(latitudes)), points[0].height)
+    south, north = min(point.latitude for point in points), max(point.latitude for point in points)
+    return metres_per_radian(0.5 * (south + north), points[0].height)
 
 
 def _on_earth(points: Sequence[Waypoint], north: FloatArray, east: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -18,7 +18,6 @@ from nav_model.simulation.single_run import believed_sigma, initial_sigma, tunin
 from nav_model.simulation.specification import SimulationSpec
 
 FloatArray = NDArray[np.float64]
-WHITE = (ACCELEROMETER_NOISE, GYRO_NOISE)
 MEASURED_BY: Mapping[str, slice] = {
     GNSS_NOISE: slice(POSITION, POSITION + 3),
     GNSS_VELOCITY: slice(VELOCITY, VELOCITY + 3),
@@ -85,7 +84,8 @@ def states_of(study: SimulationSpec) -> States:
                 size += count
             put(source, first[group], count, sigma, drive, time)
 
-    for source, state, (_, model) in zip(WHITE, (VELOCITY, ATTITUDE), triads, strict=True):
+    white = ((ACCELEROMETER_NOISE, VELOCITY, imu.accelerometer), (GYRO_NOISE, ATTITUDE, imu.gyro))
+    for source, state, model in white:
         if model.random_walk > 0.0:
             put(source, state, 3, 0.0, (model.random_walk * imu.vibration_factor) ** 2)
     measured = (gnss.position_noise, gnss.velocity_noise, aiding.heading_noise, aiding.barometer_noise)

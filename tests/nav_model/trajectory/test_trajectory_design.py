@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,11 @@ from nav_model.design import Design
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import declaration_of
-from nav_model.simulation.design_study import specification
+from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, lines_of, planned
+from nav_model.trajectory.specification import Line
 
 EXAMPLE = (Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml").read_text()
 PLAN = """
@@ -113,6 +115,40 @@ def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
     other = own.replace({"trajectory.limits": read("limits", "line 3, tilt=1°")})
     with pytest.raises(InputError, match=r"trajectory.limits\[1\].line: the flight has no line 'line 3'; its lines:"):
         covariance_specification(other, study, flight.lines)
+
+
+def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not_flown_fails() -> None:
+    own = design()
+    flight = planned(own)
+    study = specification(own, trajectory=flight.trajectory, runs=1, duration=120.0, every=10.0)
+    lines = (Line("short", 43.0, 43.5), Line("not flown", 150.0, 151.0))
+    found = covariance(covariance_specification(own.replace({"trajectory.limits": ()}), study, lines))
+    short, not_flown = found.lines
+    at = np.searchsorted(found.time_s, 40.0)
+    for name in ("quadratic_phase", "horizontal_position"):
+        assert short.worst[name] == found.chosen.figure(name)[at]
+    assert not not_flown.worst
+    assert not not_flown.closes
+
+
+def test_where_the_aircraft_stands_there_is_no_image() -> None:
+    own = design().replace({"trajectory.limits": ()})
+    study = specification(own, trajectory=replace(named_flight(own, "straight"), speed=0.0), runs=1, duration=60.0)
+    found = covariance(covariance_specification(own, study))
+    assert np.isnan(list(found.chosen.image.values())).all()
+    assert not found.closes
+
+
+def test_a_heading_that_swings_is_no_turn() -> None:
+    """The plan is told to turn, not to turn more sharply."""
+    own = design().replace({"trajectory.limits": ()})
+    said = {}
+    for kind in ("wandering", "turns"):
+        flown = replace(named_flight(own, kind), attitude_wander=math.radians(3.0))
+        study = specification(own, trajectory=flown, runs=1, duration=250.0, outages=[(0.0, 249.0)])
+        said[kind] = covariance(covariance_specification(own, study)).heading.text
+    assert "lacks a turn of 90°" in said["wandering"]
+    assert "lacks sharper turns" in said["turns"]
 
 
 def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None:
