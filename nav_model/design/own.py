@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from nav_model.base.errors import InputError, not_a_choice
+from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.base.units import format_quantity
 from nav_model.design.contributors import (
     COASTING,
@@ -144,7 +144,7 @@ class Own:
         checked(self.contributors)
         checked(self.limits)
         for limit in self.limits:
-            _allowed(f"{limit.where}.on", limit.on, {one.name: (one.dimension,) for one in self.contributors})
+            _limited_dimension(limit.where, limit.name, limit.on, self.contributors)
         for lock in self.allocation.locks if self.allocation else ():
             lock_dimensions(lock.requirement, self.limits)
 
@@ -182,14 +182,12 @@ def lock_dimensions(requirement: str, limits: tuple[Limit, ...]) -> tuple[str, .
         If there is no such requirement.
     """
     own = {each.name: dimensions_of(each.on) if each.on in ENTERED else (each.dimension,) for each in limits}
-    return _allowed("allocation.locks", requirement, own)
-
-
-def _allowed(where: str, name: str, own: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """Dimensions of a figure, or of one of the user's `own` names."""
-    if name not in (*ENTERED, *own):
-        raise InputError(where, not_a_choice(name, (*ENTERED, *own)), name)
-    return dimensions_of(name) if name in ENTERED else own[name]
+    if requirement in ENTERED:
+        return dimensions_of(requirement)
+    if requirement not in own:
+        said = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
+        raise InputError("allocation.locks", said, requirement)
+    return own[requirement]
 
 
 def read_own(tables: Mapping[str, Any]) -> Own:
@@ -206,6 +204,19 @@ def read_own(tables: Mapping[str, Any]) -> Own:
     return Own(contributors, limits, plan)
 
 
+def _limited_dimension(where: str, name: str, on: str, contributors: tuple[Contributor, ...]) -> str:
+    """Dimension of what a limit is on, of a phase the angle."""
+    dimensions = {**{one.name: one.dimension for one in contributors}, **ENTERED}
+    if on not in dimensions:
+        raise InputError(
+            f"{where}.on",
+            f"The requirement {shown(name)} limits {shown(on)}, which is no contributor and no value of the budget. "
+            "Remove that requirement first, or let it limit another value.",
+            on,
+        )
+    return dimensions[on]
+
+
 def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tuple[Limit, ...]:
     """Limits from the tables ``[[limits]]`` of a design file.
 
@@ -214,11 +225,11 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
     InputError
         As `read_own`.
     """
-    own, found = {one.name: (one.dimension,) for one in contributors}, []
+    found = []
     for where, texts in given_tables("limits", tables, ("name", "on", "limit", "at", "confidence"), ("on", "limit")):
         on = texts["on"]
-        dimensions = _allowed(f"{where}.on", on, own)[:1]  # of a phase the angle
-        value, unit, dimension = read_size(f"{where}.limit", texts["limit"], on, dimensions)
+        allowed = (_limited_dimension(where, texts["name"], on, contributors),)
+        value, unit, dimension = read_size(f"{where}.limit", texts["limit"], on, allowed)
         numbers: dict[str, Any] = {
             key: read_like(declaration, f"{where}.{key}", texts[key])
             for key, declaration in _LIKE.items()

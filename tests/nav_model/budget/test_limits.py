@@ -225,6 +225,23 @@ def test_what_is_wrong_is_refused_by_name(tables: dict[str, Any], named: str) ->
     assert refused.value.key == named
 
 
+def test_what_is_still_used_is_not_removed_without_a_word() -> None:
+    own = _design({"name": "arm", "on": "lever arm", "limit": "2 mm"}).own.tables()
+    locked = own | {"allocation": {"locks": {"arm": {"lever arm": "1 mm"}}}}
+    renamed = {"contributors": [_ARM | {"name": "lever arms"}]}
+    first = (
+        "limits[arm].on: The requirement 'arm' limits 'lever arm', which is no contributor and no value of the "
+        "budget. Remove that requirement first, or let it limit another value."
+    )
+    then = "allocation.locks: 'arm' is no requirement, but sources of it are locked. Remove these locks first."
+    for tables, message in (
+        (own | {"contributors": []}, first), (own | renamed, first), (locked | {"limits": []}, then)
+    ):  # fmt: skip
+        with pytest.raises(InputError) as refused:
+            read_own(tables)
+        assert str(refused.value) == message
+
+
 def test_a_sweep_has_their_margins_and_closes_by_them(tmp_path: Path) -> None:
     design = _design(_HEADING)
     (tmp_path / "design.toml").write_text(format_design(design), encoding="utf-8")
