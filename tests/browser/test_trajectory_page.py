@@ -42,6 +42,7 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     turn.fill("97")
     turn.press("Enter")
     expect(page.get_by_role("alert").first).to_contain_text("Waypoints, row 2, latitude: '97 °' is not allowed")
+    expect(page.get_by_role("alert")).to_have_count(1)  # at the table; the strip says it too
     turn.fill("47.07")
     page.get_by_label("Line: row 2", exact=True).fill("<b>across</b>")
     page.get_by_label("Line: row 2", exact=True).press("Enter")

@@ -14,7 +14,7 @@ from nav_model.design.table import Table
 
 
 class PlanFields:
-    """Widgets of inputs of the section [trajectory], by name. A text that is refused stays where it was typed.
+    """Widgets of inputs of the section [trajectory], by name. A refused text stays where it was typed, marked.
 
     Parameters
     ----------
@@ -45,8 +45,8 @@ class PlanFields:
         box.param.watch(typed, "value")
         return box
 
-    def table(self, name: str, noun: str) -> RowEditor:
-        """The table of an input that is one; a row of it is a `noun`."""
+    def table(self, name: str, noun: str, more: str = "") -> RowEditor:
+        """The table of an input that is one; a row of it is a `noun`; `more` to say above it."""
         declared = declaration_of(f"trajectory.{name}")
         assert isinstance(declared, Table)
         columns = []
@@ -59,7 +59,7 @@ class PlanFields:
             self._take(name, [[row.get(key, "") for key in declared.columns] for row in rows])
             return self._refused.get(name)
 
-        made = RowEditor(tuple(columns), told, caption=str(declared.doc), noun=noun, ordered=True)
+        made = RowEditor(tuple(columns), told, caption=f"{declared.doc}{more}", noun=noun, ordered=True)
         self._tables[name] = made
         self._show(name)
         return made
@@ -69,10 +69,10 @@ class PlanFields:
         for name in (*self._boxes, *self._tables):
             self._show(name)
 
-    def check(self) -> None:
-        """Raise the first refusal that is seen, if any."""
-        for error in self._refused.values():
-            raise error
+    @property
+    def refused(self) -> str:
+        """Why the first input that is wrong is refused; empty where all are right."""
+        return str(next(iter(self._refused.values()), ""))
 
     def _show(self, name: str) -> None:
         design, key = self._session.design, f"trajectory.{name}"
@@ -82,6 +82,8 @@ class PlanFields:
             self._refused.pop(name, None)
             if name in self._boxes:
                 self._boxes[name].value = text
+        if name in self._boxes:
+            self._boxes[name].error_state = name in self._refused
         if name in self._tables:
             declared = declaration_of(key)
             assert isinstance(declared, Table)

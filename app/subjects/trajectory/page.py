@@ -56,6 +56,8 @@ _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
+_ADDED = " A double click on the map adds one at the end."
+_NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
 _WAITING = Answer("Working", "open", ("The covariance along the flight follows.",))
 
 
@@ -71,7 +73,7 @@ class TrajectoryPage(View):
         super().__init__(run=session.new_run(), flight=session.design.trajectory.flight)
         self._session = session
         self._file: File | None = None
-        self._plan = PlanFields(session, self.start)
+        self._plan = PlanFields(session, self._typed)
         self._details = details = Follower(lambda: self._result, _COMING)
         self._strip = AnswerStrip(_WAITING)
         self._bar = RunBar(self.run, self.start, "Compute", *self._fields())
@@ -85,7 +87,7 @@ class TrajectoryPage(View):
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
         self._shares = pn.Column(html_pane(_COMING), **whole)
         above = details.later(self._map, **whole)
-        self._places = pn.Column(self._plan.table("waypoints", "waypoint"), visible=False, margin=(0, 10))
+        self._places = pn.Column(self._plan.table("waypoints", "waypoint", _ADDED), visible=False, margin=(0, 10))
         self._view = pn.Column(
             self._places,
             first_screen(self._strip, self._bar, left=[curves], right=[above, self._shares]),
@@ -121,7 +123,6 @@ class TrajectoryPage(View):
 
         async def work(run: Run) -> Followed:
             await asyncio.sleep(settle)
-            self._plan.check()
             file = self._file if self.flight == _FILE else None
             if self.flight == _FILE and file is None:
                 raise InputError("Flight", "open a GPX, KML, CSV or SBET file first")
@@ -140,6 +141,13 @@ class TrajectoryPage(View):
             return found
 
         return self.run.start(work)
+
+    def _typed(self) -> None:
+        """Follow what was typed; what is refused changes nothing, and the strip says why."""
+        if self._plan.refused:
+            self._show()
+        else:
+            self.start()
 
     # --- the parts ------------------------------------------------------------------------------------
 
@@ -176,7 +184,10 @@ class TrajectoryPage(View):
 
     def _placed(self, event: DoubleTap) -> None:
         own = self._session.design.trajectory.waypoints
-        if self.flight != WAYPOINTS or not own or event.x is None or event.y is None:
+        if event.x is None or event.y is None:
+            return
+        if self.flight != WAYPOINTS or not own:
+            self._say(_NOT_ADDED)
             return
         place = self._details.known().place(1000.0 * event.y, 1000.0 * event.x)
         self._take((*own, row_of(*place, own[-1][2])))
@@ -219,7 +230,7 @@ class TrajectoryPage(View):
 
     def _answer(self) -> tuple[Answer, str]:
         """The verdict, and whether it is one of what the fields and the design say now."""
-        found, message = self._result, self.run.message
+        found, message = self._result, self._plan.refused or self.run.message
         if found is None:
             return (Answer("No result yet", "warn", (message,)) if message else _WAITING), ""
         stale = f"{message.removesuffix('.')}. This is the result before it." if message else ""
@@ -260,6 +271,7 @@ class TrajectoryPage(View):
             return
         if self.flight != _FILE:
             self._session.change({"trajectory.flight": self.flight})
+        self._say("")
         self.start(_SETTLE_SECONDS)
 
     def _take(self, waypoints: Rows) -> None:

@@ -54,7 +54,7 @@ def failure(result: TrajectoryResult, line: LineResult) -> str:
     beyond = np.flatnonzero(on & (values > limit))
     if not beyond.size:
         return f"{line.name} has no room for an aperture"
-    after = number(float(result.time_s[beyond[0]] - line.start_s), given=True)
+    after = number(max(float(result.time_s[beyond[0]] - line.start_s), 0.0), given=True)
     worst = int(beyond[np.argmax(values[beyond])])
     return (
         f"{line.name} fails {after} s after its start: {figure.said} {figure.told(values[worst])}, limit "

@@ -154,6 +154,7 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     assert boxes["length"].value == "3 km"
     assert "Lines: " in after(page, lambda: setattr(boxes["lines"], "value", "many"))
     assert (boxes["lines"].value, session.design["trajectory.lines"]) == ("many", 4.0)
+    assert (boxes["lines"].error_state, page.run.message) == (True, "")  # said in the strip, not in the bar as well
     assert "of 4 lines" in after(page, lambda: setattr(boxes["lines"], "value", "4"))
     assert "Outages, row 1, stop: Enter the stop" in after(page, lambda: setattr(boxes["outages"], "value", "60"))
     after(page, lambda: setattr(boxes["outages"], "value", "60, 90"))
@@ -170,6 +171,7 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     wrong = [dict(zip(rows[0], row, strict=True)) for row in (("48", "0", "3000", "a"), ("98", "0", "3000", ""))]
     assert "Waypoints, row 2, latitude: " in after(page, lambda: tables["waypoints"]._handle_msg({"rows": wrong}))
     assert "at most 85°" in tables["waypoints"].refused
+    assert page.run.message == ""
     assert session.design == before
     wrong[1]["latitude"] = "48.3°"
     assert "of 1 line" in after(page, lambda: tables["waypoints"]._handle_msg({"rows": wrong}))
@@ -184,6 +186,12 @@ def test_a_double_click_on_the_map_adds_a_waypoint_there(session: Session) -> No
     session.change({"trajectory.flight": "waypoints", "trajectory.waypoints": _places((48, 0), (48.2, 0))})
     page = TrajectoryPage(session)
     after(page, page.start)
+    after(page, lambda: setattr(page, "flight", "lines"))
+    page._placed(DoubleTap(None, x=5.0, y=22.0))
+    assert page._bar.message.startswith("A double click adds a waypoint where the flight is one of waypoints")
+    assert len(session.design["trajectory.waypoints"]) == 2
+    after(page, lambda: setattr(page, "flight", "waypoints"))
+    assert page._bar.message == ""
     after(page, lambda: page._placed(DoubleTap(None, x=5.0, y=22.0)))
     added = session.design["trajectory.waypoints"][-1]
     assert math.degrees(added[0]) == pytest.approx(48 + 22.0 / 111.2, abs=2e-3)
