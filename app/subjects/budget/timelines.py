@@ -1,7 +1,8 @@
-"""Sigmas over the time since the last fix, as plain data: three charts, each alone and together on one axis."""
+"""Sigmas over the time since the last fix, as plain data: three charts on one axis, and position by its causes."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance, steady_marks
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 _BEFORE = 12  # times there
 _TIME = "time since the last fix [s]"
+_YAW = " Yaw is unobservable on a straight path: only its growth [T-5] is shown."
 DEGREES = 180 / math.pi
 """Of a radian."""
 
@@ -48,20 +50,13 @@ def _after(curve: Array) -> Array:
     return np.concatenate((np.full(_BEFORE, np.nan), np.where(curve > 0, curve, np.nan)))
 
 
-def _cycle_band(budget: Budget, key: str, label: str, field: str, style: str, scale: float = 1.0) -> Band:
+def _cycle_band(budget: Budget, axis: str) -> Band:
     prior, posterior = (
-        scale * getattr(moment, field) for moment in (budget.steady_state.prior, budget.steady_state.posterior)
+        getattr(moment, f"position_{axis}") for moment in (budget.steady_state.prior, budget.steady_state.posterior)
     )
     x = np.array([-_LEAD * budget.coast.duration, 0.0])
-    source = f"{_cycle_method(budget)} [T-8]"
-    return Band(key, label, x, np.full(2, posterior), np.full(2, prior), style, source)
-
-
-def _cycle_bands(budget: Budget, quantity: str) -> tuple[Band, Band]:
-    return (
-        _cycle_band(budget, "bh", "horizontal, before/after fix", f"{quantity}_horizontal", "horizontal"),
-        _cycle_band(budget, "bv", "vertical, before/after fix", f"{quantity}_vertical", "vertical"),
-    )
+    label, source = f"{axis}, before/after fix", f"{_cycle_method(budget)} [T-8]"
+    return Band(f"b{axis[0]}", label, x, np.full(2, posterior), np.full(2, prior), axis, source)
 
 
 def _cycle_method(budget: Budget) -> str:
@@ -83,12 +78,6 @@ def _validity(budget: Budget) -> str:
     value = budget.steady_state.lambda_dt
     word = "wide sawtooth: read the band" if value > WIDE_SAWTOOTH else "narrow sawtooth"
     return f"λ·dt = {number(value)} ({word})"
-
-
-def _settled_limits(budget: Budget, *names: str, scale: float = 1.0) -> tuple[Limit, ...]:
-    """Limits before the last fix; NaN where the smoothed figure is checked, as the curves are of real time."""
-    spans = ((name, -_LEAD * budget.coast.duration, 0.0) for name in names)
-    return _limits(budget, spans, math.nan if budget.smoothed else scale)
 
 
 def _cited(budget: Budget) -> str:
@@ -115,37 +104,11 @@ def position_knowledge(budget: Budget) -> str:
     )
 
 
-_Curve = tuple[str, str, Array, str, str]
-"""Key, label, values, style and source of a line."""
-
-
-def _chart(
-    budget: Budget, key: str, unit: str, curves: Sequence[_Curve], bands: tuple[Band, ...], limits: tuple[Limit, ...],
-    knowledge: str, y_range: tuple[float, float] | None = None,
-) -> Chart:  # fmt: skip
-    """One quantity against time by formulas, which are of real time whatever the design's processing."""
-    x = _grid(budget)
-    return Chart(
-        key=key,
-        title=f"{key.capitalize()} sigma{' in real time' if budget.smoothed else ''}",
-        x_label=_TIME,
-        y_label=f"{key}, 1σ [{unit}]",
-        lines=tuple(Line(name, label, x, y, style, source) for name, label, y, style, source in curves),
-        bands=bands,
-        limits=limits,
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        named_at_ends=True,
-        y_range=y_range,
-        knowledge=knowledge,
-    )
-
-
 def position_chart(budget: Budget) -> Chart:
-    """Position sigma against time: steady state, then outage."""
+    """Position sigma against time by cause: steady state, then outage, by formulas, which are of real time."""
     steady, coast = budget.steady_state, budget.coast
     level, upright = steady_marks(budget.design)
-    end = coast.duration
+    x, end = _grid(budget), coast.duration
     curves = (
         ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
          "horizontal", f"formula {level}, [T-9]"),
@@ -160,50 +123,46 @@ def position_chart(budget: Budget) -> Chart:
         ("th", "horizontal, initial tilt alone", _after(coast.initial_tilt),
          "initial tilt", "formula [T-12]"),
     )  # fmt: skip
+    settled = (("horizontal_position", float(x[0]), 0.0), ("vertical_position", float(x[0]), 0.0))
     limits = (
-        *_settled_limits(budget, "horizontal_position", "vertical_position"),
+        *_limits(budget, settled, math.nan if budget.smoothed else 1.0),  # where the smoothed figure is checked: none
         *_limits(budget, (("coast_horizontal_position", 0.0, end), ("coast_vertical_position", 0.0, end))),
     )
     floor = 0.3 * min(
         steady.posterior.position_horizontal, steady.posterior.position_vertical, steady.closed.position_vertical
     )
-    top = max(*(np.nanmax(y) for _, _, y, *_ in curves[:4]), *(0 if math.isnan(x.level) else x.level for x in limits))
-    return _chart(
-        budget, "position", "m", curves, _cycle_bands(budget, "position"), limits, position_knowledge(budget),
-        (floor, 2 * top),
-    )  # fmt: skip
+    top = max(
+        *(np.nanmax(y) for _, _, y, *_ in curves[:4]), *(0 if math.isnan(one.level) else one.level for one in limits)
+    )
+    return Chart(
+        key="position",
+        title=f"Position sigma{' in real time' if budget.smoothed else ''}",
+        x_label=_TIME,
+        y_label="position, 1σ [m]",
+        lines=tuple(Line(name, label, x, y, style, source) for name, label, y, style, source in curves),
+        bands=(_cycle_band(budget, "horizontal"), _cycle_band(budget, "vertical")),
+        limits=limits,
+        spans=(_aperture_span(budget),),
+        y_log=True,
+        named_at_ends=True,
+        y_range=(floor, 2 * top),
+        knowledge=position_knowledge(budget),
+    )
 
 
 def velocity_chart(budget: Budget) -> Chart:
     """Velocity sigma against time."""
-    steady, coast = budget.steady_state, budget.coast
-    level, upright = steady_marks(budget.design)
-    curves = (
-        ("ch", "horizontal", _held(steady.closed.velocity_horizontal, coast.velocity_horizontal),
-         "horizontal", f"formula {level}, [T-9]"),
-        ("cv", "vertical", _held(steady.closed.velocity_vertical, coast.velocity_vertical),
-         "vertical", f"formula {upright}, [T-10]"),
-    )  # fmt: skip
-    limits = _settled_limits(budget, "horizontal_velocity", "vertical_velocity")
-    knowledge = f"Formulas {_cited(budget)}, [T-9], [T-10]; band [T-8], {_validity(budget)}."
-    return _chart(budget, "velocity", "m/s", curves, _cycle_bands(budget, "velocity"), limits, knowledge)
+    return _drawn(together(budget)[1])
 
 
 def attitude_chart(budget: Budget) -> Chart:
     """Tilt sigma and yaw growth against time."""
-    steady, coast = budget.steady_state, budget.coast
-    level, _ = steady_marks(budget.design)
-    curves = (
-        ("tilt", "roll and pitch, each", _held(steady.closed.tilt * DEGREES, coast.tilt * DEGREES),
-         "tilt", f"formula {level}, [T-9]"),
-        ("yaw", "yaw, growth alone", _after(coast.yaw_growth * DEGREES), "yaw", "formula [T-5]"),
-    )  # fmt: skip
-    bands = (_cycle_band(budget, "bt", "tilt, before/after fix", "tilt", "tilt", DEGREES),)
-    knowledge = (
-        f"Tilt {level}, formula [T-9], band [T-8], {_validity(budget)}. "
-        "Yaw is unobservable on a straight path: only its growth [T-5] is shown."
-    )
-    return _chart(budget, "attitude", "°", curves, bands, _settled_limits(budget, "tilt", scale=DEGREES), knowledge)
+    return _drawn(together(budget)[2])
+
+
+def _drawn(chart: Chart) -> Chart:
+    """A chart alone, which need not have the same series for every design."""
+    return replace(chart, lines=tuple(line for line in chart.lines if not np.isnan(line.y).all()))
 
 
 def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
@@ -238,13 +197,16 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
         )  # fmt: skip
 
     def chart(
-        key: str, unit: str, curves: tuple[tuple[str, str, Array], ...], limited: Iterable[str], scale: float = 1.0
-    ) -> Chart:
-        lines = tuple(Line(label, label, x, y, style) for label, style, y in curves)
+        key: str, unit: str, curves: tuple[tuple[str, str, Array], ...], limited: Iterable[str], marks: str,
+        scale: float = 1.0,
+    ) -> Chart:  # fmt: skip
+        source = f"formula {marks}" if smoothed is None else f"smoothed [P-3], in real time by formula {marks}"
+        lines = tuple(Line(label, label, x, y, style, source) for label, style, y in curves)
         spans = ((name, 0.0, end) if name.startswith("coast") else (name, lead, 0.0) for name in limited)
         return Chart(
-            key, f"{key} sigma", _TIME, f"{key}, 1σ [{unit}]", lines, limits=_limits(budget, spans, scale),
-            spans=span, y_log=True,
+            key, f"{key.capitalize()} sigma", _TIME, f"{key}, 1σ [{unit}]", lines,
+            limits=_limits(budget, spans, scale), spans=span, y_log=True, named_at_ends=True,
+            knowledge=f"{source[0].upper()}{source[1:]}.{_YAW if key == 'attitude' else ''}",
         )  # fmt: skip
 
     positions = ("horizontal_position", "vertical_position", "coast_horizontal_position", "coast_vertical_position")
@@ -252,8 +214,15 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
         *pair("roll, pitch", "tilt", "tilt, real time", "tilt", settled.tilt, coast.tilt, DEGREES),
         ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
     )
+    cited = _cited(budget)
     return (
-        chart("position", "m", both("position"), positions),
-        chart("velocity", "m/s", both("velocity", "velocity"), ("horizontal_velocity", "vertical_velocity")),
-        chart("attitude", "°", attitude, ("tilt",), DEGREES),
+        chart("position", "m", both("position"), positions, f"{cited}, [T-17]"),
+        chart(
+            "velocity",
+            "m/s",
+            both("velocity", "velocity"),
+            ("horizontal_velocity", "vertical_velocity"),
+            f"{cited}, [T-9], [T-10]",
+        ),
+        chart("attitude", "°", attitude, ("tilt",), f"{cited}, [T-9], [T-5]", DEGREES),
     )

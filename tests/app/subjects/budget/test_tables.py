@@ -239,10 +239,14 @@ def test_page_and_report_cite_the_steady_state_that_was_computed() -> None:
 def test_charts_of_formulas_say_real_time_where_the_design_is_post_processed(mems: Budget) -> None:
     """Their level before the last fix is not the one that is checked: no limit of it stands beside them."""
     smoothed = changed(processing__mode="post-processed", gnss__velocity_noise=0.03)
+    assert "real time" not in position_chart(mems).title
+    assert "in real time" in position_chart(smoothed).title
     for draw in (position_chart, velocity_chart, attitude_chart):
-        assert "real time" not in draw(mems).title
-        assert "in real time" in draw(smoothed).title
         assert "[P-6], [P-6]" not in draw(smoothed).knowledge
+    for draw in (velocity_chart, attitude_chart):
+        assert not any("real time" in line.label for line in draw(mems).lines)
+        assert any("real time" in line.label for line in draw(smoothed).lines)
+        assert draw(smoothed).knowledge.startswith("Smoothed [P-3], in real time by formula [P-6]")
     levels = {limit.key: limit.level for limit in position_chart(smoothed).limits}
     assert levels["coast_horizontal_position"] == 50
     assert math.isnan(levels["horizontal_position"])
