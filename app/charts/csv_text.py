@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 
@@ -15,6 +15,12 @@ def csv_text(rows: Iterable[Iterable[Any]]) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(map(_cell, row) for row in rows)
     return text.getvalue()
+
+
+def csv_of(records: Iterable[Mapping[str, Any]]) -> str:
+    """Records with the same keys as CSV, the keys at the head."""
+    rows = [*records]
+    return csv_text((*rows[:1], *(row.values() for row in rows)))
 
 
 def _cell(value: Any) -> Any:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from app.charts.csv_text import csv_text
+from app.charts.csv_text import csv_of
 from app.console.arguments import put_json
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
@@ -16,7 +16,7 @@ from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.design.file import read_bytes
 from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import rank, sentence, silent
-from nav_model.explore.search import left_out, search
+from nav_model.explore.search import Candidate, left_out, search
 from nav_model.explore.solve import remedies, resolution_for, solve
 from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import read_plan
@@ -97,21 +97,20 @@ def searched(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     """Every IMU with every receiver class."""
     imus, receivers = _entries("imu", options.imus), _entries("gnss", options.receivers)
     offers = any(entry.offer for entry in (*imus.values(), *receivers.values()))
-    rows = [
-        {
-            **{name: getattr(row, name) for name in _CANDIDATE},
-            **{f"margin_{name}": margin for name, margin in row.margins.items()},
-            "not_confirmed": "; ".join(row.doubts),
-            **(
-                {"price": row.price, "currency": row.currency, "mass_kg": row.mass, "power_w": row.power}
-                if offers
-                else {}
-            ),
-        }
-        for row in search(design, imus, receivers, options.biases)
-    ]
+    rows = [candidate(row, offers) for row in search(design, imus, receivers, options.biases)]
     whole = {"residual_biases": options.biases, "candidates": rows, "left_out": left_out(imus, options.biases)}
     return whole, rows
+
+
+def candidate(row: Candidate, offers: bool) -> dict[str, Any]:
+    """A unit or a pair as a row, with what it is offered for where there are ``offers``."""
+    price = {"price": row.price, "currency": row.currency, "mass_kg": row.mass, "power_w": row.power}
+    return {
+        **{name: getattr(row, name) for name in _CANDIDATE},
+        **{f"margin_{name}": margin for name, margin in row.margins.items()},
+        "not_confirmed": "; ".join(row.doubts),
+        **(price if offers else {}),
+    }
 
 
 def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
@@ -165,8 +164,7 @@ def explore(design: Design, options: argparse.Namespace) -> int:
     mode = design.processing.mode
     if not options.csv:
         return put_json(lambda: {"processing": {"mode": mode}, **whole})
-    table = [{**row, "processing.mode": mode} for row in rows]
-    sys.stdout.write(csv_text((table[0], *(row.values() for row in table))))
+    sys.stdout.write(csv_of({**row, "processing.mode": mode} for row in rows))
     return 0
 
 

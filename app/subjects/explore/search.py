@@ -10,12 +10,13 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.csv_text import csv_text
+from app.charts.csv_text import csv_of
 from app.declared import chosen
 from app.document.pane import html_of
 from app.library.offers import KINDS, Offers, keep_offers, kept_offers, read_offers
 from app.library.place import library
 from app.session import Session
+from app.subjects.explore.console import candidate
 from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.tables import search_answer, search_table
 from app.ui.chart_pane import source_note
@@ -179,11 +180,4 @@ class SearchPanel(Question):
         self._said.object = f'<p role="status">{escape(text)}</p>'
 
     def _csv(self) -> str:
-        margins = self._found[0].margins if self._found else ()
-        head = ("IMU", "Receiver", "Closes", "Margin", "Tightest", "Main error source", "Its share",
-                *(f"Margin of {name}" for name in margins), "Unverified",
-                "Price", "Currency", "Mass (kg)", "Power (W)")  # fmt: skip
-        rows = ((row.imu, row.gnss, row.closes, row.margin, row.tightest, row.dominant, row.share,
-                 *row.margins.values(), "; ".join(row.doubts), row.price, row.currency, row.mass, row.power)
-                for row in self._found)  # fmt: skip
-        return csv_text((head, *rows))
+        return csv_of(candidate(row, offers=True) for row in self._found)

@@ -166,8 +166,8 @@ def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
     search = _search(explore)
     rows = list(csv.DictReader(io.StringIO(search._csv())))
     shown = re.findall(r'<button type="button" value="(.*?)"', search._table.html)
-    assert [f"{row['IMU']} with {row['Receiver']}" for row in rows] == shown
-    assert search._table.html.count("✓ closes") == sum(row["Closes"] == "True" for row in rows) > 0
+    assert [f"{row['imu']} with {row['gnss']}" for row in rows] == shown
+    assert search._table.html.count("✓ closes") == sum(row["closes"] == "True" for row in rows) > 0
 
 
 @pytest.mark.parametrize(
