@@ -7,8 +7,19 @@ from dataclasses import replace
 import numpy as np
 
 from app.charts.kinds import Bar, BarChart, Chart, Line
-from app.charts.words import in_words
-from app.document.blocks import Cell, Chapter, ChartBlock, Column, Row, Section, Table, Told, numbers, table
+from app.document.blocks import (
+    Cell,
+    Chapter,
+    ChartBlock,
+    Column,
+    Row,
+    Section,
+    Table,
+    Told,
+    chart_block,
+    numbers,
+    table,
+)
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, percent, show_in
 from app.document.verdict import check_words, verdict_of
@@ -216,8 +227,7 @@ def _charts(budgets: Sequence[Budget], labels: Sequence[str], display: Display) 
         part = slice(start, start + _LINES)
         shown = budgets[part], labels[part]
         for chart in (display.timeline(position_comparison(*shown)), display.bars(phase_comparison(*shown))):
-            said = f"{chart.title} of {', '.join(labels[part])}. {in_words(chart)} {chart.knowledge}"
-            blocks.append(ChartBlock(f"c-chart-{chart.key}-{start}", chart, said))
+            blocks.append(chart_block(chart, f"c-{start}"))
     return tuple(blocks)
 
 

@@ -38,9 +38,7 @@ class ChartPane(Generic[_T]):
         height: int | None = None,
         moving: Callable[[_T], Plotted] | None = None,
     ) -> None:
-        self._describe = describe
         self._moving = moving or describe
-        self._current = current
         chart = describe(current())
         self._fills = height is None
         self.figure = to_bokeh(chart, height)
@@ -55,7 +53,7 @@ class ChartPane(Generic[_T]):
             self.view = pn.Column(self._title, figure, sizing_mode=sizing, stylesheets=[PRINT_WHOLE])
             return
         self._know = html_pane(_know(chart))
-        self._takes = self.takes()
+        self._takes = takes(describe, current)
         self.view = pn.Column(
             self._title,
             figure,
@@ -64,10 +62,6 @@ class ChartPane(Generic[_T]):
             styles=FRAME,
             stylesheets=[PRINT_WHOLE],
         )
-
-    def takes(self) -> list[pmui.FileDownload]:
-        """The buttons that take the chart's data away, new ones at each call."""
-        return takes(self._describe, self._current)
 
     def show(self, data: _T) -> None:
         """Update the figure."""

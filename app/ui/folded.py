@@ -20,7 +20,6 @@ class Folded(View):
     Examples
     --------
     >>> details = Folded([("Requirements", lambda: pn.pane.Str("none"))])
-    >>> details.open("Requirements")
     """
 
     def __init__(self, parts: Sequence[tuple[str, Callable[[], Any]]]) -> None:
@@ -37,11 +36,6 @@ class Folded(View):
             margin=(8, 10),
         )
         self._view.param.watch(self._opened, "active")
-
-    def open(self, title: str) -> None:
-        """Unfold the part of this title."""
-        index = [name for name, _ in self._parts].index(title)
-        self._view.active = sorted({*self._view.active, index})
 
     def _opened(self, event: Any) -> None:
         for index in event.new:

@@ -35,7 +35,6 @@ class StudySettings:
         self, session: Session, kind: str, of: param.Parameterized, names: tuple[str, ...], changed: Callable[[], Any]
     ) -> None:
         self._session, self._kind, self._of, self._names = session, kind, of, names
-        self._changed = changed
         self._follow()
         of.param.watch(self._tell, list(names))
         session.param.watch(lambda _: self._follow() and changed(), "settings")

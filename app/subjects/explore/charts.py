@@ -108,9 +108,9 @@ def sweep_chart(
     )
 
 
-def margin_chart(found: UncertainVerdict | None) -> Chart:
-    """Histogram of the tightest margin over uncertain designs; nothing before there is a result."""
-    edges, shares = ([math.nan] * 2, [math.nan]) if found is None else found.histogram
+def margin_chart(found: UncertainVerdict) -> Chart:
+    """Histogram of the tightest margin over uncertain designs."""
+    edges, shares = found.histogram
     x, y = 100 * np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
     kinds = (("does not close", x <= 0), ("closes", x >= 0))
     return Chart(

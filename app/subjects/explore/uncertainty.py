@@ -16,8 +16,9 @@ from app.session import Session
 from app.subjects.explore.charts import margin_chart
 from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.tables import uncertain_answer, uncertain_table
-from app.ui.chart_pane import ChartPane, source_note
+from app.ui.chart_pane import source_note
 from app.ui.first_screen import first_screen
+from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.row_editor import Field, RowEditor, Rows
 from app.ui.study_settings import StudySettings
@@ -101,8 +102,8 @@ class UncertaintyPanel(Question):
         self.rows = RowEditor(_FIELDS, self._told, caption="Ranges")
         self._settings = StudySettings(session, "uncertainty", self, ("ranges",), lambda: self._set(self._texts()))
         self._recall()
-        self._table = html_pane("", margin=(4, 14))
-        self._chart = ChartPane[UncertainVerdict | None](margin_chart, lambda: self.run.result)
+        self._found = Follower[UncertainVerdict](lambda: self.run.result)
+        self._table = self._found.text(lambda found: html_of(uncertain_table(found)), (4, 14))
 
     def __panel__(self) -> pn.Column:
         assume = pmui.Button(
@@ -110,11 +111,12 @@ class UncertaintyPanel(Question):
             on_click=lambda _: self.assume(),
         )  # fmt: skip
         clear = pmui.Button(label="Clear", variant="text", margin=(8, 8), on_click=lambda _: self._set({}))
-        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}, "stylesheets": [NARROW]}
+        fills = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
+        scrolls = {**fills, "styles": {"overflow": "auto"}}
         return first_screen(
             left=[pn.Column(pn.FlexBox(assume, clear), self.rows, **scrolls)],
             right=[
-                self._chart.view,
+                self._found.later(lambda: self._found.chart(margin_chart), **fills),
                 pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls),
             ],
             height="100%",
@@ -201,5 +203,4 @@ class UncertaintyPanel(Question):
             said = uncertain_answer(self.run.result)
             self.answer = said if self.ranges else replace(said, sentences=(_EXAMPLE, *said.sentences))
             with pn.io.hold():
-                self._table.object = html_of(uncertain_table(self.run.result))
-                self._chart.show(self.run.result)
+                self._found.follow()

@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 import numpy as np
+import panel as pn
 import pyarrow.parquet
 import pytest
 from waiting import soon
@@ -219,8 +220,8 @@ async def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> No
     found = uncertain_verdict(first_design(), {"imu.angle_random_walk": read_uncertain(
         "imu.angle_random_walk", "0.02 °/√h .. 0.06 °/√h")})  # fmt: skip
     assert sure.run.result.closes == found.closes
-    bars = sure._chart.figure.plot  # the bins right of zero hold the probability
-    assert bars.yaxis[0].axis_label == "designs in a bin [%]"
+    (bars,) = sure.__panel__().select(pn.pane.Bokeh)  # the bins right of zero hold the probability
+    assert bars.object.yaxis[0].axis_label == "designs in a bin [%]"
     edges, shares = found.histogram
     assert sum(share for edge, share in zip(edges, shares, strict=False) if edge >= -1e-9) == pytest.approx(
         found.closes.value, abs=0.006
