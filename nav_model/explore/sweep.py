@@ -6,7 +6,6 @@ starting again computes what is missing or was changed. Parts depend on nothing 
 processes and a Dask cluster write the same file.
 """
 
-import csv
 import functools
 import hashlib
 import io
@@ -23,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from nav_model.base.arrays import Array
+from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError
 from nav_model.base.processes import worker_pool
 from nav_model.budget.figures import FIGURES, figures
@@ -299,15 +299,7 @@ def sweep_ratios(columns: Mapping[str, Column]) -> Array:
 
 def to_csv(columns: Mapping[str, Column]) -> bytes:
     """Columns as a CSV file with a head, numbers in full precision."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*(map(_plain, values) for values in columns.values()), strict=True))
-    return text.getvalue().encode()
-
-
-def _plain(value: Any) -> Any:
-    return repr(float(value)) if isinstance(value, float) else value
+    return csv_text((columns, *zip(*columns.values(), strict=True))).encode()
 
 
 def to_parquet(columns: Mapping[str, Column]) -> bytes:

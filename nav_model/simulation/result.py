@@ -1,7 +1,5 @@
 """The result of a study: error statistics against the filter's covariance and the closed form, and the verdict."""
 
-import csv
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
@@ -10,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.constants import STANDARD_GRAVITY
+from nav_model.base.csv_text import csv_text
 from nav_model.simulation.schedule import plan
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, RunRecord
 from nav_model.simulation.specification import SimulationSpec
@@ -272,8 +271,5 @@ def to_csv(result: SimulationResult) -> str:
         columns.append((f"{name}_filter_sigma_{unit}", result.filter_sigma[POSTERIOR, :, column]))
         if result.closed_form_sigma is not None:
             columns.append((f"{name}_closed_form_sigma_{unit}", result.closed_form_sigma[:, column]))
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([name for name, _ in columns])
-    writer.writerows(zip(*(values.tolist() for _, values in columns), strict=True))
-    return text.getvalue()
+    names, values = zip(*columns, strict=True)
+    return csv_text((names, *zip(*values, strict=True)))

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from app.charts.csv_text import csv_of
 from app.console.arguments import put_json
 from app.console.progress import show_progress
+from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
 from nav_model.budget.figures import FIGURES
 from nav_model.design import Design

@@ -10,7 +10,6 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.csv_text import csv_of
 from app.declared import chosen
 from app.document.pane import html_of
 from app.library.offers import KINDS, Offers, keep_offers, kept_offers, read_offers
@@ -27,6 +26,7 @@ from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.study_settings import StudySettings
 from app.ui.theme import SWITCH
 from app.ui.upload import upload
+from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.charts.csv_text import csv_text
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import DIGITS, NONE, number, percent
 from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown, called
 from nav_model.base.constants import ARCSECOND
+from nav_model.base.csv_text import csv_text
 from nav_model.suborbital.star_camera import StarFrame
 from nav_model.suborbital.summary import PAPER_FINAL_M
 

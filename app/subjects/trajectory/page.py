@@ -11,7 +11,6 @@ import panel_material_ui as pmui
 import param
 from bokeh.events import DoubleTap
 
-from app.charts.csv_text import csv_text
 from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen, held
@@ -39,6 +38,7 @@ from app.ui.view import View
 from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
+from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.parts import Trajectory
@@ -316,4 +316,4 @@ def as_csv(found: Followed) -> str:
     head = ["time_s", *(f"{name} ({processing})" for processing in parts for name in FIGURES)]
     columns = [part.figure(name) for part in parts.values() for name in FIGURES]
     rows = zip(result.time_s, *columns, strict=True)
-    return csv_text([head, *([("" if math.isnan(x) else float(x)) for x in row] for row in rows)])
+    return csv_text([head, *([("" if math.isnan(x) else x) for x in row] for row in rows)])

@@ -7,8 +7,8 @@ import pytest
 from commanded import told
 from known_designs import MEMS
 
-from app.charts.csv_text import csv_text
 from app.cli import main
+from nav_model.base.csv_text import csv_text
 
 
 @pytest.mark.parametrize("question", ["solve", "rank", "map", "search", "uncertainty"])

@@ -7,7 +7,8 @@ from typing import Any
 
 
 def csv_text(rows: Iterable[Iterable[Any]]) -> str:
-    """Rows as CSV; a name that a spreadsheet would compute, as somebody's catalogue may hold, is marked as text.
+    """Rows as CSV, numbers in full precision; a name that a spreadsheet would compute, as somebody's catalogue may
+    hold, is marked as text.
 
     >>> csv_text([("=1+1", "-1.5", -2.0)])
     "'=1+1,-1.5,-2.0\\n"
@@ -26,7 +27,7 @@ def csv_of(records: Iterable[Mapping[str, Any]]) -> str:
 def _cell(value: Any) -> Any:
     """As it is, or with an apostrophe if it begins as a formula does and is no number."""
     if not isinstance(value, str):
-        return value
+        return float(value) if isinstance(value, float) else value  # NumPy's own is not written as Python's
     value = value.replace("\r", " ")  # it would end the row, unquoted
     if not value.startswith(("=", "+", "-", "@", "\t")):
         return value
