@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH, ENTERED, SYSTEMATIC, Contributor
@@ -93,14 +92,6 @@ def random_and_systematic(sigma: Any, parts: Iterable[Part]) -> tuple[Any, Any]:
     squares = [part.size**2 for part in parts if not part.systematic]
     root = np.sqrt(sigma**2 + sum(squares)) if squares else sigma
     return root, sum(part.size for part in parts if part.systematic)
-
-
-def all_with_contributors(found: Mapping[str, Array], parts: Parts, *, post_processed: bool) -> dict[str, Array]:
-    """Figures of one processing with what enters each."""
-    return {
-        name: with_contributors(sigma, entering(parts, name, post_processed=post_processed))
-        for name, sigma in found.items()
-    }
 
 
 def composed(sigma: Any, shares: Mapping[str, Any], parts: tuple[Part, ...]) -> Composed:

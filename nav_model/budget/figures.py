@@ -20,7 +20,7 @@ from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import TURNING, smoothed_bent_variance, turn_weights
 from nav_model.aperture import geometry, phase
 from nav_model.base.arrays import Array, as_numbers
-from nav_model.budget.contributors import NONE, all_with_contributors, entering, with_contributors
+from nav_model.budget.contributors import NONE, entering, with_contributors
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.budget.response import responses
@@ -372,7 +372,10 @@ def figures(x: Inputs, names: Collection[str] = tuple(FIGURES)) -> dict[str, Arr
     found = _of_model(x, {*names, *needed})
     own = {limit.name: _limited(x, limit, found) for limit in limits}
     wanted = {name: value for name, value in found.items() if name in names} | own
-    return all_with_contributors(wanted, x.own, post_processed=x.post_processed)
+    return {
+        name: with_contributors(value, entering(x.own, name, post_processed=x.post_processed))
+        for name, value in wanted.items()
+    }
 
 
 def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:

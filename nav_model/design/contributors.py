@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, not_a_choice, shown
@@ -118,9 +118,6 @@ class Sized:
         )
 
 
-_Named = TypeVar("_Named", bound=Sized)
-
-
 @dataclass(frozen=True)
 class Contributor(Sized):
     """One contributor.
@@ -207,24 +204,7 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     InputError
         Naming the contributor and the key that is wrong, what was given and what is allowed.
     """
-    return checked(_read(*given) for given in given_tables("contributors", tables, _KEYS, ("value", "enters")))
-
-
-def checked(named: Iterable[_Named]) -> tuple[_Named, ...]:
-    """Contributors, or limits, of which no two have one name.
-
-    Raises
-    ------
-    InputError
-        If two have, or if there are more than `MOST`.
-    """
-    found: dict[str, _Named] = {}
-    for one in named:
-        if found.setdefault(one.name.casefold(), one) is not one:
-            raise InputError(one.where, f"is the name of two {one.table}. Rename one.", one.name)
-        if len(found) > MOST:
-            raise InputError(one.table, f"are too many. Give at most {MOST}.")
-    return tuple(found.values())
+    return tuple(_read(*given) for given in given_tables("contributors", tables, _KEYS, ("value", "enters")))
 
 
 _KEYS = ("name", "value", "enters", "kind", "processing", "allowance", "owner", "source")

@@ -11,11 +11,11 @@ from nav_model.design.contributors import (
     COASTING,
     ENTERED,
     IN_OUTAGE,
+    MOST,
     UNSCALED,
     Contributor,
     Sized,
     check_text,
-    checked,
     dimensions_of,
     given_tables,
     label_of,
@@ -134,19 +134,20 @@ class Allotment:
 
 @dataclass(frozen=True)
 class Own:
-    """Contributors, limits and an allocation; no two of one kind and name, and every value limited is known."""
+    """Contributors, limits and an allocation; no two of one kind and name, and at most `MOST` of a kind."""
 
     contributors: tuple[Contributor, ...] = ()
     limits: tuple[Limit, ...] = ()
     allocation: Allotment | None = None
 
     def __post_init__(self) -> None:
-        checked(self.contributors)
-        checked(self.limits)
-        for limit in self.limits:
-            _limited_dimension(limit.where, limit.name, limit.on, self.contributors)
-        for lock in self.allocation.locks if self.allocation else ():
-            lock_dimensions(lock.requirement, self.limits)
+        for named in (self.contributors, self.limits):
+            found: dict[str, Sized] = {}
+            for one in named:
+                if found.setdefault(one.name.casefold(), one) is not one:
+                    raise InputError(one.where, f"is the name of two {one.table}. Rename one.", one.name)
+                if len(found) > MOST:
+                    raise InputError(one.table, f"are too many. Give at most {MOST}.")
 
     def tables(self) -> dict[str, Any]:
         """What a design file has of it; `read_own` takes it back."""
@@ -173,23 +174,6 @@ class Own:
         return lines
 
 
-def lock_dimensions(requirement: str, limits: tuple[Limit, ...]) -> tuple[str, ...]:
-    """Dimensions that a lock in a requirement may have.
-
-    Raises
-    ------
-    InputError
-        If there is no such requirement.
-    """
-    own = {each.name: dimensions_of(each.on) if each.on in ENTERED else (each.dimension,) for each in limits}
-    if requirement in ENTERED:
-        return dimensions_of(requirement)
-    if requirement not in own:
-        said = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
-        raise InputError("allocation.locks", said, requirement)
-    return own[requirement]
-
-
 def read_own(tables: Mapping[str, Any]) -> Own:
     """What the tables of a design file under `OWN_KEYS` say; others are not looked at.
 
@@ -204,19 +188,6 @@ def read_own(tables: Mapping[str, Any]) -> Own:
     return Own(contributors, limits, plan)
 
 
-def _limited_dimension(where: str, name: str, on: str, contributors: tuple[Contributor, ...]) -> str:
-    """Dimension of what a limit is on, of a phase the angle."""
-    dimensions = {**{one.name: one.dimension for one in contributors}, **ENTERED}
-    if on not in dimensions:
-        raise InputError(
-            f"{where}.on",
-            f"The requirement {shown(name)} limits {shown(on)}, which is no contributor and no value of the budget. "
-            "Remove that requirement first, or let it limit another value.",
-            on,
-        )
-    return dimensions[on]
-
-
 def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tuple[Limit, ...]:
     """Limits from the tables ``[[limits]]`` of a design file.
 
@@ -225,18 +196,24 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
     InputError
         As `read_own`.
     """
-    found = []
+    dimensions, found = {**{one.name: one.dimension for one in contributors}, **ENTERED}, []  # of a phase the angle
     for where, texts in given_tables("limits", tables, ("name", "on", "limit", "at", "confidence"), ("on", "limit")):
         on = texts["on"]
-        allowed = (_limited_dimension(where, texts["name"], on, contributors),)
-        value, unit, dimension = read_size(f"{where}.limit", texts["limit"], on, allowed)
+        if on not in dimensions:
+            raise InputError(
+                f"{where}.on",
+                f"The requirement {shown(texts['name'])} limits {shown(on)}, which is no contributor and no value of "
+                "the budget. Remove that requirement first, or let it limit another value.",
+                on,
+            )
+        value, unit, dimension = read_size(f"{where}.limit", texts["limit"], on, (dimensions[on],))
         numbers: dict[str, Any] = {
             key: read_like(declaration, f"{where}.{key}", texts[key])
             for key, declaration in _LIKE.items()
             if key in texts
         }
         found.append(Limit(texts["name"], on, value, dimension, unit=unit, **numbers))
-    return checked(found)
+    return tuple(found)
 
 
 def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
@@ -252,14 +229,18 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
     for key in table:
         if key not in ("split", "reserve", "locks"):
             raise InputError(f"allocation.{key}", "unknown key; [allocation] has split, reserve, locks", table[key])
+    dimensions = {figure: dimensions_of(figure) for figure in ENTERED}
+    dimensions |= {one.name: dimensions.get(one.on, (one.dimension,)) for one in limits}
     locks, given = [], table.get("locks", {})
     for requirement, entries in given.items() if isinstance(given, dict) else [("", given)]:
         where = f"allocation.locks.{requirement}"
         if not isinstance(entries, dict):
             raise InputError("allocation.locks", "must be sections, [allocation.locks.REQUIREMENT]", entries)
-        dimensions = lock_dimensions(requirement, limits)
+        if requirement not in dimensions:
+            said = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
+            raise InputError("allocation.locks", said, requirement)
         for source, text in entries.items():
-            value, unit, dimension = read_size(f"{where}.{source}", text, requirement, dimensions)
+            value, unit, dimension = read_size(f"{where}.{source}", text, requirement, dimensions[requirement])
             locks.append(Lock(requirement, source, value, dimension, unit))
     reserve = read_like(RESERVE, "allocation.reserve", table.get("reserve", "20 %"))
     return Allotment(table.get("split", "shares"), reserve, tuple(locks))

@@ -19,12 +19,12 @@ import numpy as np
 from nav_model.allan.degrees import degrees_of_freedom
 from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
-from nav_model.base.units import from_si, to_si
 from nav_model.budget import analyse
 from nav_model.budget.allocation import allocate
 from nav_model.budget.result import makers_of
 from nav_model.design import Design
 from nav_model.explore.margins import limits, quantity, ratios, worst
+from nav_model.explore.solve import typed
 
 Unit = Literal["imu", "gnss"]
 
@@ -43,6 +43,7 @@ _NOISES: Mapping[Unit, tuple[str, ...]] = {
 _TRIADS = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
 _LARGEST = 1e4
 _HALVINGS = 60
+_ROUNDING = 1e-12  # so that a value of three digits is not rounded down to the next one
 
 
 @dataclass(frozen=True)
@@ -82,22 +83,32 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
     """
     if not limits(design):
         raise InputError("requirements", "none is given; give at least one limit to require values for")
-    if design.allocation is not None:
-        return _allocated(design, unit)
     now = {key: float(value) for key in _NOISES[unit] if isinstance(value := design[key], float)}
+    factors = _alike(design, unit, now) if design.allocation is None else _allocated(design, unit, now)
+    largest = {key: (1 + _ROUNDING) * factors[key] * value for key, value in now.items()}
+    return tuple(Required(key, typed(design, key, largest[key]).value, value) for key, value in now.items())
+
+
+def _alike(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str, float]:
+    """The largest factor of all noises together with which every limit is met, for each."""
+
+    def closes(factor: float) -> bool:
+        largest = worst(ratios(design, {key: np.array(factor * value) for key, value in now.items()}))
+        return bool(largest <= 1)
+
     low, high = math.log(1 / _LARGEST), math.log(_LARGEST)
-    if not _closes(design, now, math.exp(low)):
+    if not closes(math.exp(low)):
         raise InputError(unit, "no noise is low enough: other inputs alone exceed a limit")
-    if _closes(design, now, math.exp(high)):
+    if closes(math.exp(high)):
         raise InputError(unit, "no limit depends on its noise: every unit meets the limits or none does")
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        low, high = (middle, high) if _closes(design, now, math.exp(middle)) else (low, middle)
-    return tuple(Required(key, _down(key, math.exp(low) * value, design), value) for key, value in now.items())
+        low, high = (middle, high) if closes(math.exp(middle)) else (low, middle)
+    return dict.fromkeys(now, math.exp(low))
 
 
-def _allocated(design: Design, unit: Unit) -> tuple[Required, ...]:
-    """Each noise times the least ratio of allocated to estimated among the entries that it makes.
+def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str, float]:
+    """Of each noise the least ratio of allocated to estimated among the entries that it makes.
 
     An entry of one source scales with it. The initial tilt scales no more than the largest factor of the noises that
     make it, so that all of them are held to its ratio. The filter that fits the new noises is better than the old one
@@ -113,26 +124,9 @@ def _allocated(design: Design, unit: Unit) -> tuple[Required, ...]:
         for entry in found.entries:
             for maker in makers_of(check, entry.source):
                 factors[maker] = min(factors.get(maker, math.inf), entry.allocated / entry.estimated)
-    now = {key: float(value) for key in _NOISES[unit] if isinstance(value := design[key], float)}
     if not any(quantity(key).source in factors for key in now):
         raise InputError(unit, "no limit depends on its noise: every unit meets the limits or none does")
-    return tuple(
-        Required(key, _down(key, factors.get(quantity(key).source, 1.0) * value, design), value)
-        for key, value in now.items()
-    )
-
-
-def _closes(design: Design, now: Mapping[str, float], factor: float) -> bool:
-    largest = worst(ratios(design, {key: np.array(factor * value) for key, value in now.items()}))
-    return bool(largest <= 1)
-
-
-def _down(key: str, value: float, design: Design) -> float:
-    """The value with three digits in its unit, rounded to the safe side."""
-    unit, dimension = design.unit(key), quantity(key).dimension
-    shown = from_si(value, unit, dimension)
-    step = 10.0 ** (math.floor(math.log10(shown)) - 2)
-    return to_si(float(f"{math.floor(shown / step * (1 + 1e-12)) * step:.3g}"), unit, dimension)
+    return {key: factors.get(quantity(key).source, 1.0) for key in now}
 
 
 def accepted_share(degrees: float) -> float:

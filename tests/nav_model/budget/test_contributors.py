@@ -17,7 +17,7 @@ from nav_model.design.catalogue import catalogue
 from nav_model.design.contributors import ENTERED, IN_OUTAGE, Contributor, read_contributors
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
-from nav_model.design.own import Own, read_limits
+from nav_model.design.own import Own, read_limits, read_own
 from nav_model.explore.search import search
 
 _LIMITS = {
@@ -197,7 +197,7 @@ def test_what_is_wrong_is_refused_by_name(change: dict[str, Any], named: str) ->
 )
 def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> None:
     with pytest.raises(InputError) as refused:
-        read_contributors(tables)
+        read_own({"contributors": tables})
     assert refused.value.key == named
     if not isinstance(tables, dict):
         with pytest.raises(InputError):
