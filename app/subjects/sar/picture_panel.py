@@ -1,4 +1,4 @@
-"""Pictures on the page: all at one scale, and to take away as numbers (NPZ) or as they print (SVG)."""
+"""Pictures on the page: all at one scale, and to take away as numbers (NPZ, CSV) or as they print (SVG)."""
 
 import io
 from html import escape
@@ -31,6 +31,7 @@ class PicturePanel(View):
         self._heading, self._pictures = html_pane("", margin=(8, 10, 0, 10)), html_pane("")
         self.links = pn.FlexBox(
             download(f"{title}: NPZ", f"{key}.npz", self._npz),
+            download(f"{title}: CSV", f"{key}.csv", lambda: elsewhere(pictures_csv, self._shown())),
             download(f"{title}: SVG", f"{key}.svg", lambda: elsewhere(to_svg, self._shown())),
         )
         self._view = pn.Column(self._heading, self._pictures, self.links, visible=self.param.chart.rx.is_not(None))
@@ -54,3 +55,13 @@ class PicturePanel(View):
         chart, packed = self._shown(), io.BytesIO()
         np.savez_compressed(packed, names=np.array(chart.names), x_m=chart.x, y_m=chart.y, power_db=chart.power_db)
         return packed.getvalue()
+
+
+def pictures_csv(chart: PictureChart) -> str:
+    """The pictures as a table, a pixel a line and a column a picture."""
+    y, x = np.meshgrid(chart.y, chart.x, indexing="ij")
+    table = np.column_stack([x.ravel(), y.ravel(), *(power.ravel() for power in chart.power_db)])
+    head = ",".join([chart.x_label, chart.y_label, *(f'"{name} [dB]"' for name in chart.names)])
+    text = io.StringIO()
+    np.savetxt(text, table, fmt="%.5g", delimiter=",", header=head, comments="")
+    return text.getvalue()
