@@ -59,8 +59,7 @@ def moved(study: Study, inputs: SuborbitalInputs, linear: LinearParts | None = N
     noise and decoupled channels exactly.
 
     linear: from `renewed` where that was done elsewhere. At the study's own inputs the answer is the exact one;
-    away from them the gap is of second order, and `position_gap` shows it once the study has been run again. The
-    gravity row does not move.
+    away from them the gap is of second order (`position_gap`). The gravity row does not move.
     """
     new, old = linear or renewed(study, inputs), study.linear
     _, parameters = case_parameters(inputs.errors, inputs.aiding)

@@ -8,7 +8,7 @@ from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.input_table import INPUTS
 from nav_model.suborbital.noise_ensemble import LEVEL, NoiseEnsemble
 from nav_model.suborbital.settings import DEFAULTS, Settings
-from nav_model.suborbital.study import Gap, Study
+from nav_model.suborbital.study import Study
 from nav_model.suborbital.summary import by_channel, to_json
 from nav_model.suborbital.survey import Survey
 
@@ -60,19 +60,6 @@ def survey_json(survey: Survey, study: Study | None = None, settings: Settings |
         "gravity_mismatch_final_m": [
             {"truth": truth, "ins": model, **by_channel(error)} for truth, model, error in survey.gravity
         ],
-    }
-
-
-def gap_json(gap: Gap) -> dict[str, Any]:
-    """The gap between moved curves and an exact run, m and share of the exact error, per case."""
-    return {
-        name: {
-            "final_m": float(gap.pure_m[k]),
-            "aided_final_m": float(gap.aided_m[k]),
-            "share": float(gap.pure_share[k]),
-            "aided_share": float(gap.aided_share[k]),
-        }
-        for k, name in enumerate(gap.names)
     }
 
 

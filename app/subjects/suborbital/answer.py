@@ -2,7 +2,7 @@
 
 from app.charts.kinds import Array
 from app.document.blocks import Answer, KeyFigure, KeyFigures
-from app.document.numbers import percent, show
+from app.document.numbers import show
 from app.subjects.suborbital.charts.shown import Shown
 from nav_model.suborbital.summary import final_total
 
@@ -37,26 +37,12 @@ def answer(shown: Shown) -> tuple[Answer, KeyFigures]:
     largest = max(left, key=lambda label: left[label])
     cancel = ", more than the total: signed errors partly cancel" if left[largest] > after else ""
     said = f"Largest remaining source: {largest.lower()}, {_metres(left[largest])}{cancel}."
-    return Answer(word, tone, (said, _exactness(shown))), _figures(shown)
+    exact = "From the full simulation." if shown.exact else "Linearised from the last full simulation [B-4]."
+    return Answer(word, tone, (said, exact)), _figures(shown)
 
 
 def _size(error: Array) -> float:
     return float((error @ error) ** 0.5)
-
-
-def _exactness(shown: Shown) -> str:
-    if not shown.exact:
-        return "Linearised from the last full simulation [B-4]."
-    if shown.gap is None:
-        return "From the full simulation."
-    gap = shown.gap
-    k = gap.names.index("all")
-    pure, aided = (
-        f"{_metres(float(metres[k]))} ({percent(float(share[k]))})"
-        for metres, share in ((gap.pure_m, gap.pure_share), (gap.aided_m, gap.aided_share))
-    )
-    was = f"{pure} (INS alone) and {aided} (with tracker)"
-    return f"From the full simulation. The linear answer before was off by {was}."
 
 
 def _figures(shown: Shown) -> KeyFigures:

@@ -31,9 +31,9 @@ from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.suborbital.moving import moved, needs_other_matrices, renewed
-from nav_model.suborbital.study import Gap, LinearParts, Study, position_gap
+from nav_model.suborbital.study import LinearParts, Study
 from nav_model.suborbital.survey import Survey, needs_run
-from nav_model.suborbital.survey_json import gap_json, noise_json, survey_json
+from nav_model.suborbital.survey_json import noise_json, survey_json
 
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
 
@@ -62,7 +62,6 @@ class SuborbitalPage(View):
             study=StudyViews(noise, camera, inputs),
         )  # fmt: skip
         self._session = session
-        self._gap: Gap | None = None  # of the moved curves that the last exact run replaced
         self._flown: Trajectory = None  # the trajectory of the last exact run
         self._strip = AnswerStrip(WAITING)
         self._tiles = html_pane("", margin=(8, 0, 0, 0))
@@ -100,9 +99,7 @@ class SuborbitalPage(View):
 
     def _show_moved(self, survey: Survey, renewal: LinearParts | None) -> None:
         settings = self.inputs.settings
-        same = dict(settings.values) == dict(survey.settings.values)
-        self._gap = self._gap if same else None
-        exact = survey.study
+        same, exact = dict(settings.values) == dict(survey.settings.values), survey.study
         self._put_on_screen(survey, exact if same else moved(exact, settings.study_inputs(), renewal))
 
     async def _renew(self, survey: Survey) -> None:
@@ -136,7 +133,7 @@ class SuborbitalPage(View):
 
     async def _run_survey(self, run: Run, settle: float) -> Survey | None:
         await asyncio.sleep(settle)
-        settings, trajectory, before = self.inputs.settings, self.inputs.trajectory, self.study.shown
+        settings, trajectory = self.inputs.settings, self.inputs.trajectory
         try:
             survey = await fly_study(settings, trajectory, lambda share, what: run.tell(what, share))
         except (ValueError, RunLost) as error:
@@ -144,10 +141,7 @@ class SuborbitalPage(View):
                 raise
             self.inputs.refuse(self._flown, str(error))
             return self.survey
-        same_flight = before is not None and not needs_run(before.survey, settings) and trajectory == self._flown
-        self._gap, self._flown = None, trajectory
-        if before is not None and same_flight and not before.exact:
-            self._gap = position_gap(before.study.pure.position_m, before.study.aided.position_m, survey.study)
+        self._flown = trajectory
         return survey
 
     @param.depends("exact.result", watch=True)
@@ -167,7 +161,7 @@ class SuborbitalPage(View):
 
     def _put_on_screen(self, survey: Survey, study: Study) -> None:
         ensemble = self.noise.ensemble_of(study)
-        shown = Shown(survey, study, self.inputs.settings, **self.study.looks, ensemble=ensemble, gap=self._gap)
+        shown = Shown(survey, study, self.inputs.settings, **self.study.looks, ensemble=ensemble)
         self._session.keep("suborbital", shown)
         with pn.io.hold():
             word, figures = answer(shown)
@@ -187,8 +181,6 @@ class SuborbitalPage(View):
         if shown is None:
             return "{}"
         content = survey_json(shown.survey, shown.study, shown.settings)
-        if shown.gap is not None:
-            content["linear_gap"] = gap_json(shown.gap)
         if shown.ensemble is not None:
             content["white_noise_monte_carlo"] = noise_json(shown.ensemble)
         return json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1)

@@ -140,8 +140,8 @@ def source_table(shown: Shown) -> NumberTable:
 
 
 def gap_table(shown: Shown) -> NumberTable:
-    """How far the linear answers are from the integrated ones: S p alone, and the curves sliders move."""
-    plain, gap = shown.matrix_gap, shown.gap
+    """How far the linear answers are from the integrated ones."""
+    plain = shown.matrix_gap
     study = shown.survey.study
     rows = [k for k, kind in enumerate(study.kinds) if kind != "gravity"]
     worst = max(rows, key=lambda k: max(plain.pure_share[k], plain.aided_share[k]))
@@ -153,28 +153,18 @@ def gap_table(shown: Shown) -> NumberTable:
             f"within {percent(_PROMISED)} on {len(rows) - len(beyond)} of {len(rows)} rows; "
             f"{called(study.names[worst])} is off by {off}"
         )
-    last = (
-        "the last two columns appear once sliders have moved and the study was recomputed"
-        if gap is None
-        else "the last two columns: the moved curves before this full simulation"
-    )
-
-    def after(k: int) -> tuple[Entry, Entry]:
-        return (None, None) if gap is None else (float(gap.pure_m[k]), float(gap.aided_m[k]))
-
     return NumberTable(
         "linear",
         "Linear answers against the integrated INS",
-        ("source", "S p, INS [m]", "S p, INS [%]", "S p, tracker [m]", "S p, tracker [%]", "moved, INS [m]",
-         "moved, tracker [m]"),
+        ("source", "S p, INS [m]", "S p, INS [%]", "S p, tracker [m]", "S p, tracker [%]"),
         tuple(
             (called(study.names[k]), float(plain.pure_m[k]), float(100 * plain.pure_share[k]),
-             float(plain.aided_m[k]), float(100 * plain.aided_share[k]), *after(k))
+             float(plain.aided_m[k]), float(100 * plain.aided_share[k]))
             for k in rows
         ),
         "Distance at the end of the flight from the last full simulation, and its share of the error. "
         f"S p alone [B-4] is {said}. The page never shows S p alone: its curves start at the full simulation "
-        f"and only move by S; {last}.",
+        "and only move by S.",
     )  # fmt: skip
 
 

@@ -35,8 +35,7 @@ class Shown:
     """The content of the page: the last run, the study at the sliders' positions, and the chosen view.
 
     settings: of the study, which its survey was run at unless the curves were moved;
-    along_track: down-range and cross-range in place of north and east; ensemble: white noise flown at these
-    inputs; gap: of the moved curves that the last exact run replaced.
+    along_track: down-range and cross-range in place of north and east; ensemble: white noise flown at these inputs.
     """
 
     survey: Survey
@@ -48,7 +47,6 @@ class Shown:
     along_track: bool = False
     star_index: int = 50
     ensemble: NoiseEnsemble | None = None
-    gap: Gap | None = None
 
     @property
     def exact(self) -> bool:

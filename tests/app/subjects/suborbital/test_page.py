@@ -169,7 +169,7 @@ def test_what_a_person_set_stays_while_the_design_moves(here: SuborbitalPage) ->
     assert linked["gyros.white_noise"] == 3e-5  # the design's that the link is opened beside
 
 
-def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage) -> None:
+def test_exact_run_in_a_process_shows_progress(here: SuborbitalPage) -> None:
     here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h"))
     told: list[tuple[bool, str]] = []
     here.exact.param.watch(
@@ -177,11 +177,8 @@ def test_exact_run_in_a_process_shows_progress_and_the_gap(here: SuborbitalPage)
     )
     when_done(here.run)
     assert any(running and "error sources" in words for running, words in told)
-    shown = here.study.shown
-    assert shown.exact
-    share = shown.gap.pure_share[shown.gap.names.index("all")]
-    assert 0 < share < 0.05
-    assert "The linear answer before was off by" in here._strip._text.object
+    assert here.study.shown.exact
+    assert "From the full simulation" in here._strip._text.object
     assert not here._session.running
 
 
