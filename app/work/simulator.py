@@ -4,15 +4,13 @@ import asyncio
 import contextvars
 import logging
 import multiprocessing
-from collections.abc import Awaitable, Callable
-from typing import TypeVar
+from collections.abc import Callable
 
 from app.work.pool import first
 from app.work.run import Run
 from nav_model.simulation.warm import warm_up
 
-_T = TypeVar("_T")
-_SURELY_COMPILING = 4.0  # seconds: a process that finds the compiled simulator on disk is ready by then
+PREPARING = "Preparing the simulator, which its first use compiles"
 
 _prepared: asyncio.Task[None] | None = None
 
@@ -43,17 +41,7 @@ def _logged(function: Callable[[], object], begin: Callable[[], None] | None) ->
         logging.getLogger("navbudget").exception("fault in a worker")
 
 
-async def made_ready(run: Run, preparing: Awaitable[_T]) -> _T:
-    """What `preparing` gives, while `run` says what it waits for; it is cancelled with the run.
-
-    Give ``asyncio.shield(prepare())`` for the preparation that everybody waits for.
-    """
-    run.tell("Preparing the simulator")
-    task = asyncio.ensure_future(preparing)
-    try:
-        await asyncio.wait({task}, timeout=_SURELY_COMPILING)
-        if not task.done():
-            run.tell("Compiling the simulator, once for this installation")
-        return await task
-    finally:
-        task.cancel()
+async def made_ready(run: Run) -> None:
+    """Wait for the compiled simulator, and say so; everybody waits for the same, also when a run is cancelled."""
+    run.tell(PREPARING)
+    await asyncio.shield(prepare())

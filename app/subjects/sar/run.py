@@ -1,12 +1,11 @@
 """Runs the strategies of a design in worker processes, for a `Run`."""
 
-import asyncio
 from dataclasses import dataclass
 
 from app.charts.kinds import PictureChart
 from app.work.pool import elsewhere
 from app.work.run import Run
-from app.work.simulator import made_ready, prepare
+from app.work.simulator import made_ready
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.sar.agreement import LEAST_BESIDE
@@ -48,7 +47,7 @@ async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine:
         Where the filter of a flight does not hold.
     """
     if engine == "simulator":
-        await made_ready(run, asyncio.shield(prepare()))
+        await made_ready(run)
     case, study = await _study(run, budget, runs, seed, engine)
     beside = None
     if engine == "simulator":

@@ -45,7 +45,7 @@ from nav_model.allan.adoption import (
 )
 from nav_model.allan.log_file import Limits, LogOptions
 from nav_model.allan.log_names import units_of
-from nav_model.allan.motion import BenchNoise, MotionAnalysis, over_bench
+from nav_model.allan.motion import MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis, axis_label
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -294,7 +294,6 @@ class MotionResult(View):
         super().__init__()
         self._session = session
         self.analysis: MotionAnalysis | None = None
-        self._bench: BenchNoise | None = None
         self._parts = parts = Follower(lambda: self.analysis)
         self.head = parts.text(_motion_head, (10, 14, 0, 14))
         self.table = parts.text(lambda analysis: html_of(motion_table(analysis)), (0, 14, 10, 14))
@@ -306,16 +305,14 @@ class MotionResult(View):
 
     def show(self, analysis: MotionAnalysis) -> None:
         """Show another log's analysis."""
-        self.analysis, self._bench = analysis, None
+        self.analysis = analysis
         self.follow()
 
     def follow(self) -> None:
         """Compare the log, if there is one, with the random walks of the current design."""
-        bench = bench_of(self._session.design)
-        if self.analysis is None or bench == self._bench:
+        if self.analysis is None:
             return
-        self._bench = bench
-        self.analysis = analysis = over_bench(self.analysis, bench)
+        self.analysis = analysis = over_bench(self.analysis, bench_of(self._session.design))
         with pn.io.hold():
             self._parts.follow()
             self.use.disabled = analysis.vibration_factor is None

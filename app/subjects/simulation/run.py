@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 from app.work.pool import elsewhere, size
 from app.work.run import Run
-from app.work.simulator import made_ready, prepare
+from app.work.simulator import made_ready
 from nav_model.design import Design
 from nav_model.design.trajectory import AIDING
 from nav_model.simulation.design_study import SimulationStudy, conclude
 from nav_model.simulation.monte_carlo import chunks, run_chunk
-from nav_model.simulation.single_run import POSTERIOR, RunRecord, fly_without_errors
+from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.statistics import Statistics
 
@@ -45,7 +45,8 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
     ArithmeticError
         Where the filter does not hold.
     """
-    nominal = await made_ready(run, _nominal(spec))
+    await made_ready(run)
+    nominal = await elsewhere(fly_without_errors, spec)  # compiles once more where nothing could be kept on disk
     scale = nominal.filter_sigma[POSTERIOR]
     total = Statistics.empty(scale)
     began = looked = time.monotonic()
@@ -83,12 +84,6 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
         for task in (*flying, *([looking] if looking else [])):
             task.cancel()
     return await study(total)
-
-
-async def _nominal(spec: SimulationSpec) -> RunRecord:
-    """The flight without errors, which compiles once more where nothing could be kept on disk."""
-    await asyncio.shield(prepare())  # shared: it continues when this run is cancelled
-    return await elsewhere(fly_without_errors, spec)
 
 
 def same_subject(study: SimulationStudy, other: Design) -> bool:

@@ -74,7 +74,7 @@ def _fly(spec_options: dict[str, object], during: Callable[[Run], None] = lambda
 def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     options: dict[str, object] = {"runs": 80, "duration": 60.0, "every": 2.0, "outages": ((40, 60),)}
     run, said = _fly(options)
-    assert said[0] == "Preparing the simulator"
+    assert said[0] == simulator.PREPARING
     done = [int(words.split()[0]) for words in said if words.endswith("of 80 runs")]
     assert done == sorted(done)
     assert (done[0], done[-1]) == (0, 80)
@@ -101,26 +101,24 @@ def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancell
 
 def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
     told = multiprocessing.get_context("spawn").Event()  # the compilation lasts until it is told
-    compiling = "Compiling the simulator, once for this installation"
     monkeypatch.setattr(simulator, "warm_up", told.wait)
-    monkeypatch.setattr(simulator, "_SURELY_COMPILING", 0.01)
 
     def go_on(run: Run) -> None:
-        if run.progress.what == compiling:
+        if run.progress.what == simulator.PREPARING:
             told.set()
 
     run, said = _fly({"runs": 2, "duration": 10.0}, go_on)
-    assert said[1] == compiling
+    assert said[0] == simulator.PREPARING
     assert run.result.wanted == 2
 
     def stop(run: Run) -> None:
-        if run.progress.what == compiling:
+        if run.progress.what == simulator.PREPARING:
             run.cancel()
             told.set()
 
     told.clear()
     run, _ = _fly({"runs": 2, "duration": 10.0}, stop)
-    assert run.message == f"Cancelled: {compiling}."
+    assert run.message == f"Cancelled: {simulator.PREPARING}."
     assert run.result is None
 
 
