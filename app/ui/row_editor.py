@@ -51,6 +51,11 @@ class RowEditor(PlainScript):
         if isinstance(rows, list) and all(isinstance(row, dict) for row in rows):
             self.put(rows)
 
+    @param.depends("rows", watch=True)
+    def _forget(self) -> None:
+        """What was refused is no longer in its box once there are other rows."""
+        self.refused = ""
+
     def put(self, rows: Rows) -> None:
         """Put rows in force, or say why not; empty texts are left out."""
         given = [

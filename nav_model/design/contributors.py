@@ -280,7 +280,7 @@ def _misfit(what: str, figure: str, allowed: tuple[str, ...]) -> str:
     examples = " or ".join(
         {"length": "1 mm", "angle": "5°"}.get(each, DIMENSIONS[each].examples[0]) for each in allowed
     )
-    return f"{what} does not fit {figure}. Write for example {examples}."
+    return f"{what} does not fit {label_of(figure)}. Write for example {examples}."
 
 
 def check_text(where: str, text: object) -> None:

@@ -62,7 +62,7 @@ class Contributors(View):
             _CONTRIBUTOR, lambda rows: self._enter("contributors", rows), noun="contributor", caption="Contributors"
         )
         self._made = pmui.Select(label="Ready-made", options=list(READY_MADE), **_BOX)
-        self._boxes = [pmui.TextInput(max_length=50, **_BOX) for _ in range(2)]
+        self._boxes = [pmui.TextInput(max_length=50, **_BOX | {"width": 330}) for _ in range(2)]
         make = pmui.Button(label="Add ready-made", variant="outlined", margin=(16, 10))
         make.on_click(lambda _: self._make())
         self._made_said = html_pane("")

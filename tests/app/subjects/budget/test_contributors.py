@@ -94,6 +94,10 @@ def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> N
     assert "does not close" in part._outcome.object
     part.session.change({"requirements.tilt": None})
     assert "Detrended phase" in part._outcome.object
+    part._entries.put([{"lock": "2 kg"} for _ in part._entries.rows])
+    assert "does not fit Detrended phase" in part._entries.refused
+    part.session.change({"gnss.position_noise": 3.0})  # the boxes have other rows now
+    assert not part._entries.refused
 
 
 def test_the_report_has_an_allocation_of_each_requirement() -> None:
