@@ -41,7 +41,8 @@ def outcome(design: Design, check: Check, found: Allocation) -> str:
     whole = f"{check.label}: limit {limit}, reserve {percent(found.reserve)}"
     if found.closes:
         plan = design.allocation or Allotment()
-        now = "" if check.met else f" The estimates do not: together they are {check_quantity(design, check, check.value)}."
+        value = check_quantity(design, check, check.value)
+        now = "" if check.met else f" The estimates do not: together they are {value}."
         return f"{whole}. The allocation closes: {SPLIT_WORDS[plan.split]}.{now}"
     return f"{whole}. The allocation does not close: {', '.join(found.blocked_by)} locked too high."
 

@@ -5,6 +5,7 @@ an outage, is shown as it was given: a limit of 2 m is not one of 2.00 m.
 """
 
 import math
+import re
 
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.base.units import format_quantity, from_si, plain_number, to_si
@@ -26,13 +27,15 @@ _LEAST = {
 _MANY = 11.0
 """Times, from which on a ratio is told as such and not in percent."""
 _SMALL_ANGLE = math.radians(0.001)
+_POWER = re.compile(r"(?<=\d)e(-?\d+)")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def number(value: float, digits: int = DIGITS, *, given: bool = False) -> str:
     """A number to `digits` significant digits, with a minus sign as typeset; ``given``: without zeros at its end.
 
-    >>> number(-0.0123456), number(0.15), number(0.15, given=True)
-    ('−0.0123', '0.150', '0.15')
+    >>> number(-0.0123456), number(0.15), number(0.15, given=True), number(6.2e-6)
+    ('−0.0123', '0.150', '0.15', '6.20·10⁻⁶')
     """
     return _signed(plain_number(float(value), digits, zeros=not given))
 
@@ -144,4 +147,5 @@ def millimetres(phase: float, wavelength: float) -> str:
 
 
 def _signed(text: str) -> str:
-    return text.replace("-", "−")
+    powers = _POWER.sub(lambda found: f"·10{found[1].translate(_RAISED)}", text)
+    return powers.replace("-", "−")

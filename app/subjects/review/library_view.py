@@ -279,7 +279,7 @@ def _row(revision: Revision, listing: _Listing) -> Row:
             unfold = Cell(f"{verb} {revision.number} revisions", value=revision.design)
     return (
         Cell(name, value=revision.key),
-        shortened(revision.verdict, 110),
+        revision.verdict.partition(" Tightest: ")[0],
         f"{revision.author}{' (imported)' if revision.origin and not whole else ''}",
         moment(revision.saved),
         more,

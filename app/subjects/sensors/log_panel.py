@@ -148,6 +148,7 @@ class LogPanel(pn.viewable.Viewer):
             options = self._options()
         except InputError as error:
             self._refuse(error)
+            self.run.message = ""  # why the log was refused before
             self._say(f"Not analysed. {error.reason}")
             return
         bench = bench_of(self.session.design) if self.motion.value == "motion" else None
@@ -191,9 +192,9 @@ class LogPanel(pn.viewable.Viewer):
         rate = None
         if texts["rate"]:
             try:
-                rate = float(texts["rate"])
+                rate = float(texts["rate"].lower().removesuffix("hz"))
             except ValueError as error:
-                raise InputError("rate", f"{texts['rate']!r} is not a number") from error
+                raise InputError("rate", f"{texts['rate']!r} is not a rate. Enter for example 100 Hz.") from error
         return read_options(rate, texts["gyro_unit"], texts["accelerometer_unit"], texts["columns"], texts["arrays"])
 
     def close(self) -> None:

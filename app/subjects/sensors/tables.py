@@ -55,7 +55,7 @@ def _origin_row(design: Design, key: str) -> tuple[str, str, Cell]:
 
 def _origin(design: Design, key: str) -> Cell:
     if key in design.origins:
-        return Cell(printable(design.origins[key]), "noted", "good")
+        return Cell(printable(design.origins[key]))
     if key == VIBRATION_KEY:
         return Cell("bench value; a log in motion gives a better one" if design[key] == 1 else "set by hand")
     entry = entry_of(design, "imu")
@@ -63,7 +63,7 @@ def _origin(design: Design, key: str) -> Cell:
     if entry is None or item is None or item.value != design[key]:
         return Cell("set by hand")
     text = f"catalogue, {entry.name}: {item.source}"
-    return Cell(text) if item.confirmed else Cell(text, f"⚠ {item.status}", "warn")
+    return Cell(text) if item.confirmed else Cell(text, f"⚠ {item.status} source", "warn")
 
 
 def provenance_text(provenance: Provenance) -> Text:

@@ -10,6 +10,7 @@ import panel as pn
 from app.declared import held
 from app.document.blocks import Answer, Bullets, Cell, Row, Table, Text, numbers, table
 from app.document.html import mathml
+from app.document.numbers import number
 from app.document.pane import html_of, prose
 from app.session import Session
 from app.subjects.theory.record import INDEPENDENT, Comparison, Difference, record
@@ -35,7 +36,6 @@ _FIELDS = {
     "allan": "Sensor logs",
 }
 _MATH = "\N{INVISIBLE TIMES}"  # before a text that is Typst's mathematics
-_POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text('utf-8')}</style>"
 
 
@@ -133,18 +133,12 @@ def validation() -> str:
 
 def _comparison(row: Comparison) -> Row:
     kind = f"✓ {row.kind}" if row.kind in INDEPENDENT else Cell(f"– {row.kind}", tone="quiet")
-    found, allowed = _figure(row.figure), _figure(row.limit)
+    found, allowed = (number(value, 2, given=True) for value in (row.figure, row.limit))
     return _marked(row.result, row.equation), kind, row.oracle, found, allowed, row.measure
 
 
 def _marked(result: str, mark: str) -> str:
     return f"{result} [{mark}]" if mark else result
-
-
-def _figure(value: float) -> str:
-    """Two digits, powers of ten as such."""
-    digits, _, power = f"{value:.2g}".partition("e")
-    return f"{digits}·10{str(int(power)).translate(_POWERS)}" if power else digits
 
 
 def differences() -> str:

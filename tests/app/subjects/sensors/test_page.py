@@ -44,7 +44,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert "does not give the rate" in panel.boxes["rate"].helper_text
     assert not panel.boxes["gyro_unit"].error_state
     assert panel.static.analysis is None
-    panel.boxes["rate"].value = "100"
+    panel.boxes["rate"].value = "100 Hz"  # as the message says
     assert not panel.boxes["rate"].error_state
     asyncio.run(panel.analyse())
     analysis = panel.static.analysis
