@@ -36,53 +36,40 @@ class ReadyMade(NamedTuple):
     of: Callable[..., float]
 
 
-def _product(_: Design, a: float, b: float) -> float:
-    return a * b
-
-
-def _root(_: Design, a: float, b: float) -> float:
-    return math.hypot(a, b)
-
-
-def _along(design: Design, a: float) -> float:
-    return a * design.flight.speed
-
-
 def _slant(design: Design, a: float) -> float:
     upward = math.sin(design.radar.grazing_angle)
     return a / upward if upward else math.inf
 
 
-def _turned(design: Design, a: float, b: float) -> float:
-    return a * b / (design.radar.slant_range * math.cos(design.radar.grazing_angle))
-
-
-_MOTION = Box("Attitude motion over the aperture, rms", "angle", "0.1°")
-
 READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
     "lever arm, measured": ReadyMade(
-        (Box("Measurement error", "length", "2 mm"), _MOTION),
-        "error × attitude motion", "length", "mm", "detrended_phase", RANDOM, _product,
+        (Box("Measurement error", "length", "2 mm"), Box("Attitude motion over the aperture, rms", "angle", "0.1°")),
+        "error × attitude motion", "length", "mm", "detrended_phase", RANDOM,
+        lambda _, error, motion: error * motion,
     ),
     "lever arm, flexure": ReadyMade(
         (Box("Flexure", "length", "1 mm"), Box("Attitude rate", "angular rate", "1 °/s")),
-        "flexure × attitude rate", "speed", "mm/s", "horizontal_velocity", RANDOM, _product,
+        "flexure × attitude rate", "speed", "mm/s", "horizontal_velocity", RANDOM,
+        lambda _, flexure, rate: flexure * rate,
     ),
     "time tag, offset": ReadyMade(
         (Box("Offset", "time", "0.1 ms"),),
-        "offset × speed of the flight", "length", "mm", "horizontal_position", SYSTEMATIC, _along,
+        "offset × speed of the flight", "length", "mm", "horizontal_position", SYSTEMATIC,
+        lambda design, offset: offset * design.flight.speed,
     ),
     "time tag, jitter": ReadyMade(
         (Box("Jitter, 1σ", "time", "0.1 ms"), Box("Acceleration, rms", "acceleration", "1 m/s²")),
-        "jitter × acceleration", "speed", "mm/s", "horizontal_velocity", RANDOM, _product,
+        "jitter × acceleration", "speed", "mm/s", "horizontal_velocity", RANDOM,
+        lambda _, jitter, acceleration: jitter * acceleration,
     ),
     "boresight": ReadyMade(
         (Box("Calibration error", "angle", "0.01°"), Box("Drift since calibration", "angle", "0.005°")),
-        "√(error² + drift²)", "angle", "mrad", "tilt", RANDOM, _root,
+        "√(error² + drift²)", "angle", "mrad", "tilt", RANDOM, lambda _, error, drift: math.hypot(error, drift),
     ),
     "antenna phase centre": ReadyMade(
         (Box("Variation with look angle, rms", "length", "0.2 mm"), Box("Drift, rms", "length", "0.1 mm")),
-        "√(variation² + drift²)", "length", "mm", "detrended_phase", RANDOM, _root,
+        "√(variation² + drift²)", "length", "mm", "detrended_phase", RANDOM,
+        lambda _, variation, drift: math.hypot(variation, drift),
     ),
     "atmospheric path": ReadyMade(
         (Box("Vertical path error", "length", "5 mm"),),
@@ -91,7 +78,9 @@ READY_MADE: Mapping[str, ReadyMade] = MappingProxyType({
     "scene height": ReadyMade(
         (Box("Height error", "length", "10 m"), Box("Deviation across the line of sight, rms", "length", "0.5 m")),
         "height error × deviation / (slant range × cos(grazing angle))", "length", "mm", "detrended_phase", RANDOM,
-        _turned,
+        lambda design, error, deviation: (
+            error * deviation / (design.radar.slant_range * math.cos(design.radar.grazing_angle))
+        ),
     ),
 })  # fmt: skip
 """Name -> formula."""
