@@ -10,6 +10,7 @@ from app.document.wording import input_in_words, title_of
 from nav_model.allan.result import axis_label
 from nav_model.design import Design
 from nav_model.design.parts import declaration_of
+from nav_model.equations.literature import WORKS
 from nav_model.explore.supplier import (
     AVERAGING,
     CONFIDENCE,
@@ -25,12 +26,7 @@ NAMES: dict[Unit, str] = {"imu": "IMU", "gnss": "satellite receiver"}
 
 _HOUR = 3600.0
 _FIXES = 1000
-_SOURCES = (
-    "IEEE Std 952-1997, annex C: Allan variance of inertial sensors.",
-    "W. Riley, NIST Special Publication 1065, 2008, sections 5.3 and 5.4: confidence from chi-square.",
-    "C. Greenhall and W. Riley, Uncertainty of stability variances based on finite differences, PTTI 2003: "
-    "equivalent degrees of freedom.",
-)
+_SOURCES = tuple(WORKS[name] for name in ("IEEE 952", "Riley 2008", "Greenhall 2003"))
 
 
 def supplier_report(design: Design, unit: Unit) -> Report:
@@ -43,14 +39,15 @@ def supplier_report(design: Design, unit: Unit) -> Report:
     """
     now = datetime.now(UTC)
     lines = required(design, unit)
-    values = _values(design, unit, lines), Bullets(_conditions(design, unit))
-    proof = Text(_proof(design, unit)), Text(_decision(design, unit))
+    degrees = degrees_of(_HOUR, design.imu.rate) if unit == "imu" else _FIXES - 1.0  # of freedom, of the test
+    values = _values(design, unit, lines, accepted_share(degrees)), Bullets(_conditions(design, unit))
+    proof = Text(_proof(design, unit)), Text(_decision(unit, degrees))
     title = f"Required of the {NAMES[unit]}: {title_of(design)}"
     chapter = Chapter(
         key=unit,
         kind="Sheet for the supplier",
         title=title,
-        running=f"{design.content_hash[:12]}",
+        running=design.content_hash[:12],
         facts=(
             ("Design", design.content_hash[:12]),
             ("Written", f"{now:%d %B %Y, %H:%M} UTC"),
@@ -65,13 +62,8 @@ def supplier_report(design: Design, unit: Unit) -> Report:
     return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), (chapter,), ())
 
 
-def _degrees(design: Design, unit: Unit) -> float:
-    """Degrees of freedom of the test that the sheet asks for."""
-    return degrees_of(_HOUR, design.imu.rate) if unit == "imu" else _FIXES - 1.0
-
-
-def _values(design: Design, unit: Unit, lines: Sequence[Required]) -> Table:
-    share = accepted_share(_degrees(design, unit))
+def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float) -> Table:
+    """Required values; the reading that is accepted is so large a share of each."""
     rows = (
         (
             str(declaration_of(line.key).label),
@@ -117,8 +109,7 @@ def _proof(design: Design, unit: Unit) -> str:
     )
 
 
-def _decision(design: Design, unit: Unit) -> str:
-    degrees = _degrees(design, unit)
+def _decision(unit: Unit, degrees: float) -> str:
     said = (
         f"Decision: every axis may read at most {100 * accepted_share(degrees):.1f} % of the required value. That "
         f"is the root of the chi-square quantile at {100 * (1 - CONFIDENCE):.0f} % over the degrees of freedom, "
