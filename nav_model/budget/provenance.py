@@ -172,6 +172,11 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "A vibration factor of 1 assumes bench noise. In road tests, errors were 8 to 35 times larger.",
     ),
     (
+        lambda design: design.imu.vibration_factor < 1,
+        "A vibration factor below 1 assumes less noise than on the bench. In road tests, errors were 8 to 35 times "
+        "larger than bench noise predicts.",
+    ),
+    (
         lambda design: design.imu.accelerometer_bias == 0 and design.imu.gyro_bias == 0,
         "Residual biases are set to zero: fully estimated before the last fix.",
     ),

@@ -192,12 +192,13 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
     ends.sort(key=lambda end: (end[0], -end[1]))
     offsets: list[float] = []
     for i, (x, y, line) in enumerate(ends):
-        above, near = high, _NEAR
+        above, near, lower = high, _NEAR, 0.0
         if i and ends[i - 1][0] == x:
             above = _place(chart, ends[i - 1][1])
             near = _NEAR if offsets[-1] < 0 else 2 * _NEAR  # a name below its curve is nearer to the next one
+            lower = offsets[-1] + 17.0 - _HEIGHT * (above - _place(chart, y)) / (high - low)  # below that name
         below = 17.0 + _HEIGHT * min(_fall(chart, line) / (high - low), _NEAR)
-        offsets.append(below if above - _place(chart, y) < near * (high - low) else -4.0)
+        offsets.append(max(below, lower) if above - _place(chart, y) < near * (high - low) else -4.0)
     rows: list[tuple[Any, ...]] = [
         (x, y, line.end or line.label, behind_text(STYLES[line.style].colour), offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)

@@ -125,3 +125,7 @@ def test_a_name_that_has_no_room_above_its_curve_is_below_it():
         "worst": True,
         "steady": False,
     }
+    lines = under_the_frame.lines
+    near = Timelines([replace(under_the_frame, lines=(*lines, replace(lines[1], key="c", y=lines[1].y - 0.1)))])
+    worst, second = sorted(offset for offset in near._sources["test labels"].data["offset"] if offset > 0)
+    assert second - worst > 12  # one below the other, where both ends are under the frame
