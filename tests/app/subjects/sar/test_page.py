@@ -61,8 +61,9 @@ def said(sar: SarPage) -> str:
 def part(sar: SarPage, title: str) -> Any:
     """What unfolds under a title."""
     folded = sar._details
-    folded.open(title)
-    return folded._places[[name for name, _ in folded._parts].index(title)][0]
+    index = [name for name, _ in folded._parts].index(title)
+    folded._view.active = sorted({*folded._view.active, index})
+    return folded._places[index][0]
 
 
 def names(sar: SarPage) -> list[str]:
