@@ -78,9 +78,3 @@ def _told_of(target: Path) -> Iterator[None]:
         if is_of_surroundings(error):
             raise
         raise InputError("-o", f"{str(target)!r} cannot be written: {error.strerror or error}") from error
-
-
-def put_file(target: Path, data: bytes) -> None:
-    """Write `data` to `target`, completely or not at all; raises as `whole_file`."""
-    with whole_file(target) as file:
-        file.write(data)

@@ -6,14 +6,14 @@ from nav_model.base.errors import InputError
 
 
 def whole_number(name: str, text: str, low: int, high: int) -> int:
-    """The whole number in `text`, or a InputError that names the field and what is allowed."""
+    """The whole number in `text`, or an InputError that names the field and what is allowed."""
     if not (text.strip().isdecimal() and low <= int(text) <= high):
         raise InputError(name, f"{text[:30]!r} is not a whole number from {low} to {high}.")
     return int(text)
 
 
 def number(name: str, text: str, low: float, high: float) -> float:
-    """The number in `text`, or a InputError that names the field and what is allowed."""
+    """The number in `text`, or an InputError that names the field and what is allowed."""
     try:
         value = float(text)
     except ValueError:

@@ -3,13 +3,7 @@
 A page is text made once, and each visitor gets it with a token of a session that does not exist yet: whoever only
 looks makes none, and the connection may reach another process.
 
-Panel's `reuse_sessions` was tried in its place, on 2026-11-24 with Panel 1.9.4. A request for the page took 55 to
-160 ms (0.055 s of processor time) where this takes 2 ms (0.009 s), as Panel writes the page anew each time; with
-"warm" the session is made all the same, as without it (0.2 s). An opened page cost 0.40 to 0.44 s of the server's
-processor time against 0.35 s, and came to rest 5 to 11 % later. It also keeps a session of each process for good. So
-this stays.
-
-Reports to send upstream, versions and ends: docs/upstream/late_session.md
+Reports to send upstream, versions and ends, and what Panel's `reuse_sessions` does: docs/upstream/late_session.md
 """
 
 import secrets

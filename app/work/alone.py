@@ -38,7 +38,7 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
     Raises
     ------
     ValueError
-        As the function raises it, a InputError with its key: the message is for the person.
+        As the function raises it, an InputError with its key: the message is for the person.
     RunLost
         When the process died.
     """

@@ -157,11 +157,6 @@ class SarPage(View):
         return self._result is not None and self._result.stale(self._session.budget)
 
     @property
-    def _valid(self) -> SarStudy | None:
-        """The study, while it is one of the current design."""
-        return None if self._stale else self._study
-
-    @property
     def _mark(self) -> str:
         return stale_mark(_EARLIER) if self._stale else ""
 
@@ -185,7 +180,8 @@ class SarPage(View):
         self._of_runs.follow()
 
     def _reasons(self, budget: Budget) -> str:
-        return html_of(*answer(budget, self._closed, self._valid)[1], cautions(budget, self._study))
+        valid = None if self._stale else self._study
+        return html_of(*answer(budget, self._closed, valid)[1], cautions(budget, self._study))
 
     def _errors(self, budget: Budget) -> str:
         return self._mark + html_of(error_table(budget, self._closed, self._study, "page"))

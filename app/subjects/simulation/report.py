@@ -5,7 +5,7 @@ import argparse
 from app.document.blocks import Section, chart_block
 from app.document.wording import identified
 from app.subjects.simulation.charts import CHARTS, outage_chart
-from app.subjects.simulation.tables import findings, verdict
+from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table, verdict
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
 from nav_model.simulation.design_study import SimulationStudy
@@ -58,9 +58,9 @@ def another_design(study: SimulationStudy, design: Design) -> str:
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
     """What was run and found, then the charts."""
     drawn = (draw for draw in CHARTS if study.result.spec.outages or draw is not outage_chart)
-    title = "Simulation: do the formulas hold?"
+    found = (tell(study, key) for tell in (run_table, sigma_table, departures, conditions_told))
     return (
-        Section(f"{key}-simulation", title, (verdict(study), *findings(study, key)), REFERENCES),
+        Section(f"{key}-simulation", "Simulation: do the formulas hold?", (verdict(study), *found), REFERENCES),
         Section(
             f"{key}-simulation-charts",
             "Simulation: errors against time",

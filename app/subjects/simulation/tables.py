@@ -46,16 +46,6 @@ def verdict(study: SimulationStudy) -> Answer:
     return Answer(word, tone, tuple(sentences))
 
 
-def findings(study: SimulationStudy, key: str) -> tuple[Block, ...]:
-    """Simulation set-up, the sigmas, where they differ from the formulas, and how the simulated world differs."""
-    return (
-        run_table(study, key),
-        sigma_table(study, key),
-        departures(study, key),
-        conditions_told(study, key),
-    )
-
-
 def conditions_told(study: SimulationStudy, _: str) -> Bullets:
     """How the simulation differs from what the formulas assume."""
     return Bullets(study.conditions, "How the simulation differs from the formulas' assumptions")

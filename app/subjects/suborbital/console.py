@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from app.console.arguments import content_of, paths_of, put_json
-from app.console.files import put_file
+from app.console.files import whole_file
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -50,7 +50,8 @@ def run(options: argparse.Namespace) -> int:
         flown = (Path(options.trajectory).name, read_bytes(options.trajectory, BOUNDS.most_bytes))
     if options.save is not None:
         try:
-            put_file(options.save, format_study(settings, flown).encode("utf-8"))
+            with whole_file(options.save) as file:
+                file.write(format_study(settings, flown).encode("utf-8"))
         except InputError as error:
             raise error.under("--save") from error
     with told_progress() as progress:

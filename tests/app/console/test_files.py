@@ -10,7 +10,7 @@ from known_designs import MEMS, ROOT, TACTICAL
 from waiting import PATIENCE
 
 from app.console.ending import one_line
-from app.console.files import put_file
+from app.console.files import whole_file
 
 pytestmark = pytest.mark.long
 
@@ -19,7 +19,8 @@ def test_a_link_stays_and_the_file_it_leads_to_is_replaced(tmp_path: Path) -> No
     real, link = tmp_path / "real.html", tmp_path / "link.html"
     real.write_text("old")
     link.symlink_to(real)
-    put_file(link, b"new")
+    with whole_file(link) as file:
+        file.write(b"new")
     assert link.is_symlink()
     assert real.read_text() == "new"
     assert sorted(tmp_path.iterdir()) == [link, real]

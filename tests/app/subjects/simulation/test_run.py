@@ -26,8 +26,9 @@ from app.subjects.simulation import run as simulation_run
 from app.subjects.simulation.charts import CHARTS
 from app.subjects.simulation.files import FILES
 from app.subjects.simulation.page import SimulatePage
+from app.subjects.simulation.report import sections
 from app.subjects.simulation.run import Flown, fly, same_subject
-from app.subjects.simulation.tables import findings, verdict
+from app.subjects.simulation.tables import verdict
 from app.work import simulator
 from app.work.run import Run
 from nav_model.base.errors import InputError
@@ -192,8 +193,9 @@ def test_the_verdict_and_its_tables_are_the_studys(study: SimulationStudy) -> No
     nees = study.result.nees
     figures = [float(text) for text in re.findall(r"\d+\.\d+", said.sentences[0])]
     assert figures == pytest.approx([nees.mean, nees.low, nees.high], rel=5e-3)
-    blocks = findings(study, "page")
+    first, *blocks = sections(study, "page")[0].blocks
     titles = [block.caption for block in blocks if isinstance(block, Table)]
+    assert first == said
     assert titles[0] == "Simulation set-up"
     assert titles[-1] == "Where formula and simulation differ, and why"
     assert html_of(said, *blocks).count("<table") == len(titles) == 3
