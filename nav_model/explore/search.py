@@ -164,7 +164,7 @@ def _changes(filled: Mapping[str, SourcedValue], biases: Biases) -> dict[str, Va
 def _doubts(filled: Mapping[str, SourcedValue]) -> Iterator[str]:
     for key, item in filled.items():
         if not item.confirmed:
-            yield f"{key.rpartition('.')[2].replace('_', ' ')} {item.status}"
+            yield f"{key.rpartition('.')[2].replace('_', ' ')} ({item.status})"
 
 
 def _filled(design: Design, change: Mapping[str, Value], key: str) -> float:

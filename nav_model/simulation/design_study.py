@@ -77,6 +77,8 @@ def specification(
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
         raise InputError("outage", f"{longest:g} s are too long. Give at most {LONGEST_OUTAGE:g} s.", longest)
+    if late := [start for start, _ in outages if start >= duration]:
+        raise InputError("outage", f"{late[0]:g} s is after the flight, which ends at {duration:g} s.", late[0])
     slow = gnss.correlated_noise if gnss.correlated else 0.0
     return SimulationSpec(
         imu=ImuModel(

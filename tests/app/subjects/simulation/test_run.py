@@ -128,6 +128,9 @@ def test_a_flight_that_cannot_be_flown_is_said_in_words() -> None:
     page.param.update(trajectory="turns", runs="2", length="60", outages="")
     when_done(page._begin, page.run)
     assert page.run.message.startswith("Length: 60.0 cannot be simulated; the turns take")
+    page.param.update(trajectory="straight", outages="20, 40; 60, 70")
+    when_done(page._begin, page.run)
+    assert page.run.message == "Outages: 60 s is after the flight, which ends at 60 s."
 
 
 def test_only_instruments_and_flight_make_a_study_stale() -> None:
