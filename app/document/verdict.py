@@ -6,6 +6,7 @@ from typing import NamedTuple
 from app.document.blocks import Answer, Cell
 from app.document.display import ONE_SIGMA, SI, Display
 from app.document.numbers import margin_in_short, percent, show_in, signed_percent
+from app.document.wording import MOMENTS
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.result import Check, Verdict
@@ -29,9 +30,7 @@ class CheckWords(NamedTuple):
     figure: str
 
 
-_FIGURES = {
-    "prior": "before a fix",
-    "posterior": "after a fix",
+_FIGURES = MOMENTS | {
     "closed form": "formula",
     "closed form from the augmented filter's tilt": "formula with the tilt of the augmented filter",
     "refined": "with Schuler and Coriolis terms",

@@ -3,10 +3,12 @@
 import re
 import unicodedata
 from collections.abc import Mapping
+from typing import cast
 
 from app.document.numbers import number, show_in
 from nav_model.base.units import format_quantity
 from nav_model.design import Design
+from nav_model.design.declaration import Choice
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import deviations, preset_of
 from nav_model.design.table import Table
@@ -14,6 +16,9 @@ from nav_model.explore.margins import quantity
 
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
 """What is removed from the phase before its residual is measured, by the order of the autofocus."""
+
+MOMENTS: dict[str, str] = dict(cast(Choice, declaration_of("requirements.steady_state")).options)
+"""Points of the fix cycle, in words."""
 
 _TYPED = 12  # digits of a text: what a sum of floats adds beyond is nothing that anybody typed
 

@@ -2,16 +2,11 @@
 
 from app.document.blocks import Bullets
 from app.document.numbers import number
+from app.document.wording import MOMENTS
 from app.report.inputs import doubtful_inputs
 from nav_model.budget import Budget
 from nav_model.budget.provenance import cautions
 from nav_model.design.processing import POST_PROCESSED
-
-_FIGURES = {
-    "prior": "before a fix, where the error is largest",
-    "posterior": "after a fix",
-    "closed": "for the average between fixes",
-}
 
 
 def caution_list(budget: Budget) -> Bullets:
@@ -40,7 +35,7 @@ def assumption_list(budget: Budget) -> Bullets:
             "Post-processed: a smoother with all fixes before the aperture, those in it, and those of "
             f"{number(processing.leg_after, given=True)} s after it [P-3].",
             "In real time, requirements in steady state are checked against the value "
-            f"{_FIGURES[requirements.steady_state]} [T-8], "
+            f"{MOMENTS[requirements.steady_state]} [T-8], "
             "after the last fix against the curve with Schuler and Coriolis terms [T-17].",
             f"Each value is checked at {requirements.confidence:g}σ.",
             "Broadside strip map. Only the IMU measures motion during the aperture, which starts "

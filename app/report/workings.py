@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from app.document.wording import MOMENTS
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Sawtooth
@@ -53,7 +54,6 @@ _PLAIN = {
     "grazing_angle": "radar.grazing_angle", "squint": "radar.squint_angle",
     "scene_height_error": "processing.scene_height_error",
 }  # fmt: skip
-STATES = {"prior": "just before a fix", "closed": "average between fixes", "posterior": "just after a fix"}
 _SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
 
@@ -206,7 +206,7 @@ class Traces:
             head("At the last fix before the aperture: no less than just after a fix, and with a slow GNSS error")
             saw["start"] = self._channels(start, "start", marks, taken=True)
         head("Steady state, 1σ")
-        for state, when in STATES.items():
+        for state, when in MOMENTS.items():
             for figure, sigma in sigmas(saw["start" if state == "closed" else state]).items():
                 mark = "[T-8]" if state != "closed" else marks["vertical" in figure]
                 label = f"{label_of(figure)}, {when}"
@@ -307,7 +307,7 @@ class Traces:
         self.workings.head("Steady state that is checked")
         marks = steady_marks(self.design) if self.plain.steady_state == "closed" else ("[T-8]", "[T-8]")
         for figure in SETTLED:
-            states = {state: self.workings.cell(f"{state}_{figure}") for state in STATES}
+            states = {state: self.workings.cell(f"{state}_{figure}") for state in MOMENTS}
             prior, closed, posterior = states.values()
             choice = f'IF({CHOICE}="prior",{prior.text},IF({CHOICE}="closed",{closed.text},{posterior.text}))'
             taken = any(state.taken for state in states.values())

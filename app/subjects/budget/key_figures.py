@@ -4,12 +4,11 @@ from app.document.blocks import KeyFigure, KeyFigures
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import show
 from app.document.verdict import check_words, shown_check
+from app.document.wording import MOMENTS
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.result import Check
-
-_MOMENTS = {"prior": "before a fix", "posterior": "after a fix", "closed": "average between fixes"}
 
 _WITH_TILE = {
     "horizontal_position", "vertical_position", "horizontal_velocity", "tilt", "coast_horizontal_position",
@@ -71,7 +70,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
         if smoothed is not None:
             detail = f"{told}, smoothed [P-3]; in real time {shown(moment)} [T-8]"
             return figure(label, getattr(smoothed.sigmas, field), dimension, detail, name)
-        which = f"{_MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
+        which = f"{MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
         if chosen != "closed":
             which += f"; average {shown(average)} {mark}"
         return figure(label, getattr(moment, field), dimension, f"{told}, {which}", name)

@@ -38,7 +38,6 @@ from nav_model.explore.sweep_plan import Plan, parse_plan
 
 MOST_DESIGNS = 200_000
 """Of one sweep on the page: some 40 MB, and a minute where they are post-processed. The command takes more."""
-_MOST_INPUTS = 4
 _COMING = "<p class='quiet'>The designs, those that just pass first, appear here with the first sweep.</p>"
 _COMING_MAP = "<p class='quiet'>A map of the worst requirement over the first two inputs appears here.</p>"
 _ELSEWHERE = "Use fewer points, or download the sweep file and run “navbudget sweep FILE -o OUT.csv”."
@@ -63,8 +62,7 @@ class SweepPanel(Question):
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run(), files=session.new_run())
         self._plan: Plan | None = None
-        self.rows = [self._row(key) for key in ("imu.angle_random_walk", "gnss.position_noise", NONE)]
-        self._rows = pn.Column(*self.rows)
+        self.rows = [self._row(key) for key in ("imu.angle_random_walk", "gnss.position_noise", NONE, NONE)]
         self._count = html_pane("", margin=(4, 10))
         self.bar = RunBar(self.run, self.start, "Run sweep")
         self._table = SortableTable(self._take, html=_COMING, margin=(0, 12), stylesheets=[WHOLE])
@@ -85,7 +83,7 @@ class SweepPanel(Question):
         setup = pn.Column(
             self.bar,
             self._count,
-            self._rows,
+            *self.rows,
             pn.FlexBox(
                 taken("Table: CSV", "sweep.csv", to_csv),
                 taken("Table: Parquet", "sweep.parquet", to_parquet),
@@ -110,9 +108,6 @@ class SweepPanel(Question):
 
     def _read(self) -> None:
         """Work out what the rows ask for."""
-        if self.rows[-1].key != NONE and len(self.rows) < _MOST_INPUTS:
-            self.rows.append(self._row(NONE))
-            self._rows.append(self.rows[-1])
         self._plan = None
         try:
             plan = parse_plan(sweep_file(self.session.design, self.rows).encode())
