@@ -358,7 +358,6 @@ class TradeMapChart(_OnAxes):
     here: tuple[float, float]
     knowledge: str
     trade: TradeMap
-    scale: tuple[float, float]
     level: float
 
     @property

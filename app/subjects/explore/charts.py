@@ -159,7 +159,6 @@ def chart_of(design: Design, trade: TradeMap, key: str, knowledge: str, x_log: b
         here=(here[0] / x_factor, here[1] / y_factor),
         knowledge=knowledge,
         trade=trade,
-        scale=(x_factor, y_factor),
         level=level,
     )
 
