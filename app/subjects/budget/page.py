@@ -93,7 +93,7 @@ class BudgetPage(View):
         self._stack = Timelines(self._lines)
         self._stack_head = html_pane("", margin=_HEAD)
         self._phase = html_pane("", margin=(0, 10, 4, 10))
-        self._phase.sizing_mode = "stretch_both"
+        self._phase.param.update(sizing_mode="stretch_both", styles={"overflow": "hidden auto"})
         self._phase_head = html_pane("", margin=_HEAD)
         self._compared: Any = None
         self._was: tuple[KeyFigures | None, BarChart | None] = None, None
