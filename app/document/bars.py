@@ -7,9 +7,7 @@ from pathlib import Path
 
 from app.charts.kinds import TOTAL, Bar, BarChart, RankChart
 from app.document.numbers import number, percent
-from app.document.wording import shortened
 
-_LONGEST = 24  # letters of a name, so that it takes a line or two
 _NAMED = 0.45  # of the axis: a shorter part has no room for its name
 
 ROWS_SHEET = Path(__file__).with_name("rows.css").read_text("utf-8")
@@ -26,7 +24,7 @@ def bars_html(chart: BarChart, was: BarChart | None = None) -> str:
     old = {bar.label: bar for bar in was.bars} if was else {}
     first, second = (_Scale(chart, was, kind) for kind in ("first", "second"))
     rows = "".join(
-        f'<tr{_class(bar)}><th scope="row" title="{escape(bar.label)}">{escape(shortened(bar.label, _LONGEST))}</th>'
+        f'<tr{_class(bar)}><th scope="row">{escape(bar.label)}</th>'
         f"{first.cell(bar, old.get(bar.label))}{second.cell(bar, old.get(bar.label))}</tr>"
         for bar in chart.bars
         if bar.shows or (bar.label in old and old[bar.label].shows)

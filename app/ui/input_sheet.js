@@ -12,14 +12,15 @@ export function render({ model }) {
   // --- what is told ---
   const waiting = new Map()  // the newest of what has not been told, by row and kind
   let sent = model.heard, asked = null  // the row whose message has not been answered
-  const next = () => {
-    const [first] = waiting
-    if (model.heard < sent || !first) return
-    waiting.delete(first[0])
-    asked = first[1].key
+  const send = () => {
+    const [[slot, what]] = waiting
+    waiting.delete(slot)
+    asked = what.key
     sent += 1
-    model.send_msg({ ...first[1], number: sent })
+    model.send_msg({ ...what, number: sent })
   }
+  const next = () => { if (model.heard >= sent && waiting.size) send() }
+  place.addEventListener("focusout", () => { while (waiting.size) send() })  // before what is done elsewhere, as Reset
   const tell = (key, kind, what) => {
     waiting.delete(`${key} ${kind}`)
     waiting.set(`${key} ${kind}`, { key, [kind]: what })

@@ -111,6 +111,30 @@ def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
     expect(card(desk, "Horizontal position")).to_have_text("40.4 cm")
 
 
+def test_what_is_done_after_a_slider_is_not_overtaken_by_it(desk: Page) -> None:
+    """Sliders tell their newest place when the last has been answered; Reset right after must not come before it."""
+    slider = desk.get_by_role("slider", name="Angle random walk").element_handle()
+    desk.get_by_role("button", name="Open", exact=True).click()
+    reset = desk.get_by_role("button", name="Reset").element_handle()
+    desk.evaluate(
+        """([slider, reset]) => {
+          slider.focus()
+          for (const times of [1, 2, 3]) {
+            slider.value = slider.valueAsNumber + times / 10
+            slider.dispatchEvent(new Event("input"))
+          }
+          slider.blur()
+          reset.click()
+        }""",
+        [slider, reset],
+    )
+    name = desk.get_by_role("textbox", name="Design", exact=True)
+    enter(name, "Told after the reset")
+    expect(desk.get_by_role("button", name="Redo")).to_be_disabled()
+    expect(box(desk, "Angle random walk")).to_have_value("0.15 °/√h")
+    expect(card(desk, "Horizontal position")).to_have_text("40.4 cm")
+
+
 @pytest.mark.slow
 def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
     page = visit()

@@ -32,7 +32,7 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     enter(box(page, "Outages [s]"), "90,120")
     start.click()
     expect(answer).to_have_text(
-        re.compile(r"(Consistent|Optimistic|Pessimistic).*NEES \d+\.?\d* with 9 states, 95 % band .*, 20 runs")
+        re.compile(r"(Consistent|Optimistic|Pessimistic).*NEES \d+\.?\d* with 9 states, 95.% band .*, 20.runs")
     )
     expect(start).to_be_enabled()
     figures = page.locator(".bk-Figure:visible")
