@@ -52,7 +52,7 @@ def allocation_table(budget: Budget, check: Check, key: str) -> Table | Text:
     try:
         found = allocate(budget, check.name)
     except InputError as error:
-        return Text(f"Allocation of {check.label}: {error}")
+        return Text(f"Allocation of {printable(check.label)}: {error.reason}")
     locked = {printable(entry.source) for entry in found.entries if entry.locked}
     return table(
         f"{key}-allocation-{budget.verdict.checks.index(check)}",

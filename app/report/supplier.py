@@ -6,9 +6,10 @@ from importlib.metadata import version
 from typing import Any
 
 from app.document.blocks import Answer, Bullets, Cell, Chapter, Report, Row, Section, Table, Text, numbers, table
-from app.document.wording import input_in_words, title_of
+from app.document.wording import input_in_words, printable, title_of
 from nav_model.allan.result import axis_label
 from nav_model.design import Design
+from nav_model.design.contributors import RESPONSE
 from nav_model.design.parts import declaration_of
 from nav_model.equations.literature import WORKS
 from nav_model.explore.supplier import (
@@ -64,6 +65,9 @@ def supplier_report(design: Design, unit: Unit) -> Report:
 
 def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float) -> Table:
     """Required values; the reading that is accepted is so large a share of each."""
+    note = f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ."
+    if design.allocation and (left := [printable(one.name) for one in design.limits if one.on in RESPONSE]):
+        note += f" Not allocated, so not in these values: limits on the impulse response ({', '.join(left)})."
     rows = (
         (
             str(declaration_of(line.key).label),
@@ -75,10 +79,10 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float)
         f"{unit}-required",
         "Largest values with which every limit of the design is met, all at once"
         if design.allocation is None
-        else "Largest values within the design's allocation: all at once meet each limit less its reserve",
+        else "Largest values within the design's allocation: all at once meet each allocated limit less its reserve",
         (("Quantity", 1.4), *numbers("At most", "Accepted reading", "Assumed so far", width=1)),
         rows,
-        f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ.",
+        note,
     )
 
 

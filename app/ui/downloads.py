@@ -7,6 +7,7 @@ from typing import Any
 import panel_material_ui as pmui
 
 from app.work.run import Run
+from nav_model.base.errors import InputError
 
 Content = str | bytes
 _LOOK: dict[str, Any] = {"variant": "text", "margin": (0, 8)}
@@ -15,7 +16,10 @@ _LOOK: dict[str, Any] = {"variant": "text", "margin": (0, 8)}
 def download(
     label: str, filename: str, make: Callable[[], Content | Awaitable[Content]], **look: Any
 ) -> pmui.FileDownload:
-    """A link-like button; `make` gives the content of the file when it is pressed. ``look``: as the button has it."""
+    """A link-like button; `make` gives the content of the file when it is pressed. ``look``: as the button has it.
+
+    An InputError that `make` raises is told above the page, and no file is saved.
+    """
 
     async def made() -> io.BytesIO:
         content = make()
@@ -26,9 +30,7 @@ def download(
     return pmui.FileDownload(callback=made, filename=filename, label=label, **_LOOK | look)
 
 
-def run_download(
-    run: Run, write: Callable[[], Awaitable[bytes]], failed: Callable[[str], None]
-) -> Callable[[], Awaitable[bytes]]:
+def run_download(run: Run, write: Callable[[], Awaitable[bytes]]) -> Callable[[], Awaitable[bytes]]:
     """What `download` takes for a file that is the result of a run.
 
     Parameters
@@ -36,15 +38,13 @@ def run_download(
     run : Run
         Of the person's session, for this button alone.
     write : callable
-        Makes the file's bytes; it must not hold up the event loop.
-    failed : callable
-        Told why there is no file.
+        Makes the file's bytes; it must not hold up the event loop. Why it did not is told above the page.
     """
 
     async def made() -> bytes:
         await run.start(lambda _: write())
         if run.message:
-            failed(run.message)
+            raise InputError("The file was not written", run.message)
         return run.result or b""
 
     return made

@@ -1,5 +1,8 @@
-"""Unexpected exceptions: the log gets the trace, the user a sentence with a number to find it there. Nothing of the
-fault's text is shown or logged as JSON, for it may quote a design."""
+"""Exceptions that no page expects.
+
+Of bad input the user is told what is wrong. Of a fault the log gets the trace, the user a sentence with a number to
+find it there. Nothing of its text is shown or logged as JSON, for it may quote a design.
+"""
 
 import logging
 import secrets
@@ -8,6 +11,8 @@ from weakref import WeakKeyDictionary, WeakMethod
 
 import panel as pn
 from bokeh.document import Document
+
+from nav_model.base.errors import InputError
 
 _LOGGER = logging.getLogger("navbudget")
 _tellers: WeakKeyDictionary[Document, WeakMethod[Callable[[str], None]]] = WeakKeyDictionary()
@@ -24,10 +29,14 @@ def tell_here(say: Callable[[str], None]) -> None:
 
 def caught(fault: BaseException) -> None:
     """Handler of exceptions in callbacks (`pn.config.exception_handler`)."""
+    teller = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None
+    say = None if teller is None else teller()
+    if say is not None and isinstance(fault, InputError):
+        say(str(fault))
+        return
     number = secrets.token_hex(3)
     _LOGGER.log(logging.ERROR, "fault", exc_info=fault, extra={"fields": {"fault": number}})
-    teller = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None
-    if teller is not None and (say := teller()) is not None:
+    if say is not None:
         say(
             f"NavBudget failed ({type(fault).__name__}). This step was not done. Your design and everything saved "
             f"are unchanged. The server's log has the cause as fault {number}."

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError, not_a_choice
+from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.budget.contributors import entering, turned
 from nav_model.budget.result import Budget, Check
 from nav_model.design.contributors import RESPONSE
@@ -58,7 +58,7 @@ class Allocation:
 
 
 def check_of(budget: Budget, requirement: str | None = None) -> Check:
-    """The check of a requirement, by default the tightest.
+    """The check of a requirement, by default the tightest that can be allocated, where one can.
 
     Raises
     ------
@@ -66,10 +66,10 @@ def check_of(budget: Budget, requirement: str | None = None) -> Check:
         If the design has no requirement, or none of this name.
     """
     checks = {check.name: check for check in budget.verdict.checks}
-    if budget.verdict.tightest is None:
+    if not checks:
         raise InputError("requirement", "The design has no requirement, so there is nothing to allocate.")
     if requirement is None:
-        return budget.verdict.tightest
+        return min(checks.values(), key=lambda check: (check.on in RESPONSE, check.margin))
     if requirement not in checks:
         raise InputError("requirement", not_a_choice(requirement, checks), requirement)
     return checks[requirement]
@@ -97,8 +97,12 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
     """
     check, plan = check_of(budget, requirement), plan or budget.design.allocation or Allotment()
     if check.on in RESPONSE:
-        said = f"{check.label} is no sum of its sources. Allocate the quadratic phase that widens the response."
-        raise InputError("requirement", said, check.name)
+        raise InputError(
+            "requirement",
+            f"{shown(check.name)} limits a measure of the impulse response, which is no sum of its sources. "
+            "Allocate a limit on the quadratic phase instead.",
+            check.name,
+        )
     locked = {
         lock.name: turned(lock.value, lock.dimension, check.dimension, budget.sar.wavelength)
         for lock in plan.locks

@@ -23,6 +23,7 @@ from nav_model.budget import analyse
 from nav_model.budget.allocation import allocate
 from nav_model.budget.result import makers_of
 from nav_model.design import Design
+from nav_model.design.contributors import RESPONSE
 from nav_model.explore.margins import limits, quantity, ratios, worst
 from nav_model.explore.solve import typed
 
@@ -112,10 +113,11 @@ def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str
 
     An entry of one source scales with it. The initial tilt scales no more than the largest factor of the noises that
     make it, so that all of them are held to its ratio. The filter that fits the new noises is better than the old one
-    with them, so that each limit less its reserve is met with all values at once.
+    with them, so that each limit less its reserve is met with all values at once. Limits on measures of the
+    impulse response are not allocated.
     """
     budget, factors = analyse(design), dict[str, float]()
-    for check in budget.verdict.checks:
+    for check in (one for one in budget.verdict.checks if one.on not in RESPONSE):
         found = allocate(budget, check.name)
         if not found.closes:
             raise InputError(
@@ -125,7 +127,7 @@ def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str
             for maker in makers_of(check, entry.source):
                 factors[maker] = min(factors.get(maker, math.inf), entry.allocated / entry.estimated)
     if not any(quantity(key).source in factors for key in now):
-        raise InputError(unit, "no limit depends on its noise: every unit meets the limits or none does")
+        raise InputError(unit, "no limit that is allocated depends on its noise")
     return {key: factors.get(quantity(key).source, 1.0) for key in now}
 
 

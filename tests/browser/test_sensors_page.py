@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import bench_log
-from on_page import Check, Visit
+from on_page import Check, Visit, content
 from playwright.sync_api import expect
 
 _CURVE = """() => {
@@ -55,3 +55,16 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     expect(page.get_by_label("Key figures")).not_to_have_text(before)
     page.get_by_role("tab", name="Sensors").click()
     fits(page, 390)
+
+
+def test_a_sheet_that_cannot_be_made_is_told_and_nothing_is_saved(visit: Visit) -> None:
+    page = visit()
+    saved: list[str] = []
+    page.on("download", lambda download: saved.append(download.suggested_filename))
+    page.get_by_role("tab", name="Sensors").click()
+    page.get_by_role("button", name="Sheet for the supplier: satellite receiver").click()
+    expect(page.get_by_text("There is no sheet for the satellite receiver: no noise is low enough")).to_be_visible()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Sheet for the supplier: IMU").click()
+    assert b"Required of the IMU" in content(waiting.value)
+    assert saved == ["imu-required.html"]

@@ -75,7 +75,7 @@ class SweepPanel(Question):
                 swept = self.run.result
                 return b"" if swept is None else await elsewhere(write, swept.columns)
 
-            file = download(label, name, run_download(self.files, made, self._say))
+            file = download(label, name, run_download(self.files, made))
             file.disabled = self.run.param.result.rx.is_(None)
             return file
 

@@ -107,7 +107,7 @@ class Desk(param.Parameterized):
             download(
                 f"{label} ({suffix[1:].upper()})",
                 f"{stem}{suffix}",
-                run_download(self.session.new_run(), partial(write, suffix), partial(self.say, wrong=True)),
+                run_download(self.session.new_run(), partial(write, suffix)),
                 **BUTTON | params,
             )
             for suffix in (".html", ".pdf")

@@ -1,7 +1,6 @@
 """The Sensors page: origins of the design's noise values, log analysis, and the catalogue, one view at a time."""
 
 from functools import partial
-from html import escape
 from typing import Any
 
 import panel as pn
@@ -58,23 +57,21 @@ class SensorsPage(View):
         )
         self._view = screen_of_views(self._strip, self._views)
 
-    def _supplier(self) -> pn.Column:
+    def _supplier(self) -> pn.FlexBox:
         """The sheets for suppliers, to be saved."""
-        said = html_pane("", margin=(0, 14))
 
-        def made(unit: Unit) -> str | bytes:
-            said.object = ""
+        def made(unit: Unit) -> bytes:
             try:
                 return document_bytes(supplier_report(self.session.design, unit), ".html")
             except InputError as error:
-                said.object = f'<p role="status">There is no sheet. {escape(str(error))}</p>'
-                return str(error)
+                raise error.under(f"There is no sheet for the {NAMES[unit]}") from error
 
-        buttons = (
-            download(f"Sheet for the supplier: {name}", f"{unit}-required.html", partial(made, unit))
-            for unit, name in NAMES.items()
+        return pn.FlexBox(
+            *(
+                download(f"Sheet for the supplier: {name}", f"{unit}-required.html", partial(made, unit))
+                for unit, name in NAMES.items()
+            )
         )
-        return pn.Column(pn.FlexBox(*buttons), said)
 
     def go_to(self, place: str) -> None:
         """Show the view of this name, such as "log" of "#sensors-log"."""

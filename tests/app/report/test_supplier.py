@@ -32,6 +32,15 @@ def test_a_sheet_without_charts_is_a_small_html_page(tmp_path: Path) -> None:
     assert len(text) < 100_000
 
 
+def test_a_sheet_says_which_limits_are_not_in_its_values(tmp_path: Path) -> None:
+    tables = '[allocation]\n[[limits]]\nname = "width"\non = "response_width"\nlimit = "0.3 m"\n'
+    (tmp_path / "design.toml").write_text(Path(TACTICAL).read_text("utf-8") + tables, "utf-8")
+    target = tmp_path / "sheet.html"
+    assert main(["report", str(tmp_path / "design.toml"), "--supplier", "imu", "-o", str(target)]) == 0
+    text = target.read_text("utf-8")
+    assert "Not allocated, so not in these values: limits on the impulse response (width)." in text
+
+
 @pytest.mark.parametrize("more", [["--show", "2s"], ["--with", "sar"], [TACTICAL]])
 def test_a_sheet_and_a_spreadsheet_are_of_one_design_alone(
     tmp_path: Path, more: list[str], capsys: pytest.CaptureFixture[str]

@@ -113,8 +113,9 @@ def test_measures_of_the_response_and_cep_are_those_that_are_printed(mode: str, 
     for name, values in across.items():
         assert list(values[:1]) == [pytest.approx(found[name].value / found[name].limit, rel=1e-9)]
         assert values[0] < values[2] < math.inf
-    with pytest.raises(InputError, match="Allocate the quadratic phase"):
+    with pytest.raises(InputError, match="'width' limits a measure of the impulse response"):
         allocate(budget, "width")
+    assert allocate(budget).requirement == "half"
 
 
 def test_a_contributor_to_the_width_or_to_cep_adds_to_it() -> None:

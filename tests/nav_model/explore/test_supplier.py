@@ -15,6 +15,7 @@ from nav_model.design.own import read_own
 from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, judge_log, required
 
 DESIGN = read_design("examples/tactical_x_band.toml")
+_NO_LIMITS = {f"requirements.{key}": None for key in set(FIGURES.values())}
 
 
 @pytest.mark.parametrize("unit", ["imu", "gnss"])
@@ -55,12 +56,22 @@ def test_an_allocation_that_does_not_close_has_no_sheet() -> None:
         required(DESIGN.replace({}, own=plan), "imu")
 
 
+def test_a_limit_on_the_impulse_response_is_left_out_of_values_from_the_allocation() -> None:
+    width = {"name": "width", "on": "response_width", "limit": "0.3 m"}
+    plain, limited, alone = (
+        DESIGN.replace(changes, own=read_own({"allocation": {}, "limits": limits}))
+        for changes, limits in (({}, []), ({}, [width]), (_NO_LIMITS, [width]))
+    )
+    assert required(limited, "imu") == required(plain, "imu")
+    with pytest.raises(InputError, match="no limit that is allocated depends on its noise"):
+        required(alone, "imu")
+
+
 def test_what_no_unit_meets_and_a_design_without_limits_are_refused() -> None:
     with pytest.raises(InputError, match="no noise is low enough"):
         required(read_design("examples/mems_x_band.toml"), "gnss")
-    none = {f"requirements.{key}": None for key in set(FIGURES.values())}
     with pytest.raises(InputError, match="none is given"):
-        required(DESIGN.replace(none), "imu")
+        required(DESIGN.replace(_NO_LIMITS), "imu")
 
 
 def test_the_accepted_share_is_the_quantile_of_chi_square() -> None:
