@@ -26,7 +26,7 @@ from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
 from app.ui.turns import next_turn, once_quiet
 from app.upstream.browser import Repairs
-from app.upstream.busy_line import follow_own_work
+from app.upstream.neighbours import follow_own_work
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.link import from_query

@@ -13,7 +13,7 @@ import os
 import time
 from collections.abc import Callable
 
-from app.upstream.collections import leave_collecting
+from app.upstream.neighbours import leave_collecting
 
 _LOOK = 1.0  # seconds between two looks
 _QUIET = 2.0  # seconds without a message after which the server counts as idle

@@ -24,10 +24,9 @@ from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules, is_loopback
-from app.upstream.connection import FramesAtOnce, LostConnection, NoTracebacks
+from app.upstream.connection import FirstChanges, FramesAtOnce, LostConnection, NoTracebacks
 from app.upstream.late_session import end_session, new_token
 from app.upstream.requests import serve_only
-from app.upstream.sending import FirstChanges
 
 # Bokeh compiles its callbacks and carries its model in the page, so scripts cannot be held to files; what holds is
 # that nothing comes from, goes to, or frames us from elsewhere.

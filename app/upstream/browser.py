@@ -4,17 +4,14 @@ from pathlib import Path
 
 from app.upstream.plain_script import PlainScript
 
-_SCRIPTS = (
-    "style_writes", "canvas_styles", "select_keys", "back_button", "layout_passes", "swallowed_sizes",
-    "skipped_layouts",
-)  # fmt: skip
+_SCRIPTS = ("paints", "layouts", "select_keys", "back_button")
 
 
 def _script(name: str) -> str:
     return Path(__file__).with_name(f"{name}.js").read_text(encoding="utf-8")
 
 
-_HEAD = _script("native_modules") + _script("early_connection")
+_HEAD = _script("opening")
 
 
 def head_script(token: str) -> str:

@@ -1,15 +1,18 @@
-"""Which requests are answered, and what of them is believed.
+"""Where the server listens, which requests are answered, and what of them is believed.
 
-Rules come before every route of the server, including the websocket's and the static files'; a visitor's address and
-protocol are what X-Forwarded-For and X-Forwarded-Proto say; a page opens at every address that a browser may send;
-and only the page and its connection are served.
+It listens on a socket that it is given, and finishes the responses in progress when it stops. Rules come before every
+route of the server, including the websocket's and the static files'; a visitor's address and protocol are what
+X-Forwarded-For and X-Forwarded-Proto say; a page opens at every address that a browser may send; and only the page
+and its connection are served.
 
 Reports to send upstream, versions and ends: docs/upstream/requests.md
 """
 
+import socket
 from collections.abc import Sequence
 from urllib.parse import urlsplit
 
+import bokeh.server.server
 import panel.io.location
 from bokeh.server.server import BaseServer
 from bokeh.server.urls import per_app_patterns
@@ -17,6 +20,16 @@ from tornado.httpserver import _HTTPRequestContext
 from tornado.httputil import HTTPHeaders
 from tornado.routing import Rule
 from tornado.web import RequestHandler
+
+
+def listen_on(listening: socket.socket, port: int) -> None:
+    """Have the next server of this process use a socket that listens already."""
+    bokeh.server.server.bind_sockets = lambda *_: ([listening], port)
+
+
+def let_nobody_new_in(server: BaseServer) -> None:
+    """Stop listening; open connections stay open."""
+    server._http.stop()
 
 
 def ask_first(server: BaseServer, rules: Sequence[Rule]) -> None:
