@@ -35,9 +35,8 @@ from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream.browser import head_script
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
-from app.upstream.given_values import look_at_what_was_given
 from app.upstream.late_session import page_of, sheets_from_here
-from app.upstream.rendering import copy_none
+from app.upstream.rendering import copy_none, look_at_what_was_given
 from app.upstream.requests import ask_first, believe_proxies_only, let_nobody_new_in, listen_on, read_any_address
 from app.work import pool as workers
 from nav_model.base.errors import InputError

@@ -9,7 +9,7 @@ from app.charts.kinds import Plotted
 from app.ui.chart_pane import ChartPane
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
-from app.upstream.text_pane import TextPane
+from app.upstream.rendering import TextPane
 
 _T = TypeVar("_T")
 

@@ -3,7 +3,7 @@
 from html import escape
 
 from app.ui.theme import SHEET
-from app.upstream.text_pane import TextPane
+from app.upstream.rendering import TextPane
 
 
 def html_pane(text: str, margin: int | tuple[int, ...] = (4, 10)) -> TextPane:

@@ -14,7 +14,7 @@ from bokeh.models import ColumnDataSource, Div, LinearAxis
 from bokeh.plotting import figure
 from bokeh.themes import Theme
 
-from app.upstream.given_values import look_at_what_was_given
+from app.upstream.rendering import look_at_what_was_given
 
 pytestmark = pytest.mark.long
 

@@ -1,15 +1,17 @@
-"""A component looks the same and holds fewer copies."""
+"""A component looks the same and holds fewer copies; a new text is all that a pane sends."""
 
 from collections.abc import Iterator
 from typing import Any
 
+import panel as pn
 import panel_material_ui as pmui
 import pytest
 from bokeh.document import Document
 from panel.custom import ReactiveESM
 from panel.reactive import Syncable
 
-from app.upstream.rendering import copy_none
+from app.ui.html_pane import html_pane
+from app.upstream.rendering import TextPane, copy_none
 
 _PLACES = ((ReactiveESM, "_get_properties"), (ReactiveESM, "_get_children"), (Syncable, "_init_params"))
 _AS_SHIPPED = [getattr(*place) for place in _PLACES]
@@ -58,3 +60,21 @@ def test_what_is_rendered_is_the_same(request: pytest.FixtureRequest) -> None:
         {k: v for k, v in value.items() if k != "name"} for value in expected
     ]
     assert copied < 20
+
+
+def test_the_text_alone_is_sent() -> None:
+    pane = html_pane("<p>old</p>")
+    assert isinstance(pane, TextPane)
+    model, document, sent = pane.get_root(), Document(), []
+    document.add_root(model)
+    document.on_change(lambda event: sent.append(event.attr))
+    pane.object = "<p>new & more</p>"
+    assert "new &amp; more" in model.text
+    assert sent == ["text"]
+
+
+def test_it_shows_at_first_what_the_shipped_pane_shows() -> None:
+    text = '<b title="a">&lt; 1 &amp; √2</b>'
+    ours, theirs = TextPane(text), pn.pane.HTML(text)
+    ours.object = theirs.object = text + "!"
+    assert ours.get_root().text == theirs.get_root().text
