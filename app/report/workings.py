@@ -1,6 +1,6 @@
 """The real-time closed forms of one design as formulas of its inputs, for a spreadsheet.
 
-The formulas are those of `nav_model.budget.figures`, traced (`nav_model.base.traced`): none is written a second time.
+The formulas are those of `nav_model.budget`, traced (`nav_model.base.traced`): none is written a second time.
 Where there is none, the budget's value is taken: the sampled filter with velocity fixes, a slow GNSS error, what
 vibration, unsensed motion and oscillator do over the aperture, and levels in decibels.
 """
@@ -17,7 +17,6 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.aperture import geometry, phase
-from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.contributors import Part, entering, parts_of, random_and_systematic
 from nav_model.budget.fast import LEVELS
@@ -39,21 +38,18 @@ from nav_model.budget.figures import (
     settled,
     sigmas,
 )
-from nav_model.budget.inputs import Inputs, inputs_of
+from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.verdict import limit_on, outage_mark
 from nav_model.design import Design
 from nav_model.design.contributors import COASTING, IN_OUTAGE, RESPONSE, label_of
+from nav_model.design.parts import declaration_of
 from nav_model.processing.geolocation import circular_error, ground_covariance
 
-_PLAIN = {
-    "g": "flight.gravity", "interval": "gnss.interval", "fix": "gnss.position_noise",
-    "bias_a": "imu.accelerometer_bias", "bias_w": "imu.gyro_bias", "speed": "flight.speed",
-    "altitude": "flight.altitude", "latitude": "flight.latitude", "heading": "flight.heading",
-    "duration": "coast.duration", "before_aperture": "coast.before_aperture", "slant_range": "radar.slant_range",
-    "grazing_angle": "radar.grazing_angle", "squint": "radar.squint_angle",
-    "scene_height_error": "processing.scene_height_error",
-}  # fmt: skip
+_WITHOUT_FORMULA: tuple[str, ...] = (
+    "motion.", "oscillator.", "gnss.correlated_noise", "gnss.correlation_time", "processing.leg_after",
+)  # fmt: skip
+"""How the keys of inputs begin that no formula follows."""
 _SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
 
@@ -110,35 +106,34 @@ class Traces:
         return Traced(f'IF({own.text}="",{otherwise.text},{own.text})', used, self.workings)
 
     def _inputs(self) -> Inputs:
-        name, cell, design = self.workings.name, self._cell, self.design
+        """What `inputs_of` makes of cells in the place of numbers."""
+        name, design = self.workings.name, self.design
         self.workings.head("Inputs as the formulas use them")
-        factor = cell("imu.vibration_factor")
-        wavelength = name("wavelength", SPEED_OF_LIGHT / cell("radar.frequency"), "wavelength", "m", "[T-13]")
-        inside = name(
-            "aperture_by_resolution",
-            geometry.aperture_time(
-                wavelength, cell("radar.slant_range"), cell("flight.speed"), cell("radar.azimuth_resolution"),
-                design.radar.window, cell("radar.squint_angle"),
-            ),
-            "aperture time from the resolution", "s", "[S-3]",
-        )  # fmt: skip
-        changes: dict[str, Any] = {field: cell(key) for field, key in _PLAIN.items()} | {"wavelength": wavelength}
-        upright = self._or("gnss.vertical_position_noise", changes["fix"])
-        named: list[tuple[Any, ...]] = [
-            ("sigma_a", cell("imu.velocity_random_walk") * factor, "accelerometer noise in flight", "m/s/√s"),
-            ("sigma_w", cell("imu.angle_random_walk") * factor, "gyro noise in flight", "rad/√s"),
-            ("fix_vertical", upright, "noise of a fix, vertical", "m"),
-            ("aperture", self._or("radar.aperture_time", inside), "aperture time in force", "s"),
+        without, instead = _WITHOUT_FORMULA, {"gnss.vertical_position_noise": "gnss.position_noise"}
+        if self.plain.velocity is None:
+            without = (*without, "gnss.velocity", "gnss.vertical_velocity")
+        else:
+            instead["gnss.vertical_velocity_noise"] = "gnss.velocity_noise"
+            instead["gnss.velocity_interval"] = "gnss.interval"
+        cells: dict[str, Any] = {key: self._cell(key) for key in VARIABLES if not key.startswith(without)}
+        cells |= {key: self._or(key, cells[other]) for key, other in instead.items()}
+        fixed = {key: declaration_of(key).default for key in design if key.startswith(_WITHOUT_FORMULA[:2])}
+        still = design.replace(fixed)
+        resolved = inputs_of(still, cells | {"radar.aperture_time": None}).aperture
+        inside = name("aperture_by_resolution", resolved, "aperture time from the resolution", "s", "[S-3]")
+        x = inputs_of(still, cells | {"radar.aperture_time": self._or("radar.aperture_time", inside)})
+        named: list[tuple[str, ...]] = [
+            ("sigma_a", "accelerometer noise in flight", "m/s/√s"),
+            ("sigma_w", "gyro noise in flight", "rad/√s"),
+            ("wavelength", "wavelength", "m", "[T-13]"),
+            ("fix_vertical", "noise of a fix, vertical", "m"),
+            ("aperture", "aperture time in force", "s"),
         ]
-        if self.plain.velocity is not None:
-            level = changes["velocity"] = cell("gnss.velocity_noise")
-            named += [
-                ("velocity_vertical", self._or("gnss.vertical_velocity_noise", level), "vertical velocity", "m/s"),
-                ("velocity_interval", self._or("gnss.velocity_interval", changes["interval"]), "interval", "s"),
-            ]
-        if self.plain.rectified is not None:
-            named.append(("rectified", self.plain.rectified, "bias caused by vibration", "m/s²", "[P-12]"))
-        changes |= {symbol: name(symbol, *said) for symbol, *said in named}
+        if x.velocity is not None:
+            named += [("velocity_vertical", "vertical velocity", "m/s"), ("velocity_interval", "interval", "s")]
+        changes: dict[str, Any] = {symbol: name(symbol, getattr(x, symbol), *said) for symbol, *said in named}
+        if (bias := self.plain.rectified) is not None:
+            changes["rectified"] = name("rectified", bias, "bias caused by vibration", "m/s²", "[P-12]")
         mark, parts = "[P-8]", ("quadratic", "cubic", f"left_{self.plain.autofocus_order}", "mean", "slope")
         changes["fast"] = {}
         for number, (source, own) in enumerate(self.plain.fast.items(), 1):
@@ -147,7 +142,7 @@ class Traces:
                 for part in parts
             }
             changes["fast"][source] = replace(own, **cells)
-        return replace(self.plain, **changes)
+        return replace(x, post_processed=False, **changes)
 
     def _sum(self, symbol: str, of: Any, label: str, dimension: str, mark: str, *, taken: bool = False) -> None:
         self.workings.name(symbol, of, label, _SI.get(dimension, dimension), mark, taken=taken)

@@ -87,7 +87,7 @@ class Workings:
 class Traced(NDArrayOperatorsMixin):
     """A value and its formula; ``taken`` if something in it is a number that no formula has."""
 
-    ndim = 0
+    ndim, dtype = 0, np.dtype(object)
 
     def __init__(self, text: str, value: Any, workings: Workings, taken: bool = False, binds: int = _WHOLE) -> None:
         self.text, self.value, self.workings, self.taken, self.binds = text, value, workings, taken, binds
