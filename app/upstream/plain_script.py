@@ -1,4 +1,4 @@
-"""A component's script is sent to the browser as it is written, and its messages are dealt with alone.
+"""A component's script is sent to the browser as it is written.
 
 What Panel takes for a bundle it does not compile in the browser.
 
@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from panel.custom import JSComponent
-from panel.io.state import set_curdoc
 
 
 class PlainScript(JSComponent):
@@ -32,7 +31,3 @@ class PlainScript(JSComponent):
     def _get_properties(self, doc: Any) -> dict[str, Any]:
         found: dict[str, Any] = super()._get_properties(doc)
         return {**found, "bundle": hashlib.sha256(found["esm"].encode()).hexdigest()}
-
-    def _process_bokeh_event(self, doc: Any, event: Any) -> None:
-        with set_curdoc(doc):
-            self._process_event(event)
