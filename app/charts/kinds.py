@@ -94,8 +94,6 @@ class Span:
 
 MOST_OUTAGES = 4
 """Shaded spans a chart of a flight has room for; those a flight does not have are not drawn."""
-NO_TIME, NO_VALUES = np.array([0.0, 300.0]), np.full(2, np.nan)
-"""The frame of a chart over time that has no result yet."""
 
 
 def without_fixes(outages: Iterable[tuple[float, float]]) -> tuple[Span, ...]:

@@ -139,19 +139,19 @@ def _rates(spec: TrajectorySpec, t: FloatArray, duration: float) -> tuple[FloatA
     return turn, climb
 
 
-def _lay_on_earth(
-    spec: TrajectorySpec, t: FloatArray, north_rate: FloatArray, east_rate: FloatArray, height: FloatArray
+def lay_on_earth(
+    place: tuple[float, float], t: FloatArray, north_rate: FloatArray, east_rate: FloatArray, height: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Latitude and longitude of a path given by its ground velocity; passes (latitude0, longitude0) at t = 0."""
+    """Latitude and longitude [rad] of a path given by its ground velocity [m/s]; at t = 0 it passes `place`."""
     step = float(t[1] - t[0])
     start = int(np.argmin(np.abs(t)))
-    latitude = np.full_like(t, spec.latitude)
+    latitude = np.full_like(t, place[0])
     # Curvature changes so slowly with latitude that each pass gains four digits or more.
     for _ in range(5):
         integral = cumulative(north_rate / metres_per_radian(latitude, height)[0], step)
-        latitude = spec.latitude + integral - integral[start]
+        latitude = place[0] + integral - integral[start]
     integral = cumulative(east_rate / metres_per_radian(latitude, height)[1], step)
-    return latitude, spec.longitude + integral - integral[start]
+    return latitude, place[1] + integral - integral[start]
 
 
 @lru_cache(maxsize=8)
@@ -182,7 +182,7 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
     sideways_rate = np.gradient(sideways, t) if wander else np.zeros_like(t)
     north_rate = motion.ground_speed * np.cos(motion.course) - sideways_rate * np.sin(motion.course)
     east_rate = motion.ground_speed * np.sin(motion.course) + sideways_rate * np.cos(motion.course)
-    latitude, longitude = _lay_on_earth(spec, t, north_rate, east_rate, height)
+    latitude, longitude = lay_on_earth((spec.latitude, spec.longitude), t, north_rate, east_rate, height)
     if np.max(np.abs(latitude)) > HIGHEST_LATITUDE:
         raise InputError(
             "trajectory",

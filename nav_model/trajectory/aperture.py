@@ -12,6 +12,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from nav_model.base.errors import InputError
 from nav_model.budget.inputs import Inputs
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
 from nav_model.trajectory.errors import ErrorModel
@@ -23,6 +24,7 @@ COLUMNS = ORDERS + 2
 """Sums of an aperture: these coefficients, the image's shift in azimuth, and that in range and azimuth together."""
 _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ROUNDING = 1e-6  # s
+_MOST_WEIGHTS = 5_000_000  # nodes of all apertures: a few minutes, and some 4 GB
 _SLOWEST = 0.1  # m/s, as of a design: what stands has no synthetic aperture
 # Mean square that polynomials up to ORDERS - 1 leave of white noise integrated twice, over its density times T³: with
 # M = ORDERS - 1 it is (M + 1)/(8 (2M - 1)(2M + 1)(2M + 3)(2M + 5)), 1/420 for M = 1. [S-6], [P-15]
@@ -43,7 +45,7 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     """The apertures centred at the outputs of a flight that lie within it, where the aircraft moves.
 
     One begins at the last fix before where it would begin, as in the budget, and so is up to a fix interval early;
-    without a fix there, it begins where it would.
+    without a fix there, it begins where it would. Raises InputError where they are too many and too long.
     """
     time_s, half = model.time_s, 0.5 * x.aperture
     begin = time_s[model.outputs] - half
@@ -56,7 +58,11 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     output, begin = np.flatnonzero(inside), begin[inside]
     first = np.searchsorted(time_s, begin + _ROUNDING, side="right") - 1
     last = np.searchsorted(time_s, begin + x.aperture - _ROUNDING)
-    weights = np.zeros((len(output), int(np.max(last - first, initial=0)) + 1, COLUMNS, 6))
+    nodes = int(np.max(last - first, initial=0)) + 1
+    if len(output) * nodes > _MOST_WEIGHTS:
+        said = f"{len(output)} apertures of {nodes} steps are too many. Give fewer results or a shorter aperture."
+        raise InputError("every", said)
+    weights = np.zeros((len(output), nodes, COLUMNS, 6))
     sight, across = directions(model.truth.velocity[middle[inside]], x)
     # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
     slope = (2 * x.slant_range / (speed[inside] * math.cos(x.squint) * x.aperture))[:, None]

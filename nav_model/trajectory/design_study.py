@@ -36,10 +36,7 @@ def plan_like(design: Design) -> Plan:
 def lines_of(design: Design) -> Plan:
     """The plan of the design's parallel lines: from its first waypoint, or from its latitude, at longitude 0.
 
-    Raises
-    ------
-    InputError
-        If they cannot be laid out.
+    Raises InputError if they cannot be laid out.
     """
     own, flight = design.trajectory, design.flight
     if own.lines != int(own.lines):
@@ -52,10 +49,7 @@ def lines_of(design: Design) -> Plan:
 def planned(design: Design) -> PlannedFlight:
     """The flight of the design's plan.
 
-    Raises
-    ------
-    InputError
-        Under the key of the design, where it cannot be flown.
+    Raises InputError under the key of the design, where it cannot be flown.
     """
     own = design.trajectory
     if own.flight not in (LINES, WAYPOINTS):
@@ -73,10 +67,7 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
     The limits are the design's requirements on figures that are known along a flight, less their confidence, in its
     processing; those of the plan's `limits` hold for the line of that name.
 
-    Raises
-    ------
-    InputError
-        If the plan limits a line that the flight does not have.
+    Raises InputError if the plan limits a line that the flight does not have.
     """
     own = design.trajectory
     names = [line.name for line in lines]
@@ -87,13 +78,12 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
             raise InputError(f"trajectory.limits[{number}].line", said, name)
         limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
-    everywhere = {name: getattr(design.requirements, name) for name in LIMITED}
     x = inputs_of(design)
     if x.rectified is not None:  # a bias that vibration makes is one more of the accelerometers
         meters = study.imu.accelerometer
         whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
         study = replace(study, imu=replace(study.imu, accelerometer=whole))
-    most = _limits(design, everywhere)
+    most = _limits(design, {name: getattr(design.requirements, name) for name in LIMITED})
     return CovarianceSpec(study, x, flown, design.processing.mode, most, _besides(x))
 
 

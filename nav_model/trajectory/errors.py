@@ -6,12 +6,12 @@ Between two nodes of the flight the transition comes from the simulator's `error
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.errors import InputError
 from nav_model.budget.shares import GYRO_NOISE
 from nav_model.earth.rotation import euler_error_map, skew
 from nav_model.simulation.fixes import observe
@@ -42,6 +42,7 @@ _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact for noise through the chain gyro -> position
 _APERTURE_PARTS = 5  # nodes in an aperture at least
 _DENSEST = 0.02  # s between nodes, however short a correlation time
+_MOST_NODES = 200_000  # a few minutes, and some 8 GB
 _BLOCK = 512  # steps at a time, for memory
 
 
@@ -78,7 +79,7 @@ class ErrorModel:
 def error_model(spec: CovarianceSpec) -> ErrorModel:
     """The linear model of a flight.
 
-    Raises InputError where the flight cannot be flown, as `plan_trajectory`.
+    Raises InputError where the flight cannot be flown, as `plan_trajectory`, or is too long.
     """
     study = spec.study
     trajectory, states = plan_trajectory(study.trajectory, study.duration), states_of(study)
@@ -148,12 +149,14 @@ def _nodes(trajectory: Trajectory, states: States, anchors: FloatArray, spec: Co
     longest = max(min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS, *times]), _DENSEST)
     grid = np.union1d(np.arange(0.0, spec.study.duration, 0.25), anchors)
     rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)
-    found = [anchors[:1]]
-    for before, after in pairwise(anchors.tolist()):
-        inside = slice(np.searchsorted(grid, before), np.searchsorted(grid, after) + 1)
-        parts = math.ceil((after - before) * max(1.0 / longest, float(rate[inside].max()) / _LARGEST_TURN) - 1e-9)
-        found.append(np.linspace(before, after, max(parts, 1) + 1)[1:])
-    return np.concatenate(found)
+    at = np.searchsorted(grid, anchors)
+    fastest = np.maximum(np.maximum.reduceat(rate, at)[:-1], rate[at[1:]])
+    parts = np.ceil(np.diff(anchors) * np.maximum(1.0 / longest, fastest / _LARGEST_TURN) - 1e-9)
+    counted = np.cumsum(np.insert(np.maximum(parts, 1.0), 0, 0.0))
+    if counted[-1] > _MOST_NODES:
+        said = f"the flight takes {counted[-1]:.0f} steps, at most {_MOST_NODES}. Give a shorter one or fewer fixes."
+        raise InputError("duration", said)
+    return np.interp(np.arange(counted[-1] + 1.0), counted, anchors)
 
 
 def _dynamics(trajectory: Trajectory, time_s: FloatArray, states: States) -> FloatArray:

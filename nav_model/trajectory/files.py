@@ -28,19 +28,8 @@ _MOST_NAME = 80
 def parse_flight(content: bytes, name: str, like: Plan, height: float | None = None) -> PlannedFlight:
     """The flight of a file's content, by the end of its name.
 
-    Parameters
-    ----------
-    content : bytes
-    name : str
-    like : Plan
-        Speed, bank, climb and ground for waypoints.
-    height : float, optional
-        For the places of a plan that have none, m above the ellipsoid.
-
-    Raises
-    ------
-    InputError
-        Under the file's name, with what is wrong and where.
+    like: speed, bank, climb and ground for waypoints. height: of the places of a plan that have none [m above the
+    ellipsoid]. Raises InputError under the file's name, with what is wrong and where.
     """
     if points := waypoints_of(content, name, height):
         try:

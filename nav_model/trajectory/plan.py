@@ -7,7 +7,6 @@ up as samples of a `TrajectorySpec`, which the simulator and the covariance fly 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import TrajectorySpec
-from nav_model.simulation.trajectory import coordinated, cumulative, flight_through, rise_and_fall
+from nav_model.simulation.trajectory import coordinated, cumulative, flight_through, lay_on_earth, rise_and_fall
 from nav_model.trajectory.specification import Line
 
 FloatArray = NDArray[np.float64]
@@ -91,21 +90,18 @@ def strip(like: Plan, first: Waypoint, heading: float, length: float, spacing: f
         elif n:
             places += [(near, side - spacing, ""), (near, side, "")]
         places += [(0.0 if near < far else length, side, f"line {n + 1}"), (length if near < far else 0.0, side, "")]
-    along, right = np.array([place[:2] for place in places]).T
+    along, right = np.diff([place[:2] for place in places], axis=0).T
     c, s = math.cos(heading), math.sin(heading)
-    on_earth = zip(*_on_earth((first,), c * along - s * right, s * along + c * right), places, strict=True)
-    points = (Waypoint(float(north), float(east), first.height, line) for north, east, (_, _, line) in on_earth)
+    corners = zip(*_corners(first, c * along - s * right, s * along + c * right), places, strict=True)
+    points = (Waypoint(float(north), float(east), first.height, line) for north, east, (_, _, line) in corners)
     return replace(like, waypoints=tuple(points))
 
 
 def fly(plan: Plan) -> PlannedFlight:
     """The flight of a plan.
 
-    Raises
-    ------
-    InputError
-        Naming the waypoint: two at one place, a leg that is too short for its turns at this bank or too steep, a
-        turn back on the spot, a place below the ground or beyond the latitudes that can be flown.
+    Raises InputError naming the waypoint: two at one place, a leg that is too short for its turns at this bank or too
+    steep, a turn back on the spot, a place below the ground or beyond the latitudes that can be flown.
     """
     points = plan.waypoints
     if len(points) < 2:
@@ -116,10 +112,10 @@ def fly(plan: Plan) -> PlannedFlight:
     for number, point in enumerate(points, 1):
         if not point.height > plan.ground:
             raise InputError("waypoints", f"{_named(number, point)} is not above the ground: {point.height:g} m")
-    latitude, longitude = np.array([(point.latitude, point.longitude) for point in points]).T
+    latitude, longitude, height = np.array([(point.latitude, point.longitude, point.height) for point in points]).T
     if np.abs(latitude).max() > math.radians(84.9):
         raise InputError("waypoints", "must stay within 85° of the equator")
-    scale = _scales(points)
+    scale = _scales(latitude, height)
     north, east = np.diff(latitude) * scale[0], np.diff(np.unwrap(longitude)) * scale[1]
     legs = np.hypot(north, east)
     for number, leg in enumerate(legs, 1):
@@ -138,6 +134,7 @@ def fly(plan: Plan) -> PlannedFlight:
 
 
 def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_Turn]) -> PlannedFlight:
+    """The flight of legs [m] with their headings [rad], and the turns at the ends of each; the outer two are none."""
     before, time = np.array([(turn.before, turn.time) for turn in turns]).T
     needed = before[:-1] + before[1:]
     straight = (legs - needed) / plan.speed
@@ -156,7 +153,6 @@ def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_T
     if duration > _LONGEST:
         raise InputError("plan", f"the flight takes {duration / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h")
     t = np.linspace(0.0, duration, max(math.ceil(duration / _STEP), 8) + 1)
-    step = float(t[1])
     rate, climb = np.zeros_like(t), np.zeros_like(t)
     for begin, turn in zip(stops, turns[1:], strict=True):
         if turn.angle:
@@ -165,9 +161,10 @@ def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_T
         if rise:
             climb += rise_and_fall(t - start, time_of_leg - ramp, ramp) * rise / (time_of_leg - ramp)
     course, ground, height, roll, pitch = coordinated(t, np.hypot(plan.speed, climb), float(heading[0]), rate, climb)
-    north, east = cumulative(ground * np.cos(course), step), cumulative(ground * np.sin(course), step)
-    place = _on_earth(plan.waypoints, north, east)
-    samples = np.column_stack([t, *place, plan.waypoints[0].height + height, roll, pitch, course])
+    first, north, east = plan.waypoints[0], ground * np.cos(course), ground * np.sin(course)
+    height += first.height
+    place = lay_on_earth((first.latitude, first.longitude), t, north, east, height)
+    samples = np.column_stack([t, *place, height, roll, pitch, course])
     lines = tuple(
         Line(point.line, start, stop)
         for point, start, stop in zip(plan.waypoints[:-1], starts.tolist(), stops.tolist(), strict=True)
@@ -188,15 +185,23 @@ def _turn(angle: float, speed: float, bank: float) -> _Turn:
     return _Turn(angle, plateau, time, chord / (2.0 * math.cos(0.5 * angle)))
 
 
-def _scales(points: Sequence[Waypoint]) -> Any:
-    """Metres north and east of a radian of latitude and of longitude, in the middle of the plan."""
-    south, north = min(point.latitude for point in points), max(point.latitude for point in points)
-    return metres_per_radian(0.5 * (south + north), points[0].height)
+def _scales(latitude: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Metres north and east of a radian of latitude and of longitude, on each leg between places: means along the
+    leg by Simpson's rule, as it is flown on one heading."""
+    north, east = metres_per_radian(latitude, height)
+    middle = metres_per_radian(0.5 * (latitude[1:] + latitude[:-1]), 0.5 * (height[1:] + height[:-1]))
+    east = 6.0 / (1.0 / east[:-1] + 4.0 / middle[1] + 1.0 / east[1:])
+    return (north[:-1] + 4.0 * middle[0] + north[1:]) / 6.0, east
 
 
-def _on_earth(points: Sequence[Waypoint], north: FloatArray, east: FloatArray) -> tuple[FloatArray, FloatArray]:
-    scale = _scales(points)
-    return points[0].latitude + north / scale[0], points[0].longitude + east / scale[1]
+def _corners(first: Waypoint, north: FloatArray, east: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Latitude and longitude of both ends of all legs [m] from `first` on, which `fly` takes back into these legs."""
+    latitude = np.full(len(north) + 1, first.latitude)
+    height = np.full_like(latitude, first.height)
+    for _ in range(3):  # each gains two digits or more, as a radian of latitude is nearly the same everywhere
+        scale = _scales(latitude, height)
+        latitude = np.cumsum(np.insert(north / scale[0], 0, first.latitude))
+    return latitude, np.cumsum(np.insert(east / scale[1], 0, first.longitude))
 
 
 def _named(number: int, point: Waypoint) -> str:

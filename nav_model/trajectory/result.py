@@ -56,10 +56,11 @@ class Processed:
 
 @dataclass(frozen=True)
 class LineResult:
-    """A line against its limits: worst and rms of the figures over the line, 1 sigma, its limits on them, and the
-    share of the line within each.
+    """A line against its limits: worst and rms of the figures over what is flown of it, 1 sigma, its limits on them,
+    and the share of the line within each.
 
-    failing: names of the figures beyond their limit, or without a value on the line.
+    failing: names of the figures beyond their limit, or without a value on the line. reason: why no image of the line
+    can be taken, after its name in a sentence; else empty.
     """
 
     name: str
@@ -70,11 +71,12 @@ class LineResult:
     limits: Mapping[str, float]
     within: Mapping[str, float]
     failing: tuple[str, ...]
+    reason: str
 
     @property
     def closes(self) -> bool:
-        """Whether every limit is met along the whole line."""
-        return not self.failing
+        """Whether images of the line can be taken, and every limit is met all along it."""
+        return not (self.failing or self.reason)
 
 
 @dataclass(frozen=True)

@@ -46,9 +46,8 @@ class States:
 
     Sources with noise come first, `noisy` of them, then those that are constant through a flight; so do the states:
     noise moves the first `moving` ones. first: state of each group of considered ones. drives: errors with process
-    noise.
-    assumed: first state and density of those that the filter assumes. decay (n - 9): rate of each state beyond the
-    first nine [1/s]. initial (s, n): variances at time 0 by source; believed (m, m): as the filter starts.
+    noise; assumed: first state and density of those that the filter assumes. decay (n - 9): rate of each state beyond
+    the first nine [1/s]. initial (s, n): variances at time 0 by source; believed (m, m): as the filter starts.
     """
 
     sources: tuple[str, ...]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from app.charts.kinds import NO_TIME, NO_VALUES, Array, Band, Chart, Limit, Line, Points, without_fixes
+from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, without_fixes
 from app.subjects.trajectory.figures import FIGURES, limit_of, limits_along
 from app.subjects.trajectory.run import Followed
 
@@ -36,14 +36,15 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     flown: simulated runs, laid over the curves where they are of the same flight.
     """
     figure = FIGURES[name]
-    time = NO_TIME if followed is None else followed.result.time_s
+    time = np.array([0.0, 300.0]) if followed is None else followed.result.time_s
+    nothing = np.full(len(time), np.nan)
     spans = without_fixes(() if followed is None else followed.result.spec.study.outages)
 
     runs = simulated(followed, flown)
 
     def pair(key: str, label: str, of: str, scale: float, styles: tuple[str, str]) -> list[Line]:
         """One figure in real time and post-processed, and of runs where they have it."""
-        values = [NO_VALUES, NO_VALUES]
+        values = [nothing, nothing]
         if followed is not None:
             both = followed.result.real_time, followed.result.post_processed
             values = [scale * (one.attitude[:, 2] if of == "yaw" else one.figure(of)) for one in both]
@@ -54,7 +55,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
             for when, y, style, end in zip(processed, values, styles, ends, strict=True)
         ]
         if of in _RUNS:
-            y = scale * runs[of] if runs else np.full(len(time), np.nan)
+            y = scale * runs[of] if runs else nothing
             lines.append(Line(f"{key} runs", f"{label}, simulated", time, y, "reference", "runs, rms", ""))
         return lines
 

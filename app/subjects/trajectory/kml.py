@@ -24,8 +24,8 @@ def as_kml(followed: Followed) -> bytes:
         _add(style, "width", "2" if key == "path" else "5")
     parts = [("flight", followed.flight, "path", 0.0, float(result.time_s[-1]))]
     for line in result.lines if result.spec.lines else ():
-        told = failure(result, line) if line.failing else f"{line.name} keeps its limits"
-        parts.append((line.name, f"{told}.", "fails" if line.failing else "closes", line.start_s, line.stop_s))
+        told = f"{line.name} keeps its limits" if line.closes else failure(result, line)
+        parts.append((line.name, f"{told}.", "closes" if line.closes else "fails", line.start_s, line.stop_s))
     for name, told, look, start, stop in parts:
         mark = _add(document, "Placemark")
         _add(mark, "name", name)

@@ -28,7 +28,7 @@ def verdict(followed: Followed, name: str) -> Answer:
         told = f"{figure.label} is at most {figure.told(values.max())}, {processing}." if values.size else ""
         none = "No requirement of the design limits a figure of the flight."
         return Answer("No limit", "open", (told, none, heading))
-    failing = [line for line in result.lines if line.failing]
+    failing = [line for line in result.lines if not line.closes]
     lines = len(result.lines)
     if result.spec.lines:
         word = f"{lines - len(failing)} of {lines} line{'' if lines == 1 else 's'} within the limits"
@@ -45,15 +45,16 @@ def verdict(followed: Followed, name: str) -> Answer:
 
 
 def failure(result: TrajectoryResult, line: LineResult) -> str:
-    """Where a line fails first, in which figure, and from what: "line 3 fails 12 s after its start: ..."."""
+    """Why a line fails: no image of it can be taken, or "line 3 fails 12 s after its start: ...", with the figure and
+    its largest source."""
     from nav_model.trajectory.lines import along
 
+    if line.reason:
+        return f"{line.name} {line.reason}"
     name = min(line.failing, key=lambda failing: line.within[failing])
     figure, values, limit = FIGURES[name], result.chosen.figure(name), line.limits[name]
     on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name in result.chosen.image)
     beyond = np.flatnonzero(on & (values > limit))
-    if not beyond.size:
-        return f"{line.name} has no room for an aperture"
     after = number(max(float(result.time_s[beyond[0]] - line.start_s), 0.0), given=True)
     worst = int(beyond[np.argmax(values[beyond])])
     return (
@@ -69,7 +70,8 @@ def line_table(followed: Followed, name: str) -> Table:
     shown = [FIGURES[key] for key in dict.fromkeys([*having_one, name])]
     rows: list[Row] = []
     for line in result.lines:
-        rows.append((f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s",))
+        span = f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"
+        rows.append((f"{span}; {line.reason}" if line.reason else span,))
         for figure in shown:
             within = line.within.get(figure.name)
             limited: tuple[str | Cell, ...] = (NONE, NONE)

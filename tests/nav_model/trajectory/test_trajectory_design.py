@@ -117,18 +117,38 @@ def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
         covariance_specification(other, study, flight.lines)
 
 
-def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not_flown_fails() -> None:
-    own = design()
+def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not_flown_is_told_so() -> None:
+    own = design().replace({"trajectory.limits": (), "requirements.quadratic_phase": math.radians(3000.0)})
+    own = own.replace({"requirements.detrended_phase": None})
     flight = planned(own)
     study = specification(own, trajectory=flight.trajectory, runs=1, duration=120.0, every=10.0)
-    lines = (Line("short", 43.0, 43.5), Line("not flown", 150.0, 151.0))
-    found = covariance(covariance_specification(own.replace({"trajectory.limits": ()}), study, lines))
-    short, not_flown = found.lines
+    given = (("short", 43.0, 43.5), ("cut", 80.0, 150.0), ("later", 121.0, 122.0), ("not flown", 150.0, 190.0))
+    spec = covariance_specification(own, study, tuple(Line(*line) for line in given))
+    found = covariance(spec)
+    short, cut, *others = found.lines
     at = np.searchsorted(found.time_s, 40.0)
     for name in ("quadratic_phase", "horizontal_position"):
         assert short.worst[name] == found.chosen.figure(name)[at]
-    assert not not_flown.worst
-    assert not not_flown.closes
+    assert short.reason == f"has no room for an aperture of {float(spec.inputs.aperture):.3g} s"
+    assert [short.closes, cut.closes, cut.reason, cut.stop_s] == [False, True, "", 120.0]
+    for line, (_, start, stop) in zip(others, given[2:], strict=True):
+        assert (line.start_s, line.stop_s, line.worst) == (start, stop, {})
+        assert line.reason == "is not flown, as the flight ends at 120 s"
+        assert not line.closes
+
+
+@pytest.mark.parametrize(
+    ("changes", "duration", "said"),
+    [
+        (["gnss.interval=0.1 s"], 20_001.0, "duration: the flight takes 200010 steps, at most 200000"),
+        (["radar.aperture_time=3000 s"], 6000.0, "every: 3001 apertures of 3001 steps are too many"),
+    ],
+)
+def test_a_flight_that_would_take_all_the_memory_is_refused(changes: list[str], duration: float, said: str) -> None:
+    own = parse_design(EXAMPLE, "design", [*changes, "flight.latitude=0°", "flight.heading=90°"])
+    study = specification(own, trajectory="straight", runs=1, duration=duration)
+    with pytest.raises(InputError, match=said):
+        covariance(covariance_specification(own, study))
 
 
 def test_where_the_aircraft_stands_there_is_no_image() -> None:
@@ -136,6 +156,7 @@ def test_where_the_aircraft_stands_there_is_no_image() -> None:
     study = specification(own, trajectory=replace(named_flight(own, "straight"), speed=0.0), runs=1, duration=60.0)
     found = covariance(covariance_specification(own, study))
     assert np.isnan(list(found.chosen.image.values())).all()
+    assert found.lines[0].reason.startswith("has no room for an aperture")
     assert not found.closes
 
 

@@ -35,6 +35,35 @@ def test_a_strip_flies_its_lines_parallel_to_each_other_at_their_spacing(spacing
         assert (line.stop - line.start) * 90.0 == pytest.approx(10e3, rel=0.01)
 
 
+def distances(place: np.ndarray) -> np.ndarray:
+    """Metres between places in turn, from coordinates about the Earth's centre (WGS 84)."""
+    latitude, longitude, height = place.T
+    a, squared = 6378137.0, (2.0 - 1.0 / 298.257223563) / 298.257223563
+    n = a / np.sqrt(1.0 - squared * np.sin(latitude) ** 2)
+    level = (n + height) * np.cos(latitude)
+    axis = (n * (1.0 - squared) + height) * np.sin(latitude)
+    centred = np.column_stack([level * np.cos(longitude), level * np.sin(longitude), axis])
+    return np.linalg.norm(np.diff(centred, axis=0), axis=1)
+
+
+@pytest.mark.parametrize("latitude", [60.0, -75.0])
+def test_lines_far_apart_in_latitude_have_their_length_and_are_flown_at_their_speed(latitude: float) -> None:
+    """Across the antimeridian, where a degree of longitude is much shorter at the last line than at the first."""
+    plan = strip(Plan((), 90.0), Waypoint(latitude * DEGREE, 179.9 * DEGREE, 3000.0), 80 * DEGREE, 20e3, 40e3, 4)
+    flight = fly(plan)
+    path = plan_trajectory(flight.trajectory, flight.duration)
+    places = np.array([(point.latitude, point.longitude, point.height) for point in plan.waypoints])
+    for number, line in enumerate(flight.lines):
+        now = path.evaluate(np.arange(line.start, line.stop, 1.0))[:, :3]
+        np.testing.assert_allclose(distances(now), 90.0, rtol=1e-4)
+        start = next(n for n, point in enumerate(plan.waypoints) if point.line == line.name)
+        np.testing.assert_allclose(distances(places[start : start + 2]), 20e3, rtol=1e-4)
+        yaw = path.evaluate(np.array([0.5 * (line.start + line.stop)]))[0, 5] / DEGREE
+        assert (yaw - 80.0 - 180.0 * (number % 2) + 1.0) % 360.0 == pytest.approx(1.0, abs=1e-3)
+    end = path.evaluate(np.array([flight.duration]))[:, :3]
+    assert distances(np.vstack([end, places[-1]]))[0] < 1.0
+
+
 def test_a_turn_is_flown_at_its_bank_and_without_slip() -> None:
     flight = fly(Plan(places((0, 0, 1000), (20e3, 0, 1000), (20e3, 20e3, 1500)), 100.0, 20 * DEGREE))
     path = plan_trajectory(flight.trajectory, flight.duration)
