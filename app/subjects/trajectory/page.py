@@ -107,9 +107,9 @@ class TrajectoryPage(View):
             self.start()
 
     def show(self, _: Budget) -> None:
-        """Follow the budget's design."""
+        """Follow the budget's design, also back from one that was refused."""
         self._follow_plan()
-        if self._result is None or self._result.design != self._session.design:
+        if self._result is None or self._result.design != self._session.design or self.run.message:
             self.start(_SETTLE_SECONDS)
 
     def _follow_plan(self) -> None:
@@ -296,7 +296,8 @@ class TrajectoryPage(View):
         if 0 < len(places) <= MOST_WAYPOINTS:
             self._take(places)
             self.flight = WAYPOINTS
-            self._say(f"{name}: {len(places)} waypoints, which are in the design now.")
+            lacking = "Where the file has no height, it is that of the flight."
+            self._say(f"{name}: {len(places)} waypoints, which are in the design now. {lacking}")
         else:
             self._file = File(name, content)
             self.start()

@@ -180,6 +180,11 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     session.undo()
     after(page, lambda: page.show(session.budget))
     assert tables["waypoints"].rows == rows
+    assert "turns need" in after(page, lambda: setattr(boxes["bank"], "value", "1"))
+    session.undo()
+    said = after(page, lambda: page.show(session.budget))
+    assert "of 4 lines" in said
+    assert "turns need" not in said
 
 
 def test_a_double_click_on_the_map_adds_a_waypoint_there(session: Session) -> None:
