@@ -52,6 +52,7 @@ _KINDS = (".gpx", ".kml", ".csv", ".out")
 _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
+_HEIGHT = "max(100dvh - 48px, 780px)"  # room for four charts above each other, and for fields in two rows
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
@@ -90,7 +91,7 @@ class TrajectoryPage(View):
         self._places = pn.Column(self._plan.table("waypoints", "waypoint", _ADDED), visible=False, margin=(0, 10))
         self._view = pn.Column(
             self._places,
-            first_screen(self._strip, self._bar, left=[curves], right=[above, self._shares]),
+            first_screen(self._strip, self._bar, left=[curves], right=[above, self._shares], height=_HEIGHT),
             Folded(
                 (
                     ("Aiding, and limits of single lines", self._more),
