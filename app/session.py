@@ -112,9 +112,11 @@ class Session(param.Parameterized):
         self.running = any(run.running for run in self._runs)
 
     def close(self) -> None:
-        """End every run: the person has left."""
+        """End every run, and have nobody follow any more: the person has left, and the charts are gone."""
         for run in self._runs:
             run.drop()
+        for followed in (self, *self._runs):
+            followed.param.watchers = {}
 
     def keep(self, kind: str, finding: Any) -> None:
         """Keep a finished study for the report, in place of an earlier one of its kind (`app.report.studies`)."""

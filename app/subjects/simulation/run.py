@@ -55,11 +55,8 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
         wall_s, so_far = time.monotonic() - began, replace(spec, runs=runs.runs)
         return Flown(await elsewhere(conclude, design, so_far, runs, nominal, wall_s), spec.runs)
 
-    async def look(runs: Statistics) -> None:
-        run.show(await study(runs))
-
     flying: deque[asyncio.Task[Statistics]] = deque()
-    looking: asyncio.Task[None] | None = None
+    looking: asyncio.Task[Flown] | None = None
     waiting = deque(chunks(spec))
     run.tell(f"0 of {spec.runs} runs", 0.0)
     try:
@@ -70,10 +67,13 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
             total.merge(await flying[0])
             flying.popleft()
             run.tell(f"{total.runs} of {spec.runs} runs", total.runs / spec.runs)
-            if flying and time.monotonic() - looked > _LOOK_SECONDS and (looking is None or looking.done()):
+            if looking is not None and looking.done():
+                run.show(await looking)
+                looking = None
+            if flying and looking is None and time.monotonic() - looked > _LOOK_SECONDS:
                 looked = time.monotonic()
                 # A copy: merging replaces the sums of `total`, and the copy is sent off later.
-                looking = asyncio.create_task(look(copy.copy(total)))
+                looking = asyncio.create_task(study(copy.copy(total)))
     except asyncio.CancelledError:
         if total.runs and run.mine:  # what was flown is not thrown away
             found = await study(total)

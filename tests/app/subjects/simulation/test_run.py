@@ -1,5 +1,6 @@
 """The run behind the Simulate page, and the page's own logic, without a browser."""
 
+import asyncio
 import multiprocessing
 import re
 from collections.abc import Callable
@@ -34,7 +35,7 @@ from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.link import split_link
-from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
+from nav_model.simulation.design_study import SimulationStudy, closed_form, conclude, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.trajectory import design_study as trajectory_study
 
@@ -98,6 +99,24 @@ def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancell
     assert 0 < run.result.study.result.spec.runs < run.result.wanted == 5000
     told = re.fullmatch(r"Cancelled: ([1-9]\d*) of 5000 runs\.", run.message)
     assert int(told[1]) == run.result.study.result.spec.runs  # none is thrown away
+
+
+async def test_what_is_found_as_the_page_goes_is_not_shown_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation_run, "_LOOK_SECONDS", 0.0)
+    shown: list[Flown] = []
+
+    async def until_it_goes(function: Callable[..., Any], *arguments: Any) -> Any:
+        await asyncio.sleep(0)
+        if function is conclude:
+            run.drop()
+        return function(*arguments)
+
+    monkeypatch.setattr(simulation_run, "elsewhere", until_it_goes)
+    run = Run()
+    run.param.watch(lambda event: shown.append(event.new), "result")
+    spec = specification(DESIGN, runs=5000, duration=60.0)
+    await run.start(lambda run: fly(run, DESIGN, spec))
+    assert not shown
 
 
 def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
