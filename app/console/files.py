@@ -48,7 +48,7 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
 
 
 def spare_what_is_read(options: argparse.Namespace) -> None:
-    """Refuse to write the result over a file that any other argument of the command names.
+    """Refuse to write the result over a file that any other argument of the command names, or standard input is.
 
     Raises
     ------
@@ -58,11 +58,14 @@ def spare_what_is_read(options: argparse.Namespace) -> None:
     given = vars(options)
     for option, name in (("-o", "output"), ("--save", "save")):
         target = Path(given.get(name) or "")
-        if target.is_file() and any(
-            isinstance(word, str | Path) and Path(word).is_file() and target.samefile(word)
+        words = [
+            "/dev/stdin" if word == "-" else word
             for other, value in given.items()
             if other != name
             for word in (value if isinstance(value, list | tuple) else [value])
+        ]
+        if target.is_file() and any(
+            isinstance(word, str | Path) and Path(word).is_file() and target.samefile(word) for word in words
         ):
             raise InputError(option, f"{str(target)!r} is the file that was read; name another")
 

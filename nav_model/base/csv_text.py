@@ -2,6 +2,7 @@
 
 import csv
 import io
+import unicodedata
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -29,7 +30,8 @@ def _cell(value: Any) -> Any:
     if not isinstance(value, str):
         return float(value) if isinstance(value, float) else value  # NumPy's own is not written as Python's
     value = value.replace("\r", " ")  # it would end the row, unquoted
-    if not value.startswith(("=", "+", "-", "@", "\t")):
+    first = unicodedata.normalize("NFKC", value.lstrip()[:1])  # some take the signs in full width too
+    if first not in ("=", "+", "-", "@") and not value.startswith("\t"):
         return value
     try:
         float(value)

@@ -66,12 +66,14 @@ def run_sweep(
     Raises
     ------
     InputError
-        For another ending, a folder that cannot be written, parts that belong to another sweep or are links, and a
-        part that changes during the run.
+        For another ending, a file that the plan was made from, a folder that cannot be written, parts that belong to
+        another sweep or are links, and a part that changes during the run.
     """
     target = Path(output)
     if target.suffix not in SUFFIXES:
         raise InputError(str(target), f"must end in {' or '.join(SUFFIXES)}")
+    if target.is_file() and any(file.is_file() and target.samefile(file) for file in plan.files):
+        raise InputError(str(target), "is a file that the sweep reads; name another output")
     if target.suffix == ".parquet":
         _arrow()
     parts = _open_parts(plan, target)

@@ -61,7 +61,7 @@ class Plan:
     """A sweep, plain data so that it travels to any worker.
 
     Row n of a grid runs through the last axis fastest. ``flight`` says how every design
-    is flown, None when the closed forms are enough.
+    is flown, None when the closed forms are enough. ``files`` are what it was made from, beside the sweep file.
     """
 
     design: Design
@@ -70,6 +70,7 @@ class Plan:
     results: tuple[str, ...]
     rows_per_part: int
     flight: SweepFlight | None = None
+    files: tuple[Path, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -141,7 +142,9 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
         raise InputError("combine", f"together needs lists of one length; they have {lengths}")
     flight = read_flight(tables["simulate"], folder) if "simulate" in tables else None
     size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
-    plan = Plan(design, axes, combine == "together", _results(tables), size, flight)
+    named = (tables["design"], tables.get("simulate", {}).get("trajectory"))
+    files = tuple(folder / name for name in named if isinstance(name, str))
+    plan = Plan(design, axes, combine == "together", _results(tables), size, flight, files)
     if plan.rows > MOST_ROWS:
         asked = plan.rows if plan.rows < 10**12 else f"more than 1e{len(str(plan.rows)) - 1}"
         raise InputError("vary", f"asks for {asked} designs; at most {MOST_ROWS} go in one sweep")

@@ -200,3 +200,14 @@ def test_what_was_read_is_not_written_over(tmp_path, command, option, capsys):
         assert main([str(read) if word == "READ" else word for word in (*command, option, str(target))]) == 2
         assert capsys.readouterr().err == f"navbudget: {option}: '{target}' is the file that was read; name another\n"
     assert read.read_bytes() == Path(MEMS).read_bytes()
+
+
+def test_what_came_through_standard_input_is_not_written_over(tmp_path):
+    read = tmp_path / "mine.toml"
+    read.write_bytes(Path(MEMS).read_bytes())
+    command = [sys.executable, "-m", "app", "trajectory", "-", "--duration", "20", "-o", str(read)]
+    with read.open() as fed:
+        done = subprocess.run(command, cwd=ROOT, stdin=fed, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"navbudget: -o: '{read}' is the file that was read; name another\n"
+    assert read.read_bytes() == Path(MEMS).read_bytes()

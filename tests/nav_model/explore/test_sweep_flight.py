@@ -123,6 +123,10 @@ def test_a_trajectory_file_is_part_of_the_sweep(tmp_path, open_design):
     plan = parse_plan(text.encode(), folder=tmp_path)
     assert plan.flight.trajectory.kind == "file"
     assert plan.identity != parse_plan(FLOWN.encode(), folder=tmp_path).identity
+    (tmp_path / "link.csv").symlink_to("flight.csv")
+    for output in ("flight.csv", "link.csv"):
+        with pytest.raises(InputError, match="a file that the sweep reads"):
+            run_sweep(plan, tmp_path / output)
 
 
 @pytest.mark.parametrize(

@@ -45,6 +45,8 @@ def test_a_name_from_a_catalogue_is_no_formula(tmp_path, capsys):
 
 def test_every_csv_of_ours_marks_what_a_spreadsheet_would_compute():
     rows = [["=1", "+a", "-a", "@a", "\ta", "a\r=1", "a=1", ""], ["-1.5", "+2", "-inf", -3.0, 4, None, True, "nan"]]
-    marked, kept = csv.reader(io.StringIO(csv_text(rows), newline=""))
+    rows.append(["\r=1", "\n=1", " =1", "\u00a0+a", "\uff1d1", " \uff20a", " a", "\uff41"])
+    marked, kept, hidden = csv.reader(io.StringIO(csv_text(rows), newline=""))
     assert marked == ["'=1", "'+a", "'-a", "'@a", "'\ta", "a =1", "a=1", ""]
+    assert hidden == ["' =1", "'\n=1", "' =1", "'\u00a0+a", "'\uff1d1", "' \uff20a", " a", "\uff41"]
     assert kept == ["-1.5", "+2", "-inf", "-3.0", "4", "", "True", "nan"]
