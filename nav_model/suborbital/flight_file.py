@@ -11,8 +11,16 @@ from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.suborbital.checks import require
 from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, fly, step_nodes
 
-BOUNDS = FileBounds(fewest_rows=4, most_rows=200_000, most_bytes=16_000_000)
+BOUNDS = FileBounds(
+    fewest_rows=4,
+    most_rows=200_000,
+    most_bytes=16_000_000,
+    largest={"latitude_deg": 90.0, "longitude_deg": 360.0, "height_m": 5e6},
+)
 """What a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
+
+_LEAST_SPACING = 1e-6  # s between two rows
+_LARGEST_FORCE = 1e6  # m/s^2: no vehicle bears it, and no square of it is too large for a float
 
 
 def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = "spherical") -> TrueFlight:
@@ -26,8 +34,8 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     Raises
     ------
     InputError
-        As `nav_model.earth.trajectory_file.read_trajectory_table`; for a flight that is too long or whose duration
-        `step_s` does not divide; for the name of a gravity model that does not exist.
+        As `nav_model.earth.trajectory_file.read_trajectory_table`; for a flight that is too long, whose duration
+        `step_s` does not divide or that no vehicle can fly; for the name of a gravity model that does not exist.
     """
     from scipy.interpolate import CubicSpline
     from scipy.spatial.transform import Rotation, RotationSpline
@@ -41,6 +49,8 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     n = round(time[-1] / step_s)
     if n < 1 or abs(n * step_s - time[-1]) >= 1e-6:
         raise InputError(name, f"lasts {time[-1]:g} s, which must be a whole number of steps of {step_s:g} s")
+    if np.diff(time).min() < _LEAST_SPACING:
+        raise InputError(name, f"has rows less than {_LEAST_SPACING:g} s apart")
     axes = ned_to_inertial(lat, lon + EARTH_RATE * time)
     track = CubicSpline(time, -axes[:, :, 2] * (SPHERE_RADIUS + height)[:, None])
     c_bi = axes @ matrix_from_euler(roll, pitch, yaw)
@@ -48,6 +58,10 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     half_time = np.minimum(0.5 * step_s * np.arange(2 * n + 1), time[-1])
     attitude = turn(half_time).as_matrix()
     force_i = track(half_time, 2) - gravitation(track(half_time), gravity)
+    at = int(np.argmax(np.abs(force_i).max(axis=1)))
+    if not (largest := float(np.abs(force_i[at]).max())) <= _LARGEST_FORCE:
+        where = f"{half_time[at]:g} s after its first row"
+        raise InputError(name, f"asks for {largest:.1e} m/s² {where}. Check the units of its columns and its times.")
     ground = track(half_time, 1) - earth_velocity(track(half_time))
     local = np.einsum("tji,tj->ti", local_axes(track(half_time)), ground)
     moving = np.flatnonzero(np.hypot(local[:, 0], local[:, 1]) >= 1.0)
