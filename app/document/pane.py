@@ -14,9 +14,13 @@ Said = Callable[[str], str]
 _TITLES = {equation.mark: equation.title for equation in ALL_EQUATIONS}
 
 
+_RATE = re.compile(r"\d[ \N{NO-BREAK SPACE}][°µ\w]+/[°µ√\w/]+")  # a line may end at the stroke of m/s/√h
+
+
 def prose(text: str) -> str:
     """Text for our pages: escaped, numbers kept with their units, marks such as [T-9] linked to the Theory page."""
-    return MARK.sub(_link, escape(UNIT_GAP.sub("\N{NO-BREAK SPACE}", text)))
+    kept = escape(UNIT_GAP.sub("\N{NO-BREAK SPACE}", text))
+    return MARK.sub(_link, _RATE.sub(r'<span class="nw">\g<0></span>', kept))
 
 
 def _link(found: re.Match[str]) -> str:
@@ -39,7 +43,7 @@ def html_of(*blocks: Block, said: Said = prose) -> str:
 
 def _answer(answer: Answer, said: Said) -> str:
     why = " ".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)  # one line of text in a report
-    word = f"<h2>{escape(answer.word)}</h2>" if answer.word else ""
+    word = f"<h2>{said(answer.word)}</h2>" if answer.word else ""
     return f'<div class="strip {answer.tone}" role="status">{word}{why}</div>'
 
 

@@ -9,6 +9,10 @@ import pytest
 
 import app
 import nav_model
+from app.charts.words import in_words
+from app.serving.server import first_design
+from app.subjects.budget.timelines import together
+from nav_model.budget import analyse
 
 _SECOND_NAMES = {
     "Detrended phase": r"(?i)residual (phase|rms)|detrended(, rms| residual)",
@@ -40,3 +44,10 @@ def _texts() -> list[tuple[str, str]]:
 def test_no_text_has_a_second_name_for_a_quantity(name: str) -> None:
     wrong = [said for said in _texts() if re.search(_SECOND_NAMES[name], said[1])]
     assert not wrong, f"say {name!r}"
+
+
+def test_no_description_of_a_chart_has_a_second_name() -> None:
+    """Such texts are put together, in part from keys."""
+    said = " ".join(in_words(chart) for chart in together(analyse(first_design())))
+    assert "imit on horizontal position after the outage" in said
+    assert [name for name, second in _SECOND_NAMES.items() if re.search(second, said)] == []

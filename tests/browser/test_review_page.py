@@ -352,6 +352,24 @@ def test_a_library_goes_out_and_comes_in_as_a_zip(visit: Visit, tmp_path: Path) 
     said(page, "not a path inside the archive")
 
 
+def test_the_review_in_view_is_there_again_after_a_reload_and_by_the_link(visit: Visit, second: Page) -> None:
+    page = visit("/#review")
+    begin_review(page, "Loaded again", "Reload review")
+    strip = page.locator(".bare.strip").filter(has_text="Reload review")
+    expect(strip).to_be_visible()
+    page.reload()
+    expect(strip).to_be_visible()
+    press(page, "Share")
+    second.goto(box(page, "Link to this design and page").input_value())
+    expect(second.locator(".bare.strip").filter(has_text="Reload review")).to_be_visible()
+    page.keyboard.press("Escape")
+    tab(page, "Library")
+    expect(strip).to_be_hidden()
+    page.reload()
+    expect(page.get_by_role("button", name="Clear", exact=True)).to_be_visible()
+    expect(strip).to_be_hidden()
+
+
 @pytest.mark.slow
 def test_forged_links_are_said_so(visit: Visit) -> None:
     for query in ("?compare=../../etc/passwd,%3Cscript%3E", "?review=%27%20OR%201=1", "?compare=" + "0" * 16 + ".1"):

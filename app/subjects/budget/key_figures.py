@@ -117,7 +117,7 @@ def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFi
     first, *rest = sorted(checks, key=lambda check: check.margin)
     value, *_ = shown_check(budget.design, first, display)
     more = sum(not check.met for check in rest)
-    detail = f"{check_words(budget.design, first).figure}, the tightest of the checks without a tile"
+    detail = check_words(budget.design, first).figure
     for check in rest:
         other, its_limit, _ = shown_check(budget.design, check, display)
         detail += f"; {check.label} {other}, limit {its_limit}, {'met' if check.met else 'not met'}"

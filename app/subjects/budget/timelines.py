@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Limit, Line, Span
-from app.document.numbers import number
+from app.document.numbers import number, percent
 from nav_model.budget import Budget
 from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance, steady_marks
+from nav_model.design.contributors import label_of
 
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 _BEFORE = 12  # times there
@@ -27,7 +28,7 @@ def limit_at_sigma(budget: Budget, name: str, scale: float = 1.0) -> float:
 
 def _limits(budget: Budget, spans: Iterable[tuple[str, float, float]], scale: float = 1.0) -> tuple[Limit, ...]:
     return tuple(
-        Limit(name, f"limit on {name.replace('_', ' ')}, at 1σ", start, stop, limit_at_sigma(budget, name, scale))
+        Limit(name, f"limit on {label_of(name).lower()}, at 1σ", start, stop, limit_at_sigma(budget, name, scale))
         for name, start, stop in spans
     )
 
@@ -76,8 +77,12 @@ def _smoothed_aperture(budget: Budget) -> Span:
 
 def _validity(budget: Budget) -> str:
     value = budget.steady_state.lambda_dt
-    word = "wide sawtooth: read the band" if value > WIDE_SAWTOOTH else "narrow sawtooth"
-    return f"λ·dt = {number(value)} ({word})"
+    word = "wide sawtooth, read the band" if value > WIDE_SAWTOOTH else "narrow sawtooth"
+    return f"a {word} (λ Δt = {number(value)})"
+
+
+def _beside(ratio: float) -> str:
+    return f"{percent(abs(ratio - 1))} {'above' if ratio > 1 else 'below'}"
 
 
 def _cited(budget: Budget) -> str:
@@ -98,9 +103,9 @@ def position_knowledge(budget: Budget) -> str:
     if budget.design.contributors:
         slow += " Contributors given in the design enter the values that are checked, not the curves."
     return (
-        f"Curves by formula {_cited(budget)}, [T-9], [T-10]; band [T-8]: {_cycle_method(budget)}, "
-        f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {number(ratio)} and "
-        f"vertical {number(ratio_v)} times the simple formula at {number(coast.duration, given=True)} s.{slow}"
+        f"Curves by formula {_cited(budget)}, [T-9], [T-10]; before and after a fix [T-8]: "
+        f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {_beside(ratio)} and vertical "
+        f"{_beside(ratio_v)} the simple formula at {number(coast.duration, given=True)} s.{slow}"
     )
 
 
@@ -211,7 +216,7 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
 
     positions = ("horizontal_position", "vertical_position", "coast_horizontal_position", "coast_vertical_position")
     attitude = (
-        *pair("roll, pitch", "tilt", "tilt, real time", "tilt", settled.tilt, coast.tilt, DEGREES),
+        *pair("tilt", "tilt", "tilt, real time", "tilt", settled.tilt, coast.tilt, DEGREES),
         ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
     )
     cited = _cited(budget)

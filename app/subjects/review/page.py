@@ -17,6 +17,7 @@ from app.subjects.review.desk import Desk
 from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from app.ui.answer_strip import AnswerStrip
+from app.ui.study_settings import StudySettings
 from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -28,9 +29,11 @@ class ReviewPage(View):
     """Everything below the tab."""
 
     session = held(Session)
+    opened = param.String(doc="Id of the review in view, so that a reload or a link shows it again.")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
+        settings = StudySettings(session, "review", self, ("opened",), lambda: self._recall(self.opened))
         self._desk = Desk(session)
         self._compared = CompareView(self._desk)
         self._room = ReviewRoom(self._desk)
@@ -50,6 +53,8 @@ class ReviewPage(View):
         self._view = pn.Column(head, self._desk.notice, self._tabs, self._place, self._desk.memory)
         pn.state.execute(self._library.refresh)
         self._follow_link()
+        if settings.text:
+            self._recall(self.opened)
 
     def show(self, budget: Budget) -> None:
         """The page shows saved designs. The one in force is saved when asked."""
@@ -62,6 +67,8 @@ class ReviewPage(View):
 
     def _tell(self) -> None:
         self._strip.show(self._parts[self._tabs.active].answer)
+        review = self._room.review if self._tabs.active == _REVIEWS else None
+        self.opened = review.id if review else ""
 
     def leave(self) -> None:
         """Another page is turned to; what is on this one changes only when that has been drawn."""
@@ -98,8 +105,13 @@ class ReviewPage(View):
             keys = [key for key in asked["compare"][0].split(",") if re.fullmatch(r"[0-9a-f]{16}\.\d{1,9}", key)]
             pn.state.execute(partial(self._compare_linked, keys))
         elif "review" in asked:
+            self._recall(asked["review"][0])
+
+    def _recall(self, review: str) -> None:
+        """Turn to a review, or leave what is in view if none is named."""
+        if review:
             self._tabs.active = _REVIEWS
-            pn.state.execute(partial(self._room.open, asked["review"][0]))
+            pn.state.execute(partial(self._room.open, review))
 
     async def _compare_linked(self, keys: list[str]) -> None:
         found = await self._desk.ask(lambda place: _revisions(place, keys), "The link was not used. ")

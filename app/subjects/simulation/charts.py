@@ -95,9 +95,9 @@ def velocity_chart(study: SimulationStudy) -> Chart:
 
 
 def attitude_chart(study: SimulationStudy) -> Chart:
-    """Roll and pitch error together, and yaw error."""
+    """Tilt, which is roll and pitch together, and yaw error."""
     closed = "Formula [T-3], in the outage [T-9]; yaw [T-5], which is unobservable on a straight path and only grows."
-    return _errors(study, "attitude", "attitude, 1σ [°]", (6, 7), 8, ("roll, pitch", "yaw"), closed)
+    return _errors(study, "attitude", "attitude, 1σ [°]", (6, 7), 8, ("tilt", "yaw"), closed)
 
 
 def _errors(
@@ -136,7 +136,7 @@ def consistency_chart(study: SimulationStudy) -> Chart:
     (low, high), time = study.result.rms_band, study.result.time_s
     kinds = (
         ("position", (0, 1, 2), "x"), ("velocity", (3, 4, 5), "y"),
-        ("roll, pitch", (6, 7), "initial tilt"), ("yaw", (8,), "z"),
+        ("tilt", (6, 7), "initial tilt"), ("yaw", (8,), "z"),
     )  # fmt: skip
 
     def over_sigma(study: SimulationStudy, column: int, _: float) -> Array:

@@ -78,17 +78,14 @@ _KEY = key_html(solid="simulated", dashed="filter", dotted="formula", span="outa
 _START = Answer(
     "Not run yet",
     "open",
-    (
-        "An example is set: press Start to compare simulated errors with the filter and the formulas.",
-        f"At most {_MOST_RUNS} runs. Enter outages as start,stop in seconds; separate several with semicolons.",
-    ),
+    ("Press Start to compare simulated errors with the filter and the formulas.",),
 )
 _COMING = "Appears with the first result."
 _STACKS = {"Errors and sigmas": TIMELINES, "Consistency and NEES": CONSISTENCY}
 
 
 class SimulatePage(View):
-    """Everything below the tab."""
+    """Everything below the tab. The page flies its first settings by itself: an example of what it answers."""
 
     run = held(Run)
     trajectory = chosen("wandering", _FLIGHTS, "Trajectory")
@@ -106,13 +103,14 @@ class SimulatePage(View):
         self._file: TrajectorySpec | None = None
         self._asked: tuple[str, ...] = ("simulation",)  # what the result follows from
         self._earlier: Flown | None = None  # the result when the run under way began
+        self._asked_for = False  # whether a person has started a run
         self._more = StudyControls()
         self._details = details = Follower(lambda: self._result.study if self._result else None, f"<p>{_COMING}</p>")
         self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
         names = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
         self._settings = StudySettings(session, "simulation", self, names, self._recall)
         self._strip = AnswerStrip(_START)
-        self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
+        self._bar = RunBar(self.run, self._pressed, "Start", *self._fields())
         self._stacks: list[Timelines] = []  # made with the first result
         coming = f'<span class="quiet fine">{_COMING}</span>'
         self._heads = [html_pane(head_html(title, _COMING, coming), margin=_HEAD) for title in _STACKS]
@@ -142,11 +140,14 @@ class SimulatePage(View):
         self._recall()
         if pn.state.curdoc:
             prepare()
+            pn.state.onload(lambda: None if self._result or self._settings.text else self._begin())
 
     def show(self, _: Budget) -> None:
         """Follow the current budget: a result of other instruments or another flight is marked stale."""
         if self._result is None or not same_subject(self._result.study, self._session.design):
             self._recall()
+        if self.run.running and not self._asked_for:  # the example, of a design that is no longer there
+            self._begin()
         self._write()
 
     # --- the parts ------------------------------------------------------------------------------------
@@ -161,7 +162,7 @@ class SimulatePage(View):
         return (
             pmui.Select.from_param(choices.trajectory, width=180, **_LOOK),
             self._upload,
-            names(choices.runs, width=70, **_LOOK),
+            names(choices.runs, width=70, placeholder=f"1 to {_MOST_RUNS}", **_LOOK),
             names(choices.length, width=90, visible=own, **_LOOK),
             names(choices.outages, placeholder="start,stop; start,stop", width=140, visible=own),
             names(choices.seed, width=65, **_LOOK),
@@ -249,6 +250,10 @@ class SimulatePage(View):
 
     # --- the run --------------------------------------------------------------------------------------
 
+    def _pressed(self) -> None:
+        self._asked_for = True
+        self._begin()
+
     def _begin(self) -> None:
         self._earlier = self._result
 
@@ -264,9 +269,11 @@ class SimulatePage(View):
     def _recall(self) -> None:
         """Take what was added to the design, and show what this server still has of it with these settings."""
         self._more.take(dict(parse_qsl(self.added)))
-        if self.trajectory != "file" and not self.run.running and (found := kept(*self._settings.asked)):
+        busy = self.run.running and self._asked_for
+        if self.trajectory != "file" and not busy and (found := kept(*self._settings.asked)):
             self._asked = self._settings.asked
-            self.run.result = found
+            self.run.drop()  # the example
+            self.run.param.update(running=False, progress=None, result=found)
 
     @param.depends("run.result", "run.running", watch=True)
     def _found(self) -> None:

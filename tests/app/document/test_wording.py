@@ -1,5 +1,8 @@
-"""Names of edited presets."""
+"""Names of edited presets, and what a line keeps together."""
 
+import re
+
+from app.document.pane import prose
 from app.document.wording import preset_name
 from app.report.inputs import input_table
 from app.serving.server import first_design
@@ -17,3 +20,13 @@ def test_an_edited_preset_is_custom_in_every_place() -> None:
     heads = [row[0].text for row in input_table(edited, budget.sar.aperture_time, "d").rows if len(row) == 1]
     assert any(head.endswith(": Custom, based on STIM300") for head in heads)
     assert {way.now for way in ways(edited) if way.what == "IMU"} == {"Custom, based on STIM300"}
+
+
+def test_no_line_ends_between_a_number_and_its_unit_or_within_the_unit() -> None:
+    """Browsers end lines at blanks and after strokes."""
+    for told in ("at most 0.036 °/√h, or less", "0.06 m/s/√h", "30 µg/√Hz (secondary)", "3 cm/s"):
+        shown = prose(told)
+        free = re.sub('<span class="nw">.*?</span>', "", shown)
+        assert "/" not in free
+        assert not re.search(r"\d [°µm]", free)
+        assert re.sub("<.*?>", "", shown).replace("\N{NO-BREAK SPACE}", " ") == told

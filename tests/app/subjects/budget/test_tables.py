@@ -73,7 +73,7 @@ def test_every_check_can_be_seen_to_fail() -> None:
     assert tile.met is False
     html = bars_html(phase_chart(shaken))
     assert re.search(
-        r'<tr class="limited"><th scope="row">along-track</th><td [^>]*><div class="over">.*?limit 90°', html
+        r'<tr class="limited"><th scope="row"[^>]*>along-track</th><td [^>]*><div class="over">.*?limit 90°', html
     )
     tight = changed(requirements__ce90=0.1, requirements__le90=0.1, requirements__azimuth_shift=0.01)
     last = key_figures(tight).items[-1]

@@ -302,9 +302,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert "✓ Consistent" in said_by(page)
     assert "Stale" not in said_by(page)
     assert "Partial" not in said_by(page)
-    assert (
-        "</svg> roll, pitch</li>" in page._heads[1].object
-    )  # the curves of the second stack have no names beside them
+    assert "</svg> tilt</li>" in page._heads[1].object  # the curves of the second stack have no names beside them
     drawn = page._stacks[0]._sources["timelines"].data
     assert drawn["sim-position closed 1"] == pytest.approx(study.result.closed_form_sigma[:, 0])
     assert page._stacks[1].plots[0].x_range is page._stacks[0].plots[0].x_range
