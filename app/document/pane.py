@@ -14,7 +14,7 @@ Said = Callable[[str], str]
 _TITLES = {equation.mark: equation.title for equation in ALL_EQUATIONS}
 
 
-_RATE = re.compile(r"\d[ \N{NO-BREAK SPACE}][°µ\w]+/[°µ√\w/]+")  # a line may end at the stroke of m/s/√h
+_RATE = re.compile(r"[\d.]+[ \N{NO-BREAK SPACE}][°µ\w]+/[°µ√\w/]+")  # a line may end at the stroke of m/s/√h
 
 
 def prose(text: str) -> str:

@@ -153,7 +153,7 @@ def _coefficient(
     """The coefficient, or the reason why the log does not show it."""
     if found.model_error > WORST_MODEL_ERROR:
         return _Missing(
-            f"not resolved: the spectrum departs from the five noise terms by {found.model_error:.0%} "
+            f"not resolved: the spectrum departs from the five noise terms by {100 * found.model_error:.0f} % "
             "across the band; the log is disturbed (movement or vibration), not at rest",
             "disturbed",
         )
@@ -220,7 +220,8 @@ def _fit_warnings(found: AxisFit, outcomes: Mapping[str, Coefficient | _Missing]
     if found.band_cut:
         warnings.append(f"fitted up to {found.band_hz:g} Hz: above it the five noise terms do not hold")
     if 0.0 < found.model_error <= WORST_MODEL_ERROR:
-        warnings.append(f"the spectrum departs from the fit by {found.model_error:.0%}; the intervals include it")
+        off = 100 * found.model_error
+        warnings.append(f"the spectrum departs from the fit by {off:.0f} %; the intervals include it")
     walk = outcomes["random_walk"]
     if isinstance(walk, Coefficient) and walk.reading:
         warnings.append("random walk read at 1 s includes vibration and slow noise; the white floor is lower")

@@ -62,7 +62,7 @@ def axis_warnings(signal: FloatArray, interval_s: float, temperature_c: FloatArr
     steps = np.diff(signal)
     stuck = float(np.mean(steps == 0.0))
     if stuck > _STUCK_SHARE:
-        found.append(f"{stuck:.0%} of successive samples are equal: the resolution is coarser than the noise")
+        found.append(f"{100 * stuck:.0f} % of successive samples are equal: the resolution is coarser than the noise")
     burst = _burst(steps, interval_s)
     if burst is not None:
         found.append(burst)
@@ -103,6 +103,6 @@ def _temperature(signal: FloatArray, temperature_c: FloatArray) -> str | None:
     if share < _TEMPERATURE_SHARE:
         return None
     return (
-        f"temperature ({np.ptp(heat):.1f} °C over the log) goes with {share:.0%} of the slow variation, "
+        f"temperature ({np.ptp(heat):.1f} °C over the log) goes with {100 * share:.0f} % of the slow variation, "
         f"{slope:.3g} SI units per °C: bias instability, rate random walk and ramp include it"
     )

@@ -90,7 +90,9 @@ def offer(result: LogAnalysis) -> Answer:
             continue
         found = triad_random_walk(result, quantity)
         if found is None:
-            lines.append(f"{title}: not resolved on all three axes, so no value is offered.")
+            unresolved = (axis.not_resolved.get("random_walk") for axis in result.axes if axis.quantity == quantity)
+            why = next(filter(None, unresolved), "not resolved on all three axes")
+            lines.append(f"{title}: {why}, so no value is offered.")
             continue
         unit, scale = UNITS[quantity]["random_walk"]
         lines.append(
