@@ -128,6 +128,7 @@ class Frame(pn.viewable.Viewer):
     def _come_back(self, link: str, base: str) -> None:
         """Restore what the browser's tab kept before this page was reloaded."""
         of_design, of_study, shown = link_parts(link)
+        opened = self.session.design
         try:
             self.session.shown = display_of(shown).word
             problem = self.session.adopt(from_query(of_design))
@@ -139,7 +140,8 @@ class Frame(pn.viewable.Viewer):
         self.session.take_studies(of_study)
         if base:
             pn.state.execute(functools.partial(self._come_from, base, self.session.lineage))
-        self._say("The design you had on this page is back. Undo brings back the one the page opened with.", "info")
+        if self.session.design != opened:
+            self._say("The design you had on this page is back. Undo restores the one the page opened with.", "info")
 
     async def _come_from(self, key: str, lineage: Lineage) -> None:
         from app.library.place import library

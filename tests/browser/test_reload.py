@@ -41,6 +41,16 @@ def test_the_design_the_study_and_their_revision_outlive_a_reload(visit: Visit) 
     expect(following).to_be_hidden()
 
 
+def test_a_question_outlives_a_reload_without_a_word_of_the_design(visit: Visit) -> None:
+    page = visit("/#explore")
+    asked = page.get_by_role("button", name="Probability", exact=True)
+    asked.click()
+    expect(page.get_by_text("Probability of closing")).to_be_visible()
+    page.reload()
+    expect(asked).to_have_attribute("aria-pressed", "true")
+    expect(page.get_by_text(_BACK)).to_have_count(0)
+
+
 @pytest.mark.slow
 def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit: Visit) -> None:
     page = visit()
