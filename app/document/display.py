@@ -11,14 +11,13 @@ from app.charts.kinds import BarChart, Chart
 from app.document.numbers import number, show
 from nav_model.base.errors import InputError
 
-_SPREADS: dict[str, tuple[str, float, float]] = {
+SPREADS: dict[str, tuple[str, float, float]] = {
     "1σ": ("1s", 1.0, 1.0),
     "2σ": ("2s", 2.0, 2.0),
     "95 %": ("95", 1.959963984540054, math.sqrt(-2 * math.log(0.05))),
     "CEP": ("cep", 1.0, math.sqrt(-2 * math.log(0.5))),
 }
 """Name -> its word in links, and the factor over one sigma of one axis and of a horizontal pair."""
-SPREADS = tuple(_SPREADS)
 SHEET, SI = "data sheet", "SI"
 UNITS = (SHEET, SI)
 _SI_UNITS = {"length": "m", "speed": "m/s", "angle": "rad", "time": "s"}
@@ -41,7 +40,7 @@ class Display:
 
     def factor(self, *, pair: bool = False) -> float:
         """What one sigma is multiplied by; ``pair`` for a horizontal position or velocity."""
-        _, one, two = _SPREADS[self.spread]
+        _, one, two = SPREADS[self.spread]
         return two if pair else one
 
     def named(self, *, pair: bool = False) -> str:
@@ -130,7 +129,7 @@ class Display:
         """The choice in links and in the browser's memory; empty for the default."""
         if self == ONE_SIGMA:
             return ""
-        return _SPREADS[self.spread][0] + (".si" if self.units == SI else "")
+        return SPREADS[self.spread][0] + (".si" if self.units == SI else "")
 
 
 ONE_SIGMA = Display()
@@ -145,7 +144,7 @@ def display_of(word: str) -> Display:
         If there is none.
     """
     spread, _, units = (word or "1s").partition(".")
-    named = {short: name for name, (short, _, _) in _SPREADS.items()}
+    named = {short: name for name, (short, _, _) in SPREADS.items()}
     if spread not in named or units not in {"", "si"}:
         raise InputError("show", f"{word[:20]!r} is not a display choice. Try 1s, 2s, 95 or cep, with .si for SI.")
     return Display(named[spread], SI if units else SHEET)

@@ -105,7 +105,7 @@ def joined(first: Stretch, second: Stretch) -> Stretch:
     >>> bool(np.allclose(joined(one, one).spread, two.spread, rtol=1e-12))
     True
     """
-    met = measured(first, second.info)
+    met = measured(first, second.info)  # the first, with what the second's fixes say about where they meet
     size, phi, along = met.noise.shape[-1], second.through, second.lines[..., : met.noise.shape[-1]]
     span = met.span + second.span
     share = np.stack([met.span, second.span], axis=-1) / np.where(span == 0, 1.0, span)[:, None]
@@ -115,7 +115,7 @@ def joined(first: Stretch, second: Stretch) -> Stretch:
     onward = np.concatenate([met.lines[..., :size], met.lines[..., size:] @ turned(phi)], axis=-1)
     out = np.concatenate([along @ met.through, second.lines[..., size:] + along @ met.noise @ turned(phi)], axis=-1)
     lines = np.concatenate([onward * root[:, 0], out * root[:, 1]], axis=1)
-    across = met.lines[..., size:] @ turned(along)
+    across = met.lines[..., size:] @ turned(along)  # covariance of both parts' coefficients
     spread: Array = np.zeros((len(span), 2 * ORDERS, 2 * ORDERS), across.dtype)
     spread[:, :ORDERS, :ORDERS] = met.spread * root[:, 0] ** 2
     spread[:, :ORDERS, ORDERS:] = across * root[:, 0] * root[:, 1]
@@ -123,7 +123,7 @@ def joined(first: Stretch, second: Stretch) -> Stretch:
     spread[:, ORDERS:, ORDERS:] = (second.spread + along @ met.noise @ turned(along)) * root[:, 1] ** 2
     merge = _merge(share)
     merged, both = merge @ lines, merge @ spread @ turned(merge)
-    lost = lines - turned(merge) @ merged  # of the parts' coefficients, what those of the whole do not have
+    lost = lines - turned(merge) @ merged  # of the parts' coefficients, what those of the whole leave
     return Stretch(
         *doubling.continued(met.segment, second.segment),
         span,
