@@ -1,18 +1,8 @@
-// What goes into the head of a page, before the libraries.
-//
-// Reports to send upstream, versions and ends: docs/upstream/opening.md
-
-// Panel has a shim fetch, read and rewrite every module, the component library's 1.4 MB among them, for the sake of
-// import maps, which name a host elsewhere. The browser imports them as they are, and knows no such host.
-{
-  const native = (url) => import(url)
-  native.addImportMap = () => {}
-  Object.defineProperty(window, "importShim", { get: () => native, set: () => {} })
-}
-
 // The page connects while it runs the libraries: the server makes the session meanwhile. Bokeh connects when all have
 // run, and each side waits for the other in turn. What comes before Bokeh asks is kept and handed on. The last library
 // comes first: the server cannot send it while it makes the session.
+//
+// Report to send upstream, version and end: docs/upstream/opening.md
 {
   const token = "TOKEN"
   const Shipped = WebSocket

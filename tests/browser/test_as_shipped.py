@@ -132,16 +132,6 @@ def test_a_sheet_is_written_again_with_the_same_text_and_a_paint_asks_for_comput
     assert as_shipped > 2 * without > 0
 
 
-# How the component library came: "fetch" is the shim's.
-_HOW = """() => performance.getEntriesByType("resource")
-  .filter(part => part.name.includes("panel-material-ui.bundle.js")).map(part => part.initiatorType)"""
-
-
-def test_modules_are_fetched_and_rewritten_and_ours_imported_by_the_browser(shipped: Page, plain: Page) -> None:
-    assert shipped.evaluate(_HOW) == ["fetch"]
-    assert plain.evaluate(_HOW) == ["script"]
-
-
 def test_a_page_connects_when_all_has_run_and_ours_while_a_library_is_still_to_come(
     shipped: Page, page: Page, server: str
 ) -> None:
