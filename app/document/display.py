@@ -20,7 +20,7 @@ SPREADS: dict[str, tuple[str, float, float]] = {
 """Name -> its word in links, and the factor over one sigma of one axis and of a horizontal pair."""
 SHEET, SI = "data sheet", "SI"
 UNITS = (SHEET, SI)
-_SI_UNITS = {"length": "m", "speed": "m/s", "angle": "rad", "time": "s"}
+_SI_UNITS = {"length": "m", "speed": "m/s", "angle": "rad", "time": "s", "loss": "dB"}
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,8 @@ class _Sheets:
         self.bold = book.add_format({"bold": True})
         self.head = book.add_format({"bold": True, "bottom": 1, "text_wrap": True, "valign": "top"})
         self.number = book.add_format({"num_format": "0.000E+00"})
-        self.figure = book.add_format({"num_format": "[>=100]0.0;[>=1]0.000;General"})
+        self.figure = book.add_format({"num_format": "[<0.01]0.00E+00;0.000"})
+        self.level = book.add_format({"num_format": "0.00"})
         self.percent = book.add_format({"num_format": "+0.0%;-0.0%"})
         self.entry = book.add_format({"bg_color": "#FFF8DC", "border": 1, "border_color": "#BBBBBB", "locked": False})
         self.grey = book.add_format({"font_color": "#8A8A8A", "italic": True})
@@ -237,7 +238,8 @@ class _Sheets:
                 else _Unit.of("", dimension)
             )
             sheet.write_row(row, 0, (line.label, None, unit.symbol, line.mark))
-            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", self.figure, unit.number(line.value))
+            shown = self.level if unit.symbol == "dB" else self.figure
+            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", shown, unit.number(line.value))
             self._state(sheet, row, 4, taken=line.taken)
         self._greyed(sheet, f"A{first + 1}:E{row + 1}", f"$E{first + 1}")
 
@@ -295,15 +297,16 @@ class _Sheets:
         said = "=1" if confidence is None else "=requirements_confidence" if follows else f"={factor!r}"
         sigma = float(line.value if fixed is None else fixed)
         checked = factor * sigma
+        shown = self.level if unit.symbol == "dB" else self.figure
         sheet.write(row, 0, label_of(name))
         if fixed is None:
-            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", self.figure, unit.number(sigma))
+            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", shown, unit.number(sigma))
         else:
-            sheet.write(row, 1, unit.number(sigma), self.figure)
-        sheet.write_formula(row, 2, said, self.figure, factor)
-        sheet.write_formula(row, 3, f"=B{at}*C{at}", self.figure, unit.number(checked))
+            sheet.write(row, 1, unit.number(sigma), shown)
+        sheet.write_formula(row, 2, said, None, factor)
+        sheet.write_formula(row, 3, f"=B{at}*C{at}", shown, unit.number(checked))
         allowed = "" if given is None else unit.number(given)
-        sheet.write_formula(row, 4, f'=IF({limit}="","",{unit.from_si(limit)})', self.figure, allowed)
+        sheet.write_formula(row, 4, f'=IF({limit}="","",{unit.from_si(limit)})', shown, allowed)
         sheet.write(row, 5, unit.symbol)
         margin: Any = "" if given is None else 1 - checked / given
         of_limit = f"{unit.to_si(f'D{at}')}/({unit.to_si(f'E{at}')})"

@@ -42,7 +42,7 @@ from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
 from nav_model.budget.provenance import steady_marks
 from nav_model.budget.verdict import limit_on, outage_mark
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING, IN_OUTAGE, RESPONSE, label_of
+from nav_model.design.contributors import BY_ORDER, COASTING, IN_OUTAGE, RESPONSE, label_of
 from nav_model.design.parts import declaration_of
 from nav_model.processing.geolocation import circular_error, ground_covariance
 
@@ -50,7 +50,7 @@ _WITHOUT_FORMULA: tuple[str, ...] = (
     "motion.", "oscillator.", "gnss.correlated_noise", "gnss.correlation_time", "processing.leg_after",
 )  # fmt: skip
 """How the keys of inputs begin that no formula follows."""
-_SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": ""}
+_SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": "", "loss": "dB"}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
 
 
@@ -134,7 +134,7 @@ class Traces:
         changes: dict[str, Any] = {symbol: name(symbol, getattr(x, symbol), *said) for symbol, *said in named}
         if (bias := self.plain.rectified) is not None:
             changes["rectified"] = name("rectified", bias, "bias caused by vibration", "m/s²", "[P-12]")
-        mark, parts = "[P-8]", ("quadratic", "cubic", f"left_{self.plain.autofocus_order}", "mean", "slope")
+        mark, parts = "[P-8]", ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope")
         changes["fast"] = {}
         for number, (source, own) in enumerate(self.plain.fast.items(), 1):
             cells = {
@@ -258,6 +258,10 @@ class Traces:
                 of = np.sqrt(outage(self.x, saw["posterior"], time, self.rule)[COASTING.index(limit.on)])
             elif limit.on in IN_OUTAGE:
                 of = np.sqrt(free_growth(self.x, saw["closed"], time)[limit.on])
+            elif limit.on in BY_ORDER:
+                other = replace(self.x, autofocus_order=BY_ORDER[limit.on])
+                left = phase.total(phase_sources(other, saw["start"].horizontal))
+                of = self.workings.cell("to_phase") * np.sqrt(left.detrended)
             elif limit.on in RESPONSE:
                 others = {name: parts for name, parts in self.plain.own.items() if name != limit.name}
                 of = figures(replace(self.plain, own=others), (limit.name,))[limit.name]

@@ -24,7 +24,7 @@ from nav_model.budget.contributors import NONE, entering, with_contributors
 from nav_model.budget.fast import LEVELS, levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.budget.response import responses
-from nav_model.design.contributors import COASTING, EXTRA, IN_OUTAGE, RESPONSE
+from nav_model.design.contributors import BY_ORDER, COASTING, EXTRA, IN_OUTAGE, RESPONSE
 from nav_model.design.own import Limit
 from nav_model.processing.flight import Channel
 from nav_model.processing.geolocation import (
@@ -56,6 +56,7 @@ FIGURES: Mapping[str, str] = MappingProxyType(
 )
 """Name of a figure -> name of the requirement that limits it; the order is that of a verdict."""
 
+_MODELLED = (*FIGURES, "cep", *BY_ORDER)
 
 INITIAL_TILT = "initial tilt"
 """Name of the source in a phase budget: what other sources have made of the tilt at the last fix."""
@@ -383,12 +384,12 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
     found: dict[str, Array] = {}
     wanted = set(names)
     if x.post_processed:
-        found |= smoothed_figures(x, [name for name in (*FIGURES, "cep") if name in wanted and name not in COASTING])
+        found |= smoothed_figures(x, [name for name in _MODELLED if name in wanted and name not in COASTING])
         wanted &= set(COASTING)
     if wanted.intersection(LEVELS):
         found |= levels(x.fast.values(), x.to_phase, x.aperture, x.window)
     steady, coasting = wanted.intersection(SETTLED), wanted.intersection(COASTING)
-    imaged = wanted.intersection((*IMAGING, *PLACING, INITIAL_TILT))
+    imaged = wanted.intersection((*IMAGING, *BY_ORDER, *PLACING, INITIAL_TILT))
     if steady or coasting or imaged:
         saw = sampled(x)
         start = begun(x, saw.posterior) if imaged or x.steady_state == "closed" else saw.posterior
@@ -396,6 +397,9 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
             found |= placing(x, free_shifts(x, start), placed)
         if wanted.intersection(IMAGING):
             found |= imaging(x, start.horizontal)
+        for name in wanted.intersection(BY_ORDER):
+            other = replace(x, autofocus_order=BY_ORDER[name])
+            found[name] = imaging(other, start.horizontal)["detrended_phase"]
         if imaged:
             found[INITIAL_TILT] = np.sqrt(start.horizontal.p33)
         if steady:
@@ -403,7 +407,7 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
         if coasting:
             ends = outage(x, saw.posterior, x.duration)
             found |= {name: np.sqrt(variance) for name, variance in zip(COASTING, ends, strict=True)}
-    return {name: found[name] for name in (*FIGURES, "cep", INITIAL_TILT) if name in names}
+    return {name: found[name] for name in (*_MODELLED, INITIAL_TILT) if name in names}
 
 
 SHARED = (*SETTLED, *COASTING, *PLACING, "along_track_quadratic_phase", INITIAL_TILT)

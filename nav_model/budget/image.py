@@ -5,6 +5,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from nav_model.analytic.steady_state import Horizontal
 from nav_model.aperture import geometry, phase
 from nav_model.aperture.polynomial_response import half_power_extent
@@ -13,12 +15,13 @@ from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import composed, entering
 from nav_model.budget.fast import LEVELS, levels, stays
-from nav_model.budget.figures import INITIAL_TILT, PLACING, along_track_phase, imaging, phase_sources
+from nav_model.budget.figures import INITIAL_TILT, PLACING, along_track_phase, phase_sources
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.response import NO_IMAGE, response_of
 from nav_model.budget.result import Echo, PhaseLine, Placement, Sar, Spectral
 from nav_model.budget.shares import Shares, shares_by_step, shares_of
 from nav_model.design import Design
+from nav_model.design.contributors import BY_ORDER
 from nav_model.processing.geolocation import Shifts, ground_covariance
 from nav_model.processing.paired_echo import NOTHING, echo, fast_lines
 
@@ -33,16 +36,13 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
     radar = design.radar
     wavelength, aperture = float(x.wavelength), float(x.aperture)
     budget = phase_sources(x, start)
-    whole = phase.total(budget)
-    of_model = {
-        name: {source: float(getattr(made, column) / getattr(whole, column)) for source, made in budget.items()}
-        for name, column in _COLUMNS.items()
-    } | {"along_track_quadratic_phase": shares["along_track_quadratic_phase"]}
-    of_navigation = {name: float(value) for name, value in imaging(x, start).items()}
-    found = {
-        name: composed(value, of_model[name], entering(x.own, name, post_processed=False))
-        for name, value in of_navigation.items()
-    }
+    of_model = {name: _in_phase(x, budget, column) for name, column in _COLUMNS.items()}
+    limited = [name for name in BY_ORDER if any(limit.on == name for limit in x.limits)]
+    for name in limited:
+        of_model[name] = _in_phase(x, phase_sources(replace(x, autofocus_order=BY_ORDER[name]), start), "detrended")
+    along = float(along_track_phase(x, start))
+    of_model["along_track_quadratic_phase"] = along, shares["along_track_quadratic_phase"]
+    found = {name: composed(*of, entering(x.own, name, post_processed=False)) for name, of in of_model.items()}
     one, two, three = (found[name] for name in _COLUMNS)
     in_the_middle = along_track_phase(replace(x, before_aperture=x.before_aperture + x.aperture / 2), start)
     lines = tuple(
@@ -66,7 +66,8 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         cubic=two.sigma,
         detrended=three.sigma,
         along_track_quadratic=found["along_track_quadratic_phase"].sigma,
-        along_track_growth=float(in_the_middle) / of_navigation["along_track_quadratic_phase"],
+        by_order=FrozenMapping({name: found[name].sigma for name in limited}),
+        along_track_growth=float(in_the_middle) / along,
         lines=lines,
         shares=FrozenMapping({name: each.shares for name, each in found.items()}),
         tilt_shares=shares[INITIAL_TILT],
@@ -75,6 +76,13 @@ def sar_of(design: Design, x: Inputs, start: Horizontal, shares: Mapping[str, Sh
         ),
         respond=partial(response_of, x),
     )
+
+
+def _in_phase(x: Inputs, budget: Mapping[str, phase.PhaseVariances], column: str) -> tuple[float, Shares]:
+    """A phase [rad] without contributors, and the share of each source in its variance."""
+    whole = getattr(phase.total(budget), column)
+    shares = {source: float(getattr(made, column) / whole) for source, made in budget.items()}
+    return float(x.to_phase * np.sqrt(whole)), shares
 
 
 def spectral_of(x: Inputs, cell: float) -> Spectral:

@@ -9,7 +9,7 @@ from nav_model.budget.allocation import Allocation
 from nav_model.budget.contributors import size_of
 from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Spectral, Verdict
-from nav_model.design.contributors import COASTING, ENTERED, Contributor
+from nav_model.design.contributors import BY_ORDER, COASTING, ENTERED, Contributor
 from nav_model.processing.paired_echo import NOTHING
 
 
@@ -121,7 +121,7 @@ def _post_processed(smoothed: PostProcessed) -> dict[str, Any]:
         "quadratic_phase_sigma_rad": smoothed.quadratic,
         "cubic_phase_sigma_rad": smoothed.cubic,
         "detrended_phase_sigma_rad": smoothed.detrended,
-        "detrended_phase_by_order_sigma_rad": {str(n): left for n, left in enumerate(smoothed.by_order, 1)},
+        "detrended_phase_by_order_sigma_rad": {str(BY_ORDER[name]): left for name, left in smoothed.by_order.items()},
         "along_track_quadratic_phase_sigma_rad": smoothed.along_track_quadratic,
         "turning_quadratic_phase_sigma_rad": smoothed.turning_quadratic,
         "turning_detrended_phase_by_order_sigma_rad": {
@@ -182,7 +182,7 @@ def _contributor(one: Contributor, wavelength: float) -> dict[str, Any]:
     dimension, sigma = ENTERED[one.enters], float(size_of(one, wavelength))
     if dimension == "level":
         sigma = _decibels(max(sigma, NOTHING))
-    unit = {"angle": "rad", "length": "m", "speed": "m/s", "level": "dB"}[dimension]
+    unit = {"angle": "rad", "length": "m", "speed": "m/s", "level": "dB", "loss": "dB"}[dimension]
     return {"name": one.name, "enters": one.enters, "sigma": sigma, "unit": unit, "owner": one.owner}
 
 

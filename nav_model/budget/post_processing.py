@@ -27,6 +27,7 @@ from nav_model.budget.result import (
 from nav_model.budget.shares import shares_by_step, shares_of
 from nav_model.budget.verdict import judge
 from nav_model.design import Design
+from nav_model.design.contributors import BY_ORDER
 from nav_model.processing.geolocation import Shifts
 
 
@@ -60,18 +61,17 @@ def _post_processed(x: Inputs) -> tuple[PostProcessed, Placement]:
         raise FloatingPointError("the smoothed figures are beyond double precision")
     shares = shares_of(sized)
     shares["detrended_phase"] = shares[f"detrended_phase_{x.autofocus_order}"]
-    by_order = value["detrended_phase_1"], value["detrended_phase_2"], value["detrended_phase_3"]
-    value["detrended_phase"] = by_order[x.autofocus_order - 1]
+    value["detrended_phase"] = value[f"detrended_phase_{x.autofocus_order}"]
     whole = {
         name: composed(value[name], shares[name], entering(x.own, name, post_processed=True))
-        for name in (*SETTLED, *IMAGING)
+        for name in (*SETTLED, *IMAGING, *BY_ORDER)
     }
     smoothed = PostProcessed(
         sigmas=Sigmas(*(whole[name].sigma for name in SETTLED)),
         quadratic=whole["quadratic_phase"].sigma,
         cubic=whole["cubic_phase"].sigma,
         detrended=whole["detrended_phase"].sigma,
-        by_order=by_order,
+        by_order=FrozenMapping({name: whole[name].sigma for name in BY_ORDER}),
         along_track_quadratic=whole["along_track_quadratic_phase"].sigma,
         turning_quadratic=value["turning_quadratic_phase"],
         turning_by_order=(value["turning_detrended_phase_1"], value["turning_detrended_phase_2"]),

@@ -123,8 +123,8 @@ def cautions(budget: Budget) -> tuple[str, ...]:
                 f"errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
                 f"along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
             )
-        order = budget.sar.autofocus_order
-        change = smoothed.turning_by_order[order - 1] / smoothed.by_order[order - 1] - 1 if order < 3 else 0.0
+        order, left = budget.sar.autofocus_order, smoothed.navigation["detrended_phase"]
+        change = smoothed.turning_by_order[order - 1] / left - 1 if order < 3 else 0.0
         if abs(change) > _TURN_SAID:
             said.append(
                 f"The residual after autofocus of order {order} is along the line of sight of mid-aperture. With the "

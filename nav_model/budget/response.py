@@ -22,11 +22,11 @@ def response_of(x: Inputs, quadratic: float) -> ImpulseResponse | None:
 
 
 def limited_of(response: ImpulseResponse, cell: float) -> dict[str, float]:
-    """Figures of `RESPONSE`: width between the outermost half-power points [m] for cells of so many metres, and
-    amplitudes outside the error-free main lobe over the target's."""
+    """Figures of `RESPONSE`: width between the outermost half-power points [m] for cells of so many metres,
+    amplitudes outside the error-free main lobe over the target's, and loss of the peak's power [dB]."""
     side = (float(response.pslr_fixed_db), float(response.islr_fixed_db))
-    values = (float(response.half_power_extent_cells) * cell, *(10 ** (level / 20) for level in side))
-    return dict(zip(RESPONSE, values, strict=True))
+    width, loss = float(response.half_power_extent_cells) * cell, -float(response.peak_loss_db)
+    return dict(zip(RESPONSE, (width, *(10 ** (level / 20) for level in side), loss), strict=True))
 
 
 def responses(x: Inputs, quadratic: Array) -> dict[str, Array]:

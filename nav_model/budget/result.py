@@ -132,6 +132,7 @@ class Sar:
     what is left of it. Both are None when the phase is beyond 1000 rad and there is no image to describe, and so is
     ``half_power_extent`` [cells], the width of the first.
     ``along_track_growth`` is the velocity error of mid-aperture over that at its start, which [S-2] takes.
+    ``by_order`` has the detrended phases after other orders of autofocus that the design limits.
     ``shares`` gives, for each phase that a requirement can limit, the share of each source in its variance;
     ``tilt_shares`` splits the initial tilt by the source that put it there [T-18].
     """
@@ -146,6 +147,7 @@ class Sar:
     cubic: float
     detrended: float
     along_track_quadratic: float
+    by_order: Mapping[str, float]
     along_track_growth: float
     lines: tuple[PhaseLine, ...]
     shares: Mapping[str, Shares]
@@ -168,7 +170,7 @@ class Sar:
 class PostProcessed:
     """Errors that remain with a smoother that has every fix: m, m/s, rad. [P-3], [P-5]
 
-    ``by_order`` is the residual phase after autofocus to order 1, 2 and 3, ``detrended`` that of the design's order.
+    ``by_order`` has the detrended phase after each order of autofocus, ``detrended`` is that of the design's order.
     ``turning_quadratic`` is the quadratic phase along the line of sight as it turns over the aperture: ``quadratic``
     and ``along_track_quadratic``, which verdicts check, and the effect of the turn on the position error;
     ``turning_by_order`` are the residuals after autofocus to order 1 and 2 alike. After order 3 the turn is 0.3 % at
@@ -176,8 +178,8 @@ class PostProcessed:
     ``azimuth_shift`` is R/V times the slope of the line of sight, without the position along the track.
     ``impulse_response`` is that of the 1σ quadratic, None beyond 1000 rad.
     ``shares`` gives, for each figure that a requirement can limit, the share of each source in its variance, and
-    ``sizes`` the 1σ of each. Contributors of the user's own are in what verdicts check; ``by_order`` and the figures
-    of the turn have none, nor has ``navigation``, the phases under the names of their figures.
+    ``sizes`` the 1σ of each. Contributors of the user's own are in what verdicts check; the figures of the turn have
+    none, nor has ``navigation``, the phases under the names of their figures.
     ``through`` gives navigation's sigmas before and in an outage, `nav_model.budget.navigation.smoothed_outage`.
     """
 
@@ -185,7 +187,7 @@ class PostProcessed:
     quadratic: float
     cubic: float
     detrended: float
-    by_order: tuple[float, float, float]
+    by_order: Mapping[str, float]
     along_track_quadratic: float
     turning_quadratic: float
     turning_by_order: tuple[float, float]

@@ -131,8 +131,9 @@ def judge(
 
 
 def _phases(of: Sar | PostProcessed) -> dict[str, float]:
-    """Figures of `IMAGING`."""
-    return dict(zip(IMAGING, (of.quadratic, of.along_track_quadratic, of.cubic, of.detrended), strict=True))
+    """Figures of `IMAGING`, and those of other orders of autofocus."""
+    named = zip(IMAGING, (of.quadratic, of.along_track_quadratic, of.cubic, of.detrended), strict=True)
+    return dict(named) | dict(of.by_order)
 
 
 def _smoothed(smoothed: PostProcessed) -> dict[str, _Figure]:
@@ -212,10 +213,10 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
 
     slow = design.gnss.correlated
     budget = "closed form" if not slow else "closed form, with the tilt that the slow GNSS error adds"
-    marks = ("[S-5]", "[S-2]", "[S-6]", "[T-15], [S-6]")
+    marks = {"quadratic_phase": "[S-5]", "along_track_quadratic_phase": "[S-2]", "cubic_phase": "[S-6]"}
     phases = {
-        name: _Figure(sigma, budget, mark, sar.shares[name])
-        for (name, sigma), mark in zip(_phases(sar).items(), marks, strict=True)
+        name: _Figure(sigma, budget, marks.get(name, "[T-15], [S-6]"), sar.shares[name])
+        for name, sigma in _phases(sar).items()
     }
     ends = {name: coast.checked[name] for name in COASTING}
     return {

@@ -23,7 +23,10 @@ PROCESSINGS = (BOTH, REAL_TIME, POST_PROCESSED)
 MOST = 100
 """Contributors that a design may have."""
 
-PHASES = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase")
+BY_ORDER: Mapping[str, int] = MappingProxyType({f"detrended_phase_{order}": order for order in (1, 2, 3)})
+"""Detrended phase after autofocus of an order that need not be the design's -> that order."""
+
+PHASES = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase", *BY_ORDER)
 """Figures that a length along the line of sight may enter."""
 
 IN_OUTAGE: Mapping[str, tuple[str, str]] = MappingProxyType(
@@ -41,11 +44,19 @@ RESPONSE: Mapping[str, tuple[str, str]] = MappingProxyType(
         "response_width": ("length", "Response width"),
         "pslr": ("level", "Peak side-lobe ratio"),
         "response_islr": ("level", "Integrated side-lobe ratio"),
+        "peak_loss": ("loss", "Peak loss"),
     }
 )
 """The same of the azimuth impulse response with the quadratic phase at one sigma."""
 
-EXTRA: Mapping[str, tuple[str, str]] = MappingProxyType({**IN_OUTAGE, "cep": ("length", "CEP"), **RESPONSE})
+EXTRA: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        **IN_OUTAGE,
+        "cep": ("length", "CEP"),
+        **{name: ("angle", f"Detrended phase, autofocus order {order}") for name, order in BY_ORDER.items()},
+        **RESPONSE,
+    }
+)
 """Every figure that only a limit of the user's own may limit."""
 
 ENTERED: Mapping[str, str] = MappingProxyType(
@@ -141,7 +152,7 @@ class Contributor(Sized):
     owner, source : str
         Who answers for it, and where the value came from.
     unit : str
-        Unit the value was written in; not part of what makes two contributors equal.
+        Unit the value was written in; not part of what makes two contributors equal, nor of their hash.
     """
 
     table: ClassVar[str] = "contributors"
@@ -154,7 +165,7 @@ class Contributor(Sized):
     allowance: float = 0.0
     owner: str = ""
     source: str = ""
-    unit: str = field(default="", compare=False)
+    unit: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for key in ("name", "owner", "source"):

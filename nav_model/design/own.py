@@ -66,7 +66,7 @@ class Limit(Sized):
     dimension: str
     confidence: float | None = None
     at: float | None = None
-    unit: str = field(default="", compare=False)
+    unit: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         check_text(f"{self.where}.name", self.name)
@@ -99,7 +99,7 @@ class Lock(Sized):
     name: str
     value: float
     dimension: str
-    unit: str = field(default="", compare=False)
+    unit: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 0 < self.value < math.inf:
@@ -160,18 +160,7 @@ class Own:
 
     def identity(self) -> list[str]:
         """Lines for a design's hash; none where there is nothing."""
-        lines = []
-        for one in self.contributors:
-            sizes = f"{one.value.hex()} {one.dimension} {one.allowance.hex()}"
-            lines.append(
-                f"contributor={(one.name, one.enters, one.kind, one.processing, one.owner, one.source)} {sizes}"
-            )
-        for limit in self.limits:
-            lines.append(f"limit={(limit.name, limit.on, limit.confidence, limit.at)} {limit.value.hex()}")
-        if plan := self.allocation:
-            locks = [(lock.requirement, lock.name, lock.value.hex(), lock.dimension) for lock in plan.locks]
-            lines.append(f"allocation={plan.split} {plan.reserve.hex()} {locks}")
-        return lines
+        return [repr(one) for one in (*self.contributors, *self.limits, self.allocation) if one]
 
 
 def read_own(tables: Mapping[str, Any]) -> Own:

@@ -12,6 +12,7 @@ from typing import Any
 import formulas
 import numpy as np
 import openpyxl
+import pypdf
 import pytest
 
 from app.examples import EXAMPLES, example
@@ -43,7 +44,7 @@ CHANGED = {
 """Inputs that are changed, and from where to where."""
 designs = pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.slow)])
 """So many random ones."""
-_PLACED = (*SETTLED, "cep", "pslr")
+_PLACED = (*SETTLED, "cep", "pslr", "peak_loss")
 """Figures of limits that have a cell elsewhere, or a value without a formula."""
 
 
@@ -90,6 +91,8 @@ def own() -> Own:
         {"name": "lever", "on": "lever arm", "limit": "3 mm"},
         {"name": "half of the images", "on": "cep", "limit": "1 m"},
         {"name": "side lobe", "on": "pslr", "limit": "3 dB"},
+        {"name": "loss", "on": "peak_loss", "limit": "3 dB"},
+        {"name": "second order", "on": "detrended_phase_2", "limit": "5°"},
     ]
     return Own(contributors(), read_limits(limits, contributors()))
 
@@ -99,6 +102,7 @@ def contributors() -> tuple[Contributor, ...]:
     return (
         Contributor("=1+1", 1e-3, "quadratic_phase", "length"),
         Contributor("lever arm", 2e-3, "quadratic_phase", "length", kind="systematic", allowance=0.2),
+        Contributor("mast", 1e-4, "detrended_phase_2", "length"),
         Contributor("time tag", 0.05, "detrended_phase", "angle", kind="systematic"),
         Contributor("atmosphere", 1.5, "ce90", "length"),
         Contributor("boresight", 1e-4, "tilt", "angle", processing="real time"),
@@ -125,7 +129,7 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
         row = checked[check.label]
         assert row[6].value == pytest.approx(check.margin, abs=1e-9)
         assert row[7].value == ("met" if check.met else "not met")
-        assert row[9].value == (TAKEN if check.on == "pslr" else LIVE)
+        assert row[9].value == (TAKEN if check.on in ("pslr", "peak_loss") else LIVE)
     post = {row[0].value: row for row in book["Post-processed"].iter_rows(min_row=6)}
     for check in budget.other_verdict.checks:
         assert post[check.label][6].value == pytest.approx(check.margin, abs=1e-9)
@@ -173,10 +177,20 @@ def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path, count: 
         assert found[old].value[0, 0] == OTHER
 
 
+def convert(folder: Path, kind: str, *paths: Path) -> None:
+    """Have the spreadsheet program write workbooks as files of this kind, with a profile that nothing else uses."""
+    profile = paths[0].with_name("profile").as_uri()
+    subprocess.run(
+        ["soffice", f"-env:UserInstallation={profile}", "--headless", "--convert-to", kind, "--outdir", str(folder),
+         *map(str, paths)],
+        check=True, capture_output=True,
+    )  # fmt: skip
+
+
 @pytest.mark.long
 @designs
 def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int) -> None:
-    """All workbooks in one start of the program, with a profile that nothing else uses."""
+    """All workbooks in one start of the program."""
     bases = [example(name).replace({}, own=own()) for name in EXAMPLES]
     wanted: dict[str, Design] = {}
     for seed in range(3 + count):
@@ -190,11 +204,7 @@ def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int)
         book.save(path)  # without the values of formulas, which have to be computed
         wanted[path.name] = design
     done = tmp_path / "done"
-    subprocess.run(
-        ["soffice", f"-env:UserInstallation={(tmp_path / 'profile').as_uri()}", "--headless", "--convert-to", "xlsx",
-         "--outdir", str(done), *(str(tmp_path / name) for name in wanted)],
-        check=True, capture_output=True,
-    )  # fmt: skip
+    convert(done, "xlsx", *(tmp_path / name for name in wanted))
     for name, design in wanted.items():
         book = openpyxl.load_workbook(done / name, data_only=True)
         places = dict(budget_names(book))
@@ -205,6 +215,15 @@ def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int)
         assert (book["Budget"]["A2"].value == "Closes") == analyse(real_time).verdict.closes
         errors = [cell.coordinate for sheet in book for row in sheet for cell in row if cell.data_type == "e"]
         assert not errors
+
+
+@pytest.mark.long
+def test_a_spreadsheet_program_shows_every_number_with_its_sign(tmp_path: Path) -> None:
+    path = write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, own=own()))
+    convert(tmp_path, "pdf", path)
+    shown = "".join(page.extract_text() for page in pypdf.PdfReader(path.with_suffix(".pdf")).pages)
+    assert "###" not in shown
+    assert re.search(r"Paired echo\s*-300\.00", shown)
 
 
 @pytest.mark.parametrize(

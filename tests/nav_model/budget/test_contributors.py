@@ -14,7 +14,7 @@ from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.design.catalogue import catalogue
-from nav_model.design.contributors import ENTERED, IN_OUTAGE, Contributor, read_contributors
+from nav_model.design.contributors import BY_ORDER, ENTERED, IN_OUTAGE, PHASES, Contributor, read_contributors
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
 from nav_model.design.own import Own, read_limits, read_own
@@ -24,13 +24,14 @@ _LIMITS = {
     f"requirements.{key}": {"angle": 1.0, "length": 10.0, "speed": 1.0, "level": 0.1}[ENTERED[key]]
     for key in dict.fromkeys(FIGURES.values())
 }
-# Values of the outage that have no requirement among the inputs get one of the user's own, under another name.
+# Values that have no requirement among the inputs get one of the user's own, under another name.
 _OWN_LIMITS = read_limits(
-    [{"name": f"own {name}", "on": name, "limit": "1 m/s" if kind == "speed" else "1 rad"}
-     for name, (kind, _) in IN_OUTAGE.items()]
+    [{"name": f"own {name}", "on": name, "limit": "1 m/s" if ENTERED[name] == "speed" else "1 rad"}
+     for name in (*IN_OUTAGE, *BY_ORDER)]
 )  # fmt: skip
 _NAMES = (*FIGURES, *(limit.name for limit in _OWN_LIMITS))
 DESIGN = Design(_LIMITS, own=Own(limits=_OWN_LIMITS))
+_SIZES = {"angle": "1 mrad", "length": "1 cm", "speed": "1 mm/s", "level": "-40 dB", "loss": "0.1 dB"}
 LEVER_ARM = {"name": "lever arm", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics"}
 _ALONE = {mode: analyse(DESIGN.replace({"processing.mode": mode})) for mode in ("real time", "post-processed")}
 
@@ -85,7 +86,7 @@ def _random_set(draw: random.Random) -> list[Contributor]:
     for number in range(draw.randint(1, 8)):
         enters = draw.choice(list(ENTERED))
         alike = enters.startswith("coast") or enters in ("paired_echo", "islr")
-        lengthy = enters.endswith("phase") and draw.random() < 0.5
+        lengthy = enters in PHASES and draw.random() < 0.5
         found.append(
             Contributor(
                 f"c{number}", 10 ** draw.uniform(-4, -1), enters, "length" if lengthy else ENTERED[enters],
@@ -123,7 +124,7 @@ def test_random_sets_agree_with_the_sum_written_out() -> None:
 @pytest.mark.parametrize("moment", ["prior", "closed", "posterior"])
 def test_verdict_and_maps_have_the_same_figures(mode: str, moment: str) -> None:
     tables = [
-        {"name": name, "value": {"angle": "1 mrad", "length": "1 cm", "speed": "1 mm/s", "level": "-40 dB"}[kind],
+        {"name": name, "value": _SIZES[kind],
          "enters": name, "kind": "systematic" if number % 2 else "random"}
         for number, (name, kind) in enumerate(ENTERED.items())
     ]  # fmt: skip

@@ -85,6 +85,7 @@ def test_own_confidence_and_contributors_count_and_a_contributor_can_be_limited(
 _RESPONSE = [
     {"name": "width", "on": "response_width", "limit": "0.6 m"}, {"name": "peak", "on": "pslr", "limit": "-9 dB"},
     {"name": "side", "on": "response_islr", "limit": "-6 dB"}, {"name": "half", "on": "cep", "limit": "1 m"},
+    {"name": "loss", "on": "peak_loss", "limit": "3 dB"},
 ]  # fmt: skip
 
 
@@ -101,6 +102,7 @@ def test_measures_of_the_response_and_cep_are_those_that_are_printed(mode: str, 
         "peak": 10 ** (response.pslr_fixed_db / 20),
         "side": 10 ** (response.islr_fixed_db / 20),
         "half": place[mode.replace("-", "_").replace(" ", "_")]["cep_m"],
+        "loss": -response.peak_loss_db,
     }
     found = {check.name: check for check in budget.verdict.checks}
     assert {name: check.value for name, check in found.items()} == {
@@ -122,6 +124,7 @@ def test_a_contributor_to_the_width_or_to_cep_adds_to_it() -> None:
     own = [
         {"name": "pad", "value": "3 cm", "enters": "response_width", "kind": "systematic"},
         {"name": "datum", "value": "40 cm", "enters": "cep"},
+        {"name": "taper", "value": "0.1 dB", "enters": "peak_loss", "kind": "systematic"},
     ]  # fmt: skip
     plain, more = (
         {check.name: check for check in analyse(_design(*_RESPONSE, contributors=each)).verdict.checks}
@@ -129,7 +132,28 @@ def test_a_contributor_to_the_width_or_to_cep_adds_to_it() -> None:
     )
     assert more["width"].value == pytest.approx(plain["width"].value + 0.03, rel=1e-12)
     assert more["half"].value == pytest.approx(math.hypot(plain["half"].value, 0.4), rel=1e-12)
+    assert more["loss"].value == pytest.approx(plain["loss"].value + 0.1, rel=1e-12)
     assert more["width"].shares["pad"] == pytest.approx(0.03 / more["width"].value, rel=1e-9)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_a_phase_after_another_order_of_autofocus_is_that_of_a_design_of_this_order(mode: str, order: int) -> None:
+    on = f"detrended_phase_{order}"
+    arm = {"name": "mast", "value": "0.1 mm", "enters": on}
+    changes = {"processing.mode": mode, "motion.unsensed_lines": ((20.0, 1e-5, "length"),)}
+    design = _design({"name": "own", "on": on, "limit": "1°"}, contributors=[arm]).replace(changes)
+    changes |= {"radar.autofocus_order": order, "requirements.detrended_phase": 1.0}
+    of_order = _design(contributors=[]).replace(changes)
+    (found,), (there,) = (analyse(one).verdict.checks for one in (design, of_order))
+    size = 4 * math.pi / analyse(design).sar.wavelength * 1e-4
+    assert found.sigma == pytest.approx(math.hypot(there.sigma, size), rel=1e-9)
+    left = there.sigma**2 / found.sigma**2
+    assert found.shares == {"mast": pytest.approx(1 - left, rel=1e-9)} | {
+        source: pytest.approx(share * left, rel=1e-9) for source, share in there.shares.items()
+    }
+    assert float(ratios(design)["own"]) == pytest.approx(found.value / found.limit, rel=1e-9)
+    assert {entry.source for entry in allocate(analyse(design)).entries} >= {"mast", "gyro noise"}
 
 
 @pytest.mark.parametrize("limit", ["30°", "0.5235987755982988 rad", "523.5987755982989 mrad"])

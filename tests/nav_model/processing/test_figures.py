@@ -31,8 +31,9 @@ def named(open_design, closed_design):
 def found_in(budget):
     post, flight = budget.post_processed, budget.design.flight
     lever = budget.design.radar.slant_range / flight.speed
+    first, second, _ = post.by_order.values()
     return (
-        *map(math.degrees, (post.quadratic, post.cubic, post.by_order[0], post.by_order[1])),
+        *map(math.degrees, (post.quadratic, post.cubic, first, second)),
         math.degrees(post.along_track_quadratic), post.azimuth_shift / lever * 1e3, post.azimuth_shift,
         post.sigmas.position_horizontal, post.sigmas.position_vertical, post.sigmas.velocity_horizontal * 1e3,
         math.degrees(post.sigmas.tilt),

@@ -65,7 +65,10 @@ def agree(design, runs):
     expected = {
         "quadratic": (1.5 * fitted[2], math.hypot(post.quadratic, bent)),
         "cubic": (2.5 * fitted[3], post.cubic),
-        "detrended": (np.sqrt(np.mean(left**2, axis=0)), math.hypot(post.by_order[0], bent * math.sqrt(4 / 45))),
+        "detrended": (
+            np.sqrt(np.mean(left**2, axis=0)),
+            math.hypot(post.by_order["detrended_phase_1"], bent * math.sqrt(4 / 45)),
+        ),
         "horizontal position": (error[1, :, 100], post.sigmas.position_horizontal),
         "vertical position": (error[2, :, 100], post.sigmas.position_vertical),
     }
