@@ -29,35 +29,27 @@ BY_ORDER: Mapping[str, int] = MappingProxyType({f"detrended_phase_{order}": orde
 PHASES = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase", *BY_ORDER)
 """Figures that a length along the line of sight may enter."""
 
-IN_OUTAGE: Mapping[str, tuple[str, str]] = MappingProxyType(
+EXTRA: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "coast_horizontal_velocity": ("speed", "Horizontal velocity after the outage"),
         "coast_vertical_velocity": ("speed", "Vertical velocity after the outage"),
         "coast_tilt": ("angle", "Tilt after the outage"),
         "coast_heading": ("angle", "Heading growth in the outage"),
-    }
-)
-"""Figure of the outage that only a limit of the user's own may limit -> its dimension and label."""
-
-RESPONSE: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
+        "cep": ("length", "CEP"),
+        **{name: ("angle", f"Detrended phase, autofocus order {order}") for name, order in BY_ORDER.items()},
         "response_width": ("length", "Response width"),
         "pslr": ("level", "Peak side-lobe ratio"),
         "response_islr": ("level", "Integrated side-lobe ratio"),
         "peak_loss": ("loss", "Peak loss"),
     }
 )
-"""The same of the azimuth impulse response with the quadratic phase at one sigma."""
+"""Every figure that only a limit of the user's own may limit -> its dimension and label."""
 
-EXTRA: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        **IN_OUTAGE,
-        "cep": ("length", "CEP"),
-        **{name: ("angle", f"Detrended phase, autofocus order {order}") for name, order in BY_ORDER.items()},
-        **RESPONSE,
-    }
-)
-"""Every figure that only a limit of the user's own may limit."""
+IN_OUTAGE = tuple(name for name in EXTRA if name.startswith("coast"))
+"""Those of the outage."""
+
+RESPONSE = ("response_width", "pslr", "response_islr", "peak_loss")
+"""Those of the azimuth impulse response with the quadratic phase at one sigma."""
 
 ENTERED: Mapping[str, str] = MappingProxyType(
     {
@@ -215,10 +207,15 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     InputError
         Naming the contributor and the key that is wrong, what was given and what is allowed.
     """
-    return tuple(_read(*given) for given in given_tables("contributors", tables, _KEYS, ("value", "enters")))
-
-
-_KEYS = ("name", "value", "enters", "kind", "processing", "allowance", "owner", "source")
+    keys = ("name", "value", "enters", "kind", "processing", "allowance", "owner", "source")
+    found = []
+    for where, texts in given_tables("contributors", tables, keys, ("value", "enters")):
+        if (enters := texts["enters"]) not in ENTERED:
+            raise InputError(f"{where}.enters", not_a_choice(enters, ENTERED), enters)
+        given: dict[str, Any] = texts | read_size(f"{where}.value", texts["value"], enters, dimensions_of(enters))
+        given["allowance"] = read_like(_ALLOWANCE, f"{where}.allowance", texts.get("allowance", "0 %"))
+        found.append(Contributor(**given))
+    return tuple(found)
 
 
 def given_tables(
@@ -249,16 +246,6 @@ def given_tables(
         yield where, {key: str(text).strip() for key, text in table.items()}
 
 
-def _read(where: str, texts: dict[str, str]) -> Contributor:
-    if texts["enters"] not in ENTERED:
-        raise InputError(f"{where}.enters", not_a_choice(texts["enters"], ENTERED), texts["enters"])
-    value, unit, dimension = read_size(
-        f"{where}.value", texts.pop("value"), texts["enters"], dimensions_of(texts["enters"])
-    )
-    allowance = read_like(_ALLOWANCE, f"{where}.allowance", texts.pop("allowance", "0 %"))
-    return Contributor(value=value, dimension=dimension, allowance=allowance, unit=unit, **texts)
-
-
 def read_like(declaration: BaseQuantity[Any], where: str, text: Any) -> float:
     """A number as an input with this declaration is read.
 
@@ -273,8 +260,8 @@ def read_like(declaration: BaseQuantity[Any], where: str, text: Any) -> float:
         raise error.under(where) from error
 
 
-def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> tuple[float, str, str]:
-    """A size in a figure, in one of the dimensions that are `allowed`: its value in SI, unit and dimension.
+def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> dict[str, Any]:
+    """A size in a figure, in one of the dimensions that are `allowed`: `value` [SI], `unit` and `dimension`.
 
     Raises
     ------
@@ -283,7 +270,7 @@ def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> t
     """
     for dimension in allowed:
         with suppress(InputError):
-            return *parse_quantity(str(text), dimension), dimension
+            return parse_quantity(str(text), dimension)._asdict() | {"dimension": dimension}
     raise InputError(where, _misfit(shown(text), figure, allowed), text)
 
 

@@ -195,13 +195,13 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
                 "the budget. Remove that requirement first, or let it limit another value.",
                 on,
             )
-        value, unit, dimension = read_size(f"{where}.limit", texts["limit"], on, (dimensions[on],))
+        size = read_size(f"{where}.limit", texts["limit"], on, (dimensions[on],))
         numbers: dict[str, Any] = {
             key: read_like(declaration, f"{where}.{key}", texts[key])
             for key, declaration in _LIKE.items()
             if key in texts
         }
-        found.append(Limit(texts["name"], on, value, dimension, unit=unit, **numbers))
+        found.append(Limit(texts["name"], on, **size, **numbers))
     return tuple(found)
 
 
@@ -229,7 +229,7 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
             said = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
             raise InputError("allocation.locks", said, requirement)
         for source, text in entries.items():
-            value, unit, dimension = read_size(f"{where}.{source}", text, requirement, dimensions[requirement])
-            locks.append(Lock(requirement, source, value, dimension, unit))
+            size = read_size(f"{where}.{source}", text, requirement, dimensions[requirement])
+            locks.append(Lock(requirement, source, **size))
     reserve = read_like(RESERVE, "allocation.reserve", table.get("reserve", "20 %"))
     return Allotment(table.get("split", "shares"), reserve, tuple(locks))
