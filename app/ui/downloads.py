@@ -25,9 +25,11 @@ def download(
         content = make()
         if isinstance(content, Awaitable):
             content = await content
+        button.data = None  # the browser saves what changes, and the same file may be wanted again
         return io.BytesIO(content.encode("utf-8") if isinstance(content, str) else content)
 
-    return pmui.FileDownload(callback=made, filename=filename, label=label, **_LOOK | look)
+    button = pmui.FileDownload(callback=made, filename=filename, label=label, **_LOOK | look)
+    return button
 
 
 def run_download(run: Run, write: Callable[[], Awaitable[bytes]]) -> Callable[[], Awaitable[bytes]]:
