@@ -44,9 +44,6 @@ PLACING = ("azimuth_shift", "range_shift", "ce90", "le90", "cep")
 _WITHIN = {"ce90": 0.9, "cep": 0.5}
 """Radii -> the share of images that each contains."""
 
-PERCENTAGES = ("ce90", "le90")
-"""Figures that hold a percentage already."""
-
 FIGURES: Mapping[str, str] = MappingProxyType(
     {
         name: "quadratic_phase" if name == "along_track_quadratic_phase" else name
