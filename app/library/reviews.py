@@ -319,6 +319,7 @@ def _reviews(connection: Connection, review: str | None = None) -> tuple[Review,
     return tuple(
         _whole_or_in_doubt(dict(head), items[head["id"]], comments[head["id"]], decisions[head["id"]], revisions)
         for head in heads
+        if head["id"] is not None  # as SQLite lets a key be: nobody could open it
     )
 
 

@@ -224,6 +224,14 @@ def test_one_damaged_row_takes_no_other_review(library: Library, review: Review,
         sign(library, damaged.id, "Bob", damaged.version)
 
 
+def test_a_review_without_an_id_takes_no_other(library: Library, review: Review) -> None:
+    open_review(library, "Damaged", "Bob", [review.items[0].key])
+    with create_engine(library.engine.url).begin() as connection:  # without foreign keys
+        connection.execute(text("UPDATE reviews SET id = NULL WHERE title = 'Damaged'"))
+    assert [own.id for own in list_reviews(library)] == [review.id]
+    assert len(overview(list_reviews(library)).rows) == 1
+
+
 def test_a_review_that_was_signed_is_not_opened_again(library: Library, review: Review) -> None:
     sign(library, review.id, "Chief", decided(library, review).version)
     with library.write() as connection:
