@@ -4,6 +4,7 @@ import csv
 import io
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from known_designs import MEMS
@@ -183,6 +184,35 @@ def test_the_read_out_says_the_curves_in_the_units_of_their_axes(visit: Visit) -
         assert value == pytest.approx(tilt[at], rel=6e-3)
         page.mouse.move(5, 5)
         until(lambda: page.evaluate(_READ_OUT)[0] == "", "no read-out away from the charts")
+
+
+_WIDTHS = """() => {
+  const models = [...Bokeh.documents[0]._all_models.values()], pen = document.createElement("canvas").getContext("2d")
+  return models.filter(m => m.type === "GlyphRenderer" && m.data_source.name?.endsWith("read-out")).map(m => {
+    pen.font = `${m.glyph.text_font_size.value} ${m.glyph.text_font.value}`
+    const [text = ""] = m.data_source.get_array("text")
+    const {inner_width} = models.find(p => p.type === "Figure" && p.renderers.includes(m))
+    const widest = Math.max(...text.split("\\n").map(line => pen.measureText(line).width))
+    return [text.includes("real time"), widest, inner_width]
+  })
+}"""
+
+
+def test_a_long_read_out_stays_in_its_chart(visit: Visit) -> None:
+    """Post-processed there are four curves with longer names."""
+    page = visit("/?proc=post-processed&show=95.si")
+    place = 300
+
+    def hovered() -> list[Any] | None:
+        nonlocal place
+        place = 601 - place
+        page.locator(".bk-Figure:visible").nth(1).hover(position={"x": place, "y": 60})
+        found: list[Any] = page.evaluate(_WIDTHS)
+        return found if all(told for told, _, _ in found) else None
+
+    widths = until(hovered, "a read-out of all charts")
+    assert len(widths) == 3
+    assert all(text < frame for _, text, frame in widths)
 
 
 def test_what_is_folded_opens_and_follows(desk: Page) -> None:
