@@ -75,11 +75,7 @@ _UPLOAD = 20_000_000  # bytes
 _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _KEY = key_html(solid="simulated", dashed="filter", dotted="formula", span="outage")
-_START = Answer(
-    "Not run yet",
-    "open",
-    ("Press Start to compare simulated errors with the filter and the formulas.",),
-)
+_START = Answer("Not run yet", "open", ("Press Start to compare simulated errors with the filter and the formulas.",))
 _COMING = "Appears with the first result."
 _STACKS = {"Errors and sigmas": TIMELINES, "Consistency and NEES": CONSISTENCY}
 
