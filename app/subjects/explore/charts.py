@@ -40,7 +40,7 @@ def rank_chart(design: Design, figure: str) -> RankChart:
         x_label="reduction [%]",
         bars=tuple(sorted(bars, key=lambda bar: -bar.percent)[:_SHOWN]),
         knowledge=(
-            "Each bar: the figure evaluated again with that input halved (plain) or doubled (hatched). The slopes in "
+            "Each bar: the value computed again with that input halved (plain) or doubled (hatched). The slopes in "
             f"the CSV are exact derivatives by complex step; for noises they are the shares of [T-18].{left}"
         ),
     )

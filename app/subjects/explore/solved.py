@@ -9,7 +9,7 @@ from app.declared import chosen
 from app.document.bars import effects_html
 from app.document.blocks import Answer
 from app.document.closing import Way, value_ways
-from app.document.pane import html_of
+from app.document.pane import html_of, prose
 from app.session import Session
 from app.subjects.explore.charts import rank_chart
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -83,6 +83,6 @@ class SolvedPanel(Question):
     def _rank(self) -> None:
         chart = rank_chart(self.session.design, self.figure)
         self._ranking.say(effects_html(chart))
-        lead = f'<p class="quiet fine">{chart.bars[0].sentence}</p>' if chart.bars else ""
+        lead = f'<p class="quiet fine">{prose(chart.bars[0].sentence)}</p>' if chart.bars else ""
         head = head_html(chart.title, chart.knowledge) + lead
         self._head.say(head)
