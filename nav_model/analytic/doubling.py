@@ -159,8 +159,6 @@ def carried(covariance: Array, one: Segment) -> Array:
 
 def take(rows: Rows, which: Counts) -> Rows:
     """Some of the designs, which come first in every array."""
-    if len(which) == len(rows[0]):
-        return rows
     return type(rows)(*(part[which] for part in rows))
 
 
@@ -175,10 +173,14 @@ def put(rows: Rows, which: Counts, new: Rows) -> Rows:
 
 
 class Doubles(Generic[Rows]):
-    """A unit, two of them in a row, four and so on, each worked out once: `units[3]` is eight of them."""
+    """A unit, two of them in a row, four and so on, each worked out once: `units[3]` is eight of them.
 
-    def __init__(self, unit: Rows, joined: Callable[[Rows, Rows], Rows]) -> None:
+    Designs may share a unit: `which` is the row of each design's, by default its own.
+    """
+
+    def __init__(self, unit: Rows, joined: Callable[[Rows, Rows], Rows], which: Counts | None = None) -> None:
         self._found, self._joined = [unit], joined
+        self._which = np.arange(len(unit[0])) if which is None else which
 
     def __getitem__(self, power: int) -> Rows:
         while len(self._found) <= power:
@@ -193,7 +195,7 @@ class Doubles(Generic[Rows]):
         for power in range(int(counts.max(initial=0)).bit_length()):
             odd = np.flatnonzero((counts >> power) % 2)
             if len(odd):
-                row = put(row, odd, self._joined(take(self[power], odd), take(row, odd)))
+                row = put(row, odd, self._joined(take(self[power], self._which[odd]), take(row, odd)))
         return row
 
 

@@ -21,7 +21,7 @@ from nav_model.budget.result import Outage, Sigmas, SteadyState
 from nav_model.budget.shares import Shares
 from nav_model.design import Design
 from nav_model.design.contributors import COASTING
-from nav_model.processing.flight import Channel, Flight, axis_of, values_of
+from nav_model.processing.flight import Channel, Flight, values_of
 
 COAST_POINTS = 300
 
@@ -132,8 +132,9 @@ def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Arra
     """One sigma of position, velocity, and tilt times gravity: (3, n)."""
     inside = time > 0
     rows = np.append(time[~inside], 0.0)  # the last one serves all times in the outage
-    axis = axis_of({name: np.broadcast_to(value, rows.shape) for name, value in values_of(channel).items()})
-    flight, now, none, gone = Flight(axis), rows / axis.step, 0 * rows, float(outage / axis.step[-1])
+    flight = Flight({name: np.broadcast_to(value, rows.shape) for name, value in values_of(channel).items()})
+    axis = flight.axis
+    now, none, gone = rows / axis.step, 0 * rows, float(outage / axis.step[-1])
     start, again = flight.start(none), flight.ahead(none, after / axis.step)
     # Before the outage: from the last fix that both kinds share on, and with the fixes up to time 0.
     periods = as_numbers(np.ceil(-now / axis.parts) * axis.parts)

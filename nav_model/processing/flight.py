@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.analytic import doubling
-from nav_model.analytic.doubling import Counts, Doubles, Segment, carried, drift, settled, updated
+from nav_model.analytic.doubling import Counts, Doubles, Segment, carried, drift, settled, take, updated
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
 from nav_model.processing.stretch import Stretch
@@ -95,18 +95,24 @@ class Flight:
     (``step_along``, ``period_along``), which costs more, for what becomes of the error along the aperture.
     """
 
-    def __init__(self, axis: Axis) -> None:
-        self.axis = axis
+    def __init__(self, x: Mapping[str, Array]) -> None:
+        self.axis = axis = axis_of(x)
+        # Designs with the same noise and fixes, such as those of a map that differ in the radar, share their units.
+        inputs = np.stack([x[name] for name in Channel.__dataclass_fields__ if name in x])
+        _, first, self._which = np.unique(inputs, axis=1, return_index=True, return_inverse=True)
         one = stretch.measured(stretch.free(np.ones_like(axis.step), *axis.noise), axis.dense)
-        self.step_along = self.period_along = Doubles(one, stretch.joined)
-        self.step = self.period = Doubles(one.segment, doubling.joined)
+        self.step_along, self.step = self.period_along, self.period = self._doubles(take(one, first))
         if np.any(axis.parts > 1):
             many = stretch.measured(self.step_along.before(axis.parts - 1, one), axis.sparse)
-            self.period_along, self.period = Doubles(many, stretch.joined), Doubles(many.segment, doubling.joined)
+            self.period_along, self.period = self._doubles(take(many, first))
+
+    def _doubles(self, unit: Stretch) -> tuple[Doubles[Stretch], Doubles[Segment]]:
+        along = Doubles(unit, stretch.joined, self._which)
+        return along, Doubles(unit.segment, doubling.joined, self._which)
 
     def start(self, gap: Array) -> Array:
         """Covariance just after the fixes at time 0, without those of a gap before it."""
-        found, axis = settled(self.period), self.axis
+        found, axis = settled(self.period)[self._which], self.axis
         if np.any(gap):
             # Of the fixes since the last time that both kinds shared, those within the gap are missing; a gap longer
             # than that begins where both kinds come.

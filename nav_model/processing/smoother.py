@@ -17,7 +17,7 @@ import numpy as np
 from nav_model.analytic.doubling import carried, turned, updated, without_slow_error
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
-from nav_model.processing.flight import Channel, Flight, axis_of, values_of
+from nav_model.processing.flight import Channel, Flight, values_of
 from nav_model.processing.stretch import ORDERS
 
 COLUMNS = (
@@ -89,8 +89,8 @@ def smoothed_error(
 
 def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
     """Some of `COLUMNS`, (rows)."""
-    axis = axis_of(x)
-    flight = Flight(axis)
+    flight = Flight(x)
+    axis = flight.axis
     aperture, after, gap = (x[name] / axis.step for name in ("aperture", "after", "gap"))
     start = flight.start(gap)
     found: dict[str, Array] = {}
