@@ -40,15 +40,15 @@ def _curves(chart: Chart) -> str:
 
 
 def _line(line: Line) -> str:
-    """First and last value, and the highest where it lies between them."""
+    """First and last value, and the highest where it lies between them; what only rounding leaves is 0."""
     seen = np.flatnonzero(np.isfinite(line.y))
     if not len(seen):
         return ""
+    x, y = (np.where(np.abs(of) < np.finfo(float).eps * np.max(np.abs(of[seen])), 0.0, of) for of in (line.x, line.y))
     first, last = int(seen[0]), int(seen[-1])
-    top = int(seen[np.argmax(line.y[seen])])
-    ends = (line.y[first], line.y[last])
-    peak = f", highest {_at(line.x, line.y, top)}" if line.y[top] > 1.02 * max(ends) + 1e-300 else ""
-    return f"{line.label}: {_at(line.x, line.y, first)} to {_at(line.x, line.y, last)}{peak}."
+    top = int(seen[np.argmax(y[seen])])
+    peak = f", highest {_at(x, y, top)}" if y[top] > 1.02 * max(y[first], y[last]) + 1e-300 else ""
+    return f"{line.label}: {_at(x, y, first)} to {_at(x, y, last)}{peak}."
 
 
 def _bars(chart: BarChart) -> str:

@@ -26,6 +26,7 @@ _LEAST = {
 }
 _MANY = 11.0
 """Times, from which on a ratio is told as such and not in percent."""
+_LEFT = 1e-8  # of the whole: less is rounding
 _SMALL_ANGLE = math.radians(0.001)
 _POWER = re.compile(r"(?<=\d)e(-?\d+)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -67,24 +68,24 @@ def show_in(value: float, unit: str, dimension: str, *, given: bool = False) -> 
 
 
 def percent(share: float) -> str:
-    """A share: whole percents, a tenth below ten.
+    """A share: whole percents, a tenth below ten and where all would be said of less.
 
-    >>> percent(0.783), percent(0.0456), percent(0.0001)
-    ('78 %', '4.6 %', '< 0.1 %')
+    >>> percent(0.783), percent(0.0456), percent(0.0001), percent(0.996), percent(1.0)
+    ('78 %', '4.6 %', '< 0.1 %', '99.6 %', '100 %')
     """
-    value = 100 * share
+    value = _short_of_all(share)
     if 0 < value < 0.05:
         return "< 0.1 %"
-    return f"{value:.1f} %" if 0 < value < 9.95 else f"{value:.0f} %"
+    return f"{value:.1f} %" if 0 < value < 9.95 or 99.5 <= value < 100 else f"{value:.0f} %"
 
 
 def signed_percent(margin: float) -> str:
     """A margin, its sign always shown: three significant digits, at most a tenth of a percent.
 
-    >>> signed_percent(0.1421), signed_percent(-1.4437), signed_percent(0.0)
-    ('+14.2 %', '−144 %', 'at the limit')
+    >>> signed_percent(0.1421), signed_percent(-1.4437), signed_percent(0.0), signed_percent(0.9996)
+    ('+14.2 %', '−144 %', 'at the limit', '+99.9 %')
     """
-    value = 100 * margin
+    value = _short_of_all(margin)
     if abs(value) < 0.05:
         return _at_limit(margin)
     if abs(value) >= 1e5:
@@ -95,11 +96,16 @@ def signed_percent(margin: float) -> str:
 def whole_percent(margin: float, ratio: float) -> str:
     """A margin or a change where there is little room: its sign and whole percents.
 
-    Where the figure is many times its limit, or what it was before, how many: `ratio`.
+    Where the figure is many times its limit, or what it was before, how many: `ratio`. Where little of it is left, a
+    tenth, as 100 says that nothing is.
 
     >>> whole_percent(0.798, 0.202), whole_percent(-1.4437, 2.4437), whole_percent(-917.0, 918.0)
     ('+80 %', '−144 %', '918 ×')
+    >>> whole_percent(0.996, 0.004), whole_percent(-0.9998, 0.0002), whole_percent(1.0, 0.0)
+    ('+99.6 %', '−99.9 %', '+100 %')
     """
+    if _LEFT < ratio < 0.005:
+        return _signed(f"{math.copysign(_short_of_all(abs(margin)), margin):+.1f} %")
     return _signed(f"{100 * margin:+.0f} %") if ratio < _MANY else f"{number(ratio)} ×"
 
 
@@ -111,6 +117,11 @@ def margin_in_short(margin: float) -> str:
     """
     said = _at_limit(margin) if abs(margin) < 0.005 else whole_percent(margin, 1 - margin)
     return f"{'✓' if margin >= 0 else '✗'} {said}"
+
+
+def _short_of_all(share: float) -> float:
+    """In percent, at most 99.9 while any of the whole is left."""
+    return min(100 * share, 99.9) if share < 1 - _LEFT else 100 * share
 
 
 def _at_limit(margin: float) -> str:

@@ -27,10 +27,15 @@ def tell_here(say: Callable[[str], None]) -> None:
         _tellers[pn.state.curdoc] = WeakMethod(say)
 
 
+def unsay() -> None:
+    """Take back what was said last, as an action that came later succeeded."""
+    if say := _teller():
+        say("")
+
+
 def caught(fault: BaseException) -> None:
     """Handler of exceptions in callbacks (`pn.config.exception_handler`)."""
-    teller = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None
-    say = None if teller is None else teller()
+    say = _teller()
     if say is not None and isinstance(fault, InputError):
         say(str(fault))
         return
@@ -41,3 +46,8 @@ def caught(fault: BaseException) -> None:
             f"NavBudget failed ({type(fault).__name__}). This step was not done. Your design and everything saved "
             f"are unchanged. The server's log has the cause as fault {number}."
         )
+
+
+def _teller() -> Callable[[str], None] | None:
+    teller = _tellers.get(pn.state.curdoc) if pn.state.curdoc else None
+    return None if teller is None else teller()

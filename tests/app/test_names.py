@@ -11,6 +11,7 @@ import app
 import nav_model
 from app.charts.words import in_words
 from app.serving.server import first_design
+from app.subjects.budget.charts import response_curves
 from app.subjects.budget.timelines import together
 from nav_model.budget import analyse
 
@@ -51,3 +52,10 @@ def test_no_description_of_a_chart_has_a_second_name() -> None:
     said = " ".join(in_words(chart) for chart in together(analyse(first_design())))
     assert "imit on horizontal position after the outage" in said
     assert [name for name, second in _SECOND_NAMES.items() if re.search(second, said)] == []
+
+
+def test_what_rounding_leaves_of_zero_is_told_as_zero() -> None:
+    """The error-free target's peak is 0 dB, and lies at 0 m."""
+    said = in_words(response_curves(analyse(first_design())))
+    assert "highest 0 at 0." in said
+    assert "e−" not in said

@@ -30,12 +30,17 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     expect(units.get_by_role("row").nth(1)).to_contain_text("LN-100")  # 0.001 °/√h, the smallest
 
     page.get_by_role("button", name="My log", exact=True).last.click()
+    refused = tmp_path / "refused.toml"
+    refused.write_text("[imu]\nangle_random_walk = '1 m'\n")
+    page.locator("input[type=file][accept*=toml]").first.set_input_files(refused)
+    expect(page.get_by_text("Not opened.")).to_be_visible()
     # Typed before the file is chosen: Bokeh cannot send a message of a widget that has just arrived before anything
     # else has been sent ("[object Function] is not serializable"), which only a script is quick enough to meet.
     page.get_by_label("Rate [Hz]").fill("100")
     page.get_by_label("Rate [Hz]").press("Tab")
     page.locator("input[type=file][accept*=npz]").set_input_files(log)
     expect(page.get_by_role("heading", name="Result")).to_be_visible()
+    expect(page.get_by_text("Not opened.")).to_be_hidden()
     expect(page.get_by_role("region", name="Gyros: noise coefficients")).to_contain_text("< ")
     page.wait_for_function(f"({_CURVE})().length > 20")
     table = page.get_by_role("region", name="Accelerometers: noise coefficients").bounding_box()

@@ -27,6 +27,7 @@ from app.subjects.sensors.tables import (
     remedies,
     warnings,
 )
+from app.ui.faults import unsay
 from app.ui.follower import Follower
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
@@ -169,6 +170,7 @@ class LogPanel(pn.viewable.Viewer):
         self._say("")
         await self.run.start(study)
         if not self.run.message:
+            unsay()
             self._show(self.run.result)
 
     def _refuse(self, error: InputError) -> bool:
