@@ -12,8 +12,6 @@ from nav_model.equations import ALL_EQUATIONS
 Said = Callable[[str], str]
 """Literal text -> HTML: escaped, its equation marks as links to where this document has them."""
 _TITLES = {equation.mark: equation.title for equation in ALL_EQUATIONS}
-
-
 _RATE = re.compile(r"[\d.]+[ \N{NO-BREAK SPACE}][°µ\w]+/[°µ√\w/]+")  # a line may end at the stroke of m/s/√h
 
 

@@ -159,7 +159,10 @@ class Own:
         return {key: table for key, table in found.items() if table}
 
     def identity(self) -> list[str]:
-        """Lines for a design's hash; none where there is nothing."""
+        """Lines for a design's hash; none where there is nothing.
+
+        Names and order of the entries' fields are part of it: another name for one changes the hash of saved designs.
+        """
         return [repr(one) for one in (*self.contributors, *self.limits, self.allocation) if one]
 
 
