@@ -24,7 +24,7 @@ from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules, is_loopback
-from app.upstream.connection import FirstChanges, FramesAtOnce, LostConnection, NoTracebacks
+from app.upstream.connection import FirstChanges, LostConnection, NoTracebacks
 from app.upstream.late_session import end_session, new_token
 from app.upstream.requests import serve_only
 
@@ -172,7 +172,7 @@ class PageHandler(DocHandler):
         self.finish(plain_page(title, text, **again))
 
 
-class LimitedWSHandler(FirstChanges, FramesAtOnce, LostConnection, NoTracebacks):
+class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
     """The page's connection; it opens no session beyond the limit either, and takes no more than a page sends."""
 
     receiver: Any

@@ -5,8 +5,8 @@ Bokeh (3.9) puts a change into words at once but writes it when the event that m
 10 ms. Here every change takes its place in the connection's own line when it is put into words. Changes made right
 after the page was sent are kept, a message is one write, and a page that is closed meanwhile is no error.
 
-Frames do not wait for each other, a connection lost at a ping closes without an error, and errors are sent without a
-traceback, which would reveal paths and versions: each class here is a part of the connection's handler.
+A connection lost at a ping closes without an error, and errors are sent without a traceback, which would reveal paths
+and versions: each class here is a part of the connection's handler.
 
 Reports to send upstream, versions and ends: docs/upstream/connection.md
 """
@@ -151,16 +151,6 @@ def write_once() -> None:
     """Install the override; the server calls it once, before it serves."""
     panel_document.dispatch_tornado = _dispatch
     Message.send = _answer
-
-
-class FramesAtOnce(WSHandler):
-    """A connection without Nagle's algorithm."""
-
-    def open(self, *arguments: Any, **options: Any) -> None:
-        """As Bokeh, then with TCP_NODELAY unless the connection was refused."""
-        super().open(*arguments, **options)
-        if self.ws_connection is not None:
-            self.set_nodelay(True)
 
 
 class LostConnection(WSHandler):

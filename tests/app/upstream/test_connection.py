@@ -28,7 +28,7 @@ from tornado.web import Application
 from waiting import PATIENCE
 
 from app.upstream import connection as ours
-from app.upstream.connection import FramesAtOnce, LostConnection, NoTracebacks
+from app.upstream.connection import LostConnection, NoTracebacks
 
 
 @dataclass
@@ -277,22 +277,6 @@ def test_nothing_is_written_to_a_page_that_has_gone() -> None:
         socket = SimpleNamespace(ws_connection=websocket, write_lock=Lock())
         assert not ours._dispatch(SimpleNamespace(_socket=socket), msg=_message())
         asyncio.run(ours._answer(_message(), socket))
-
-
-@pytest.mark.parametrize("opened", [True, False])
-def test_frames_do_not_wait_once_a_connection_is_open(opened: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[bool] = []
-
-    def bokehs(handler: Any) -> None:
-        handler.ws_connection = (
-            SimpleNamespace(set_nodelay=asked.append, is_closing=lambda: False) if opened else None
-        )
-
-    monkeypatch.setattr(WSHandler, "open", bokehs)
-    handler = FramesAtOnce.__new__(FramesAtOnce)
-    handler.stream = None
-    handler.open()
-    assert asked == [True] * opened
 
 
 def test_a_connection_that_a_ping_has_found_lost_may_close() -> None:
