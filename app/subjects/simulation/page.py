@@ -99,14 +99,14 @@ class SimulatePage(View):
         self._file: TrajectorySpec | None = None
         self._asked: tuple[str, ...] = ("simulation",)  # what the result follows from
         self._earlier: Flown | None = None  # the result when the run under way began
-        self._asked_for = False  # whether a person has started a run
+        self._example = False  # whether the page itself has started the last run
         self._more = StudyControls()
         self._details = details = Follower(lambda: self._result.study if self._result else None, f"<p>{_COMING}</p>")
         self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
         names = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
         self._settings = StudySettings(session, "simulation", self, names, self._recall)
         self._strip = AnswerStrip(_START)
-        self._bar = RunBar(self.run, self._pressed, "Start", *self._fields())
+        self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
         self._stacks: list[Timelines] = []  # made with the first result
         coming = f'<span class="quiet fine">{_COMING}</span>'
         self._heads = [html_pane(head_html(title, _COMING, coming), margin=_HEAD) for title in _STACKS]
@@ -136,14 +136,14 @@ class SimulatePage(View):
         self._recall()
         if pn.state.curdoc:
             prepare()
-            pn.state.onload(lambda: None if self._result or self._settings.text else self._begin())
+            pn.state.onload(lambda: None if self._result or self._settings.text else self._begin(example=True))
 
     def show(self, _: Budget) -> None:
         """Follow the current budget: a result of other instruments or another flight is marked stale."""
         if self._result is None or not same_subject(self._result.study, self._session.design):
             self._recall()
-        if self.run.running and not self._asked_for:  # the example, of a design that is no longer there
-            self._begin()
+        if self.run.running and self._example:  # of a design that is no longer there
+            self._begin(example=True)
         self._write()
 
     # --- the parts ------------------------------------------------------------------------------------
@@ -246,12 +246,8 @@ class SimulatePage(View):
 
     # --- the run --------------------------------------------------------------------------------------
 
-    def _pressed(self) -> None:
-        self._asked_for = True
-        self._begin()
-
-    def _begin(self) -> None:
-        self._earlier = self._result
+    def _begin(self, *, example: bool = False) -> None:
+        self._example, self._earlier = example, self._result
 
         async def work(run: Run) -> Flown:
             self._asked = self._settings.asked
@@ -265,7 +261,7 @@ class SimulatePage(View):
     def _recall(self) -> None:
         """Take what was added to the design, and show what this server still has of it with these settings."""
         self._more.take(dict(parse_qsl(self.added)))
-        busy = self.run.running and self._asked_for
+        busy = self.run.running and not self._example
         if self.trajectory != "file" and not busy and (found := kept(*self._settings.asked)):
             self._asked = self._settings.asked
             self.run.drop()  # the example
