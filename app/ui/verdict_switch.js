@@ -1,4 +1,4 @@
-// Buttons of which one is on. Words change in the frame in which the page's other text does.
+// Buttons of which one is on. Words, and which it is, change in the frame in which the page's other text does.
 export function render({ model }) {
   const group = document.createElement("div")
   group.className = "switch"
@@ -17,7 +17,7 @@ export function render({ model }) {
   }
   group.addEventListener("click", (event) => {
     const button = event.target.closest("button")
-    if (button) model.value = button.value
+    if (button) model.send_msg(button.value)
   })
   model.on(["options", "value"], draw)
   draw()

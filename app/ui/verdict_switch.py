@@ -1,7 +1,9 @@
-"""A switch whose words change with every step of a slider, in the frame in which the text beside it does."""
+"""A switch that changes in the frame in which the text beside it does, whether a slider moves or it is pressed."""
 
-from typing import ClassVar
+from collections.abc import Callable
+from typing import Any, ClassVar
 
+import panel as pn
 import param
 
 from app.ui.theme import PRINT_NOTHING
@@ -9,12 +11,12 @@ from app.upstream.plain_script import PlainScript
 
 
 class VerdictSwitch(PlainScript):
-    """Buttons of which one is on.
+    """Buttons of which one is on: the one whose value was set last, not the one pressed, which `choose` is told.
 
     Examples
     --------
-    >>> VerdictSwitch(label="Processing", options={"Real time ✓ +6 %": "real time"}, value="real time").value
-    'real time'
+    >>> VerdictSwitch(print, label="Processing", options={"Real time ✓ +6 %": "real time"})._handle_msg("real time")
+    real time
     """
 
     label = param.String(default="", constant=True, doc="Name of the whole, for screen readers.")
@@ -22,3 +24,12 @@ class VerdictSwitch(PlainScript):
     value = param.String(default="", doc="Value of the one that is on.")
 
     _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+
+    def __init__(self, choose: Callable[[str], object], **params: Any) -> None:
+        super().__init__(**params)
+        self._choose = choose
+
+    def _handle_msg(self, msg: Any) -> None:
+        if msg in self.options.values():
+            with pn.io.hold():
+                self._choose(msg)

@@ -31,12 +31,25 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
     plain.get_by_label("Source and method: SAR phase error by source").click()
 
 
+# What the strip says in each frame in which the switch has changed.
+_TOLD = """([group, status]) => {
+  const strip = status.getRootNode()
+  window.told = []
+  const look = () => requestAnimationFrame(() => told.push(strip.querySelector(".strip").innerText))
+  new MutationObserver(look).observe(group, { attributes: true, subtree: true })
+}"""
+
+
 def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> None:
     """The worked example's smoothed figures as processing.md prints them: 70.63° and 21.94° against 90° and 20°."""
     expect(desk.get_by_role("button", name="Real time ✗ −144 %")).to_have_attribute("aria-pressed", "true")
     smoothed = desk.get_by_role("button", name="Post-processed ✗ −10 %")
+    parts = desk.get_by_role("group", name="Processing"), desk.get_by_role("status").first
+    desk.evaluate(_TOLD, [part.element_handle() for part in parts])
     smoothed.click()
     expect(smoothed).to_have_attribute("aria-pressed", "true")
+    told = desk.wait_for_function("() => told.length && told").json_value()
+    assert all("21.9°, limit 20°" in text for text in told), told
     expect(card(desk, "Quadratic phase")).to_have_text("70.6°")
     expect(card(desk, "Detrended phase")).to_have_text("21.9°")
     expect(desk.locator("table.bars tr.total")).to_contain_text("70.6°")

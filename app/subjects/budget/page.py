@@ -73,14 +73,12 @@ class BudgetPage(View):
         )
         self._close.on_click(self._toggle_ways)
         self._mode = VerdictSwitch(
-            label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing, margin=(8, 4),
-            sizing_mode=None,
+            self._choose, label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing,
+            margin=(8, 4), sizing_mode=None,
         )  # fmt: skip
-        self._mode.param.watch(self._choose, "value")
         self._biases = VerdictSwitch(
-            label="Residual biases", sizing_mode=None, margin=(0, 4, 6, 4), stylesheets=[_QUIET]
+            self._choose_biases, label="Residual biases", sizing_mode=None, margin=(0, 4, 6, 4), stylesheets=[_QUIET]
         )
-        self._biases.param.watch(self._choose_biases, "value")
         self._offer_biases()
         switches = pn.Column(self._mode, self._biases, styles={"flex": "none", "width": "max-content"})
         self._strip = AnswerStrip(verdict_strip(budget, self._display), switches, self._close)
@@ -157,15 +155,12 @@ class BudgetPage(View):
             self._find_ways()
         self._details.follow()
 
-    def _choose(self, event: Any) -> None:
-        changes = {"processing.mode": event.new}
-        if event.new != self.session.budget.verdict.processing and self.session.change(changes):
-            self._offer_modes()  # no figures come of it: back to the one in force
+    def _choose(self, mode: str) -> None:
+        self.session.change({"processing.mode": mode})
 
-    def _choose_biases(self, event: Any) -> None:
-        choices, written, in_force = bias_choices(self.session.design)
-        if event.new in choices and event.new != in_force:
-            self.session.change(choices[event.new], written)
+    def _choose_biases(self, name: str) -> None:
+        choices, written, _ = bias_choices(self.session.design)
+        self.session.change(choices[name], written)
 
     def _offer_biases(self) -> None:
         choices, _, in_force = bias_choices(self.session.design)
