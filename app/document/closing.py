@@ -6,8 +6,8 @@ from typing import NamedTuple
 from app.document.blocks import Cell, Table, table
 from app.document.wording import input_in_words
 from nav_model.design import Design, Value
+from nav_model.design.contributors import figure_in_sentence
 from nav_model.design.parts import declaration_of
-from nav_model.explore.margins import label_of
 from nav_model.explore.solve import Solution, offer
 
 
@@ -37,7 +37,7 @@ def value_ways(design: Design, solutions: Iterable[Solution]) -> tuple[Way, ...]
             str(declaration_of(offered.key).label),
             f"at most {input_in_words(design, offered.key, offered.value, given=False)}",
             input_in_words(design, offered.key, solution.current),
-            f"limited by {label_of(solution.together.binding).lower()}",
+            f"limited by {figure_in_sentence(solution.together.binding)}",
         )
         for solution, offered in found
         if offered is not None

@@ -12,6 +12,7 @@ from nav_model.budget import Budget
 from nav_model.budget.result import Check, Verdict
 from nav_model.budget.verdict import required
 from nav_model.design import Design
+from nav_model.design.contributors import figure_in_sentence
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -102,12 +103,12 @@ def verdict_of(budget: Budget) -> Answer:
         met = f"{failed} of {count} requirements {'is' if failed == 1 else 'are'} not met"
     else:
         met = f"all {count} requirements are met" if count > 1 else "its one requirement is met"
-    words = check_words(design, tightest)
+    words, name = check_words(design, tightest), figure_in_sentence(tightest.name)
     return Answer(
         *_word_and_tone(verdict),
         (
             f"{judged(verdict).capitalize()}, {met}.",
-            f"Tightest: {tightest.label.lower()}, {words.value} against {words.limit}, margin {words.margin}.",
+            f"Tightest: {name}, {words.value} against {words.limit}, margin {words.margin}.",
             f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
         ),
     )
@@ -130,11 +131,10 @@ def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
     value, limit, at = shown_check(budget.design, tightest, display)
-    label = tightest.label[:1].upper() + tightest.label[1:]
     share = percent(tightest.sensor_share)
     return Answer(
         *_word_and_tone(budget.verdict),
-        (f"{label} {value}, limit {limit}{at}; {share} from {tightest.sensor}{_through(tightest)}.",),
+        (f"{tightest.label} {value}, limit {limit}{at}; {share} from {tightest.sensor}{_through(tightest)}.",),
     )
 
 

@@ -21,6 +21,7 @@ from app.library.store import Conflict, Library, Revision, as_revision, find, in
 from app.library.texts import clean, moment
 from nav_model.base.errors import InputError
 from nav_model.budget.figures import FIGURES
+from nav_model.design.contributors import label_of
 from nav_model.design.parts import all_keys
 
 MAX_ITEMS = 6
@@ -238,7 +239,7 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
         left = now_there.open_points()
         if left:
             place, name = left[0]
-            first = f"{name.replace('_', ' ').capitalize()} (D{place})"
+            first = f"{label_of(name)} (D{place})"
             need = "1 requirement still needs" if len(left) == 1 else f"{len(left)} requirements still need"
             raise InputError("review", f"{need} a decision. Next: {first}.")
         connection.execute(

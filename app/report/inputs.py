@@ -5,7 +5,7 @@ from app.document.numbers import number
 from app.document.wording import preset_name, printable
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, SourcedValue
-from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.declaration import BaseQuantity, Choice, in_sentence
 from nav_model.design.parts import INPUTS, PARTS, declaration_of
 from nav_model.design.presets import deviations, entry_of
 from nav_model.design.table import Table as TableInput
@@ -53,7 +53,7 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
 def doubtful_inputs(design: Design) -> list[str]:
     """Inputs in force whose catalogue value is not confirmed, with their status."""
     return [
-        f"{str(declaration.label).lower()} ({sourced.status})"
+        f"{in_sentence(declaration.label)} ({sourced.status})"
         for section, names in INPUTS.items()
         if entry_of(design, section) is not None
         for name, declaration in names.items()

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, not_a_choice, shown
 from nav_model.base.units import format_quantity, parse_quantity
-from nav_model.design.declaration import BaseQuantity, Quantity
+from nav_model.design.declaration import BaseQuantity, Quantity, in_sentence
 from nav_model.design.parts import INPUTS
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -77,6 +77,12 @@ def label_of(name: str) -> str:
     if name in EXTRA:
         return EXTRA[name][1]
     return str(INPUTS["requirements"][name].label) if name in ENTERED else name
+
+
+def figure_in_sentence(name: str) -> str:
+    """The same within a sentence, where a name of the user's own stays as it was written."""
+    label = label_of(name)
+    return label if label == name else in_sentence(label)
 
 
 _SOURCES = frozenset(

@@ -41,10 +41,10 @@ class Alternative:
     constant: float
 
 
-def sentence_label(declaration: param.Parameter[Any]) -> str:
-    """The label of an input within a sentence: "position noise", but "IMU bandwidth"."""
-    label = str(declaration.label)
-    return label if label[:2].isupper() else f"{label[:1].lower()}{label[1:]}"
+def in_sentence(label: object) -> str:
+    """A label within a sentence: "position noise", but "IMU bandwidth"."""
+    text = str(label)
+    return text if text[:2].isupper() else f"{text[:1].lower()}{text[1:]}"
 
 
 class Declared:
@@ -183,7 +183,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         """The bounds as a sentence, in `unit` or the usual one; if `reciprocal`, those of the alternative."""
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
-        dimension, subject, usual = self.dimension, sentence_label(self), self.unit
+        dimension, subject, usual = self.dimension, in_sentence(self.label), self.unit
         if reciprocal and self.alternative:
             other = self.alternative
             dimension, subject, usual = other.dimension, other.key, other.unit
@@ -206,7 +206,7 @@ class BaseQuantity(Declared, param.Number[_T]):
             example = format_quantity(other.constant / (typical or high), other.unit, other.dimension, digits=2)
             return f"Enter the {other.key}, for example {example}."
         example = self.show(typical, 6 if self.default else 1) if typical else DIMENSIONS[self.dimension].examples[0]
-        return f"Enter the {sentence_label(self)}, for example {example}."
+        return f"Enter the {in_sentence(self.label)}, for example {example}."
 
     def read(self, text: Any, key: str | None = None) -> Parsed:
         """A value written in a file, a link or a box -> SI and the unit to show it in.
@@ -232,7 +232,7 @@ class BaseQuantity(Declared, param.Number[_T]):
             example = DIMENSIONS[dimension].examples[0]
             raise InputError(where, f'{shown(text)} is not text in quotes. Write for example "{example}".', text)
         try:
-            advice = "" if sentence_label(self) == dimension else self._asked(reciprocal)
+            advice = "" if in_sentence(self.label) == dimension else self._asked(reciprocal)
             exact, unit = parse_exact(text, dimension, advice)
         except InputError as error:
             raise InputError(where, error.reason, text) from error

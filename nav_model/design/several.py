@@ -16,7 +16,7 @@ from nav_model.base.units import (
     parse_quantity,
     with_point,
 )
-from nav_model.design.declaration import Declared, Quantity, sentence_label
+from nav_model.design.declaration import Declared, Quantity, in_sentence
 
 Spans = tuple[tuple[float, float], ...]
 _COUNTS = {3: "three", 6: "six"}
@@ -112,7 +112,7 @@ class Axes(_Several):
         example = self.show(self.default)
         parts, count = self._parts(text, example), len(self.default)
         if not text.strip().removesuffix(unit).strip():
-            raise InputError(self.key, f"Enter the {sentence_label(self)}, for example {example}.", text)
+            raise InputError(self.key, f"Enter the {in_sentence(self.label)}, for example {example}.", text)
         if len(parts) not in (1, count):
             said = f"has {len(parts)} values. Give one for all axes, or {_COUNTS[count]} separated by commas."
             raise InputError(self.key, f"{shown(text.strip())} {said}", text)

@@ -18,6 +18,7 @@ from nav_model.base.errors import InputError, not_a_choice
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
+from nav_model.design.declaration import in_sentence
 from nav_model.explore.margins import least, quantity
 
 _STEP = 1e-20
@@ -122,8 +123,8 @@ def sentence(item: Sensitivity, figure_label: str) -> str:
     """A sensitivity in words: what halving the input does, or doubling where that is what helps."""
     down = item.slope > 0
     verb, change = ("Halving", item.halved) if down else ("Doubling", item.doubled)
-    name = item.label[0].lower() + item.label[1:]
-    said = figure_label[0].lower() + figure_label[1:]
+    name = in_sentence(item.label)
+    said = in_sentence(figure_label)
     if np.isnan(change):
         return f"{verb} the {name} is out of reach; one percent of it moves the {said} by {abs(item.slope):.2g} %."
     if abs(change) < 5e-4:

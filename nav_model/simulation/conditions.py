@@ -4,7 +4,7 @@ import math
 
 from nav_model.budget.fast import not_flown
 from nav_model.design import Design
-from nav_model.design.declaration import sentence_label
+from nav_model.design.declaration import in_sentence
 from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
@@ -48,7 +48,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
         )
     said += not_flown(design)
     declared = [Trajectory.param[name] for name in AIDING]
-    given = [sentence_label(one) for one in declared if getattr(design.trajectory, str(one.name)) != one.default]
+    given = [in_sentence(one.label) for one in declared if getattr(design.trajectory, str(one.name)) != one.default]
     if given:
         said.append(f"The runs have what the flight plan says of {', '.join(given)}; the formulas do not.")
     said += _of_the_filter(spec)
@@ -88,6 +88,5 @@ def _mixed(model: TriadModel) -> bool:
 
 def _named(key: str) -> str:
     section = key.partition(".")[0]
-    label = str(STUDY_KEYS[key].label)
-    label = label[:1].lower() + label[1:]
+    label = in_sentence(STUDY_KEYS[key].label)
     return label if section in ("receiver", "filter") else f"{section} {label}"

@@ -19,7 +19,7 @@ from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.allocation import allocate, check_of
-from nav_model.design.contributors import ENTERED, KINDS, PROCESSINGS, label_of
+from nav_model.design.contributors import ENTERED, KINDS, PROCESSINGS, figure_in_sentence, label_of
 from nav_model.design.own import Allotment, read_own
 from nav_model.design.ready_made import READY_MADE, ready_made
 
@@ -133,7 +133,7 @@ class Contributors(View):
             if asked:
                 box.param.update(label=asked.label, placeholder=asked.example, value="")
             box.visible = asked is not None
-        text = f"{made.formula}, enters {label_of(made.enters).lower()} [P-16]."
+        text = f"{made.formula}, enters {figure_in_sentence(made.enters)} [P-16]."
         self._made_said.say(html_of(Text(text[:1].upper() + text[1:])))
 
     def _make(self) -> None:

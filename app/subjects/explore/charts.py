@@ -12,6 +12,8 @@ from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
+from nav_model.design.contributors import figure_in_sentence
+from nav_model.design.declaration import in_sentence
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
 from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma
@@ -32,11 +34,11 @@ def rank_chart(design: Design, figure: str) -> RankChart:
     )
     zero = silent(design)
     left = (
-        f" Not ranked (value is zero): {', '.join(str(quantity(key).label).lower() for key in zero)}." if zero else ""
+        f" Not ranked (value is zero): {', '.join(in_sentence(quantity(key).label) for key in zero)}." if zero else ""
     )
     return RankChart(
         key="ranking",
-        title=f"What reduces {label[0].lower()}{label[1:]} most",
+        title=f"What reduces {figure_in_sentence(figure)} most",
         x_label="reduction [%]",
         bars=tuple(sorted(bars, key=lambda bar: -bar.percent)[:_SHOWN]),
         knowledge=(
@@ -51,7 +53,7 @@ def _bar(item: Sensitivity, figure_label: str) -> RankBar | None:
     change = item.doubled if doubled else item.halved
     if math.isnan(change) or change > -5e-4:
         return None
-    name = item.label[0].lower() + item.label[1:]
+    name = in_sentence(item.label)
     return RankBar(
         f"{'2 ×' if doubled else '½ ×'} {name}", -100 * change, doubled, sentence(item, figure_label), item.slope
     )

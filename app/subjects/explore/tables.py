@@ -13,7 +13,8 @@ from app.document.numbers import number, percent, signed_percent
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.design import Design
-from nav_model.design.declaration import sentence_label
+from nav_model.design.contributors import figure_in_sentence
+from nav_model.design.declaration import in_sentence
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.search import Biases, Candidate
@@ -62,7 +63,7 @@ def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
 
 
 def _name(key: str) -> str:
-    return sentence_label(declaration_of(key))
+    return in_sentence(declaration_of(key).label)
 
 
 def _phrase(design: Design, found: Solved) -> str:
@@ -132,7 +133,7 @@ def search_answer(rows: Sequence[Candidate], own: bool, unbiased: int) -> Answer
     best = max(rows, key=lambda row: row.margin)
     name = best.imu if own else best.pair
     if not good:
-        why = f"Nearest: {name}, margin {signed_percent(best.margin)} ({label_of(best.tightest).lower()})."
+        why = f"Nearest: {name}, margin {signed_percent(best.margin)} ({figure_in_sentence(best.tightest)})."
         other = ("Try all receivers, or change the radar or the limits.",) if own else ()
         if unbiased:
             other = (f"With residual biases of zero, {unbiased} would: choose them below.",)
@@ -289,5 +290,5 @@ def _swept_cells(plan: Plan, row: int) -> list[tuple[str, float | str]]:
 
 
 def _swept_values(plan: Plan, row: int) -> list[str]:
-    names = (_swept_name(axis.key).lower() for axis in plan.axes)
+    names = (in_sentence(_swept_name(axis.key)) for axis in plan.axes)
     return [f"{name} {text}" for name, (text, _) in zip(names, _swept_cells(plan, row), strict=True)]

@@ -13,6 +13,7 @@ from app.report.comparison import own_differences
 from nav_model.budget import Budget
 from nav_model.budget.result import Check
 from nav_model.design.contributors import label_of
+from nav_model.design.declaration import in_sentence
 from nav_model.design.parts import INPUTS
 
 
@@ -204,5 +205,5 @@ def subject_label(subject: str) -> str:
     """What a comment or a decision is about, in words."""
     section, _, name = subject.partition(".")
     if name in INPUTS.get(section, {}):
-        return f"input {str(INPUTS[section][name].label).lower()}"
+        return f"input {in_sentence(INPUTS[section][name].label)}"
     return label_of(subject) if subject else "the design as a whole"

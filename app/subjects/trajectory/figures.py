@@ -13,6 +13,7 @@ from app.document.numbers import show
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
 from nav_model.design.contributors import ENTERED, label_of
+from nav_model.design.declaration import in_sentence
 from nav_model.design.trajectory import LIMITED
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class Figure:
     @property
     def said(self) -> str:
         """Its name within a sentence."""
-        return self.label if self.label.isupper() else self.label.lower()
+        return in_sentence(self.label)
 
     @property
     def axis(self) -> str:

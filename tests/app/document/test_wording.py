@@ -3,11 +3,14 @@
 import re
 
 from app.document.pane import prose
+from app.document.verdict import verdict_of, verdict_strip
 from app.document.wording import preset_name
 from app.report.inputs import input_table
 from app.serving.server import first_design
 from app.subjects.budget.closing import ways
+from app.subjects.explore.charts import rank_chart
 from nav_model.budget import analyse
+from nav_model.design.own import read_own
 
 
 def test_an_edited_preset_is_custom_in_every_place() -> None:
@@ -30,3 +33,14 @@ def test_no_line_ends_between_a_number_and_its_unit_or_within_the_unit() -> None
         assert "/" not in free
         assert not re.search(r"\d [°µm]", free)
         assert re.sub("<.*?>", "", shown).replace("\N{NO-BREAK SPACE}", " ") == told
+
+
+def test_an_abbreviation_and_a_name_of_ones_own_stay_as_they_are_in_a_sentence() -> None:
+    own = {"limits": [{"name": "lever arm, GNSS to IMU", "on": "tilt", "limit": "0.0001°"}]}
+    own_budget = analyse(first_design().replace({}, own=read_own(own)))
+    assert verdict_strip(own_budget).sentences[0].startswith("lever arm, GNSS to IMU ")
+    assert "Tightest: lever arm, GNSS to IMU, " in verdict_of(own_budget).sentences[1]
+    budget = analyse(first_design().replace({"requirements.ce90": 1e-3}))
+    assert verdict_strip(budget).sentences[0].startswith("CE90 ")
+    assert "Tightest: CE90, " in verdict_of(budget).sentences[1]
+    assert rank_chart(budget.design, "ce90").title == "What reduces CE90 most"
