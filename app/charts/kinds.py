@@ -246,7 +246,7 @@ class DotChart(_Titled):
 
     def rows(self) -> Iterator[DataRow]:
         """Every number drawn, as rows of a table."""
-        names = ("closed form", "ensemble rms", "ensemble 5 %", "ensemble 95 %", "with the along-track part")
+        names = ("formula", "ensemble rms", "ensemble 5 %", "ensemble 95 %", "with the along-track part")
         yield ("strategy", *(f"{n} [°]" for n in names), *(f"{n} [mm]" for n in names), "source")
         for dot in self.dots:
             values = (dot.closed, dot.ensemble, dot.low, dot.high, dot.whole)

@@ -31,11 +31,7 @@ class CheckWords(NamedTuple):
     figure: str
 
 
-_FIGURES = MOMENTS | {
-    "closed form": "formula",
-    "closed form from the augmented filter's tilt": "formula with the tilt of the augmented filter",
-    "refined": "with Schuler and Coriolis terms",
-}
+_FIGURES = MOMENTS | {"refined": "with Schuler and Coriolis terms"}
 
 
 def judged(verdict: Verdict) -> str:

@@ -21,8 +21,8 @@ WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
 
 CLOSED, DISCRETE, SERIES = (
-    "closed form",
-    "discrete Riccati equation, solved in closed form",
+    "formula",
+    "discrete Riccati equation, solved by formula",
     "linear covariance propagation",
 )
 """Methods of `provenance.toml` on which a slow GNSS error has an effect."""
@@ -49,7 +49,7 @@ def steady_marks(design: Design) -> tuple[str, str]:
     return ("[T-3]", "[T-4]") if design.gnss.velocity_noise is None else ("[P-6]", "[P-6]")
 
 
-_AUGMENTED_NOTE = "no closed form covers the slow GNSS error; white noise only"
+_AUGMENTED_NOTE = "no formula covers the slow GNSS error; white noise only"
 
 
 def provenance(budget: Budget) -> Mapping[str, Provenance]:
@@ -183,7 +183,7 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: bool(design.gnss.correlated),
         "A slow GNSS error is on. Figures before and after a fix, the outage with Schuler and Coriolis terms, and "
-        "the tilt at the aperture's start include it (augmented discrete filter); the closed-form curves do not.",
+        "the tilt at the aperture's start include it (augmented discrete filter); the curves by formula do not.",
     ),
     (
         lambda design: (

@@ -272,7 +272,7 @@ class Check:
     ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
     over, 1 - value/limit, negative when the requirement is not met. ``confidence`` is None where it does not count,
     ``on`` the figure that is limited, mostly ``name``. ``basis`` says which of the model's
-    results was taken (prior, refined, closed form ...), ``equation`` where it comes from. ``shares`` are those of the
+    results was taken (prior, refined, formula ...), ``equation`` where it comes from. ``shares`` are those of the
     budget's lines in the variance, ``tilt_shares`` those of the noises in an initial tilt.
     """
 

@@ -202,7 +202,7 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
     chosen = design.requirements.steady_state
     level, upright = steady_marks(design)
     sigmas = steady_state.moment(chosen).named()
-    label = {"prior": "prior", "posterior": "posterior", "closed": "closed form"}[chosen]
+    label = {"prior": "prior", "posterior": "posterior", "closed": "formula"}[chosen]
 
     def settled(name: str) -> _Figure:
         closed_mark = upright if name.startswith("vertical") else level
@@ -212,7 +212,7 @@ def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar)
         return _Figure(whole.sigma, label, mark, whole.shares)
 
     slow = design.gnss.correlated
-    budget = "closed form" if not slow else "closed form, with the tilt that the slow GNSS error adds"
+    budget = "formula" if not slow else "formula, with the tilt that the slow GNSS error adds"
     marks = {"quadratic_phase": "[S-5]", "along_track_quadratic_phase": "[S-2]", "cubic_phase": "[S-6]"}
     phases = {
         name: _Figure(sigma, budget, marks.get(name, "[T-15], [S-6]"), sar.shares[name])

@@ -20,6 +20,7 @@ _SECOND_NAMES = {
     "Along-track quadratic phase": r"(?i)along track quadratic",
     "Horizontal position": r"(?i)(position|velocity), (horizontal|vertical)",
     "Horizontal position after the outage": r"(?i)coast (horizontal )?position|^position after|at end of outage",
+    "formula": r"(?i)\bclosed[ -]form",
     "IMU": r"(?i)\binertial units?\b",
     "before a fix, after a fix": r"\((prior|closed|posterior)[;)]|(?i:prior to posterior|fix cycle)",
     "value, quantity": r"^Figures? (to|side|stated|of|as)\b|^Figures?$|Where figures",
@@ -29,7 +30,7 @@ _SECOND_NAMES = {
 
 @cache
 def _texts() -> list[tuple[str, str]]:
-    """Where, and what: every string of the sources but documentation."""
+    """Where, and what: every string of the sources but documentation, and the lines of the tables."""
     found = []
     for package in (app, nav_model):
         for path in sorted(Path(str(package.__file__)).parent.rglob("*.py")):
@@ -38,6 +39,9 @@ def _texts() -> list[tuple[str, str]]:
             for node in ast.walk(tree):
                 if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in silent:
                     found.append((f"{path.name}:{node.lineno}", node.value))
+        for path in sorted(Path(str(package.__file__)).parent.rglob("*.toml")):
+            lines = enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+            found += [(f"{path.name}:{number}", line) for number, line in lines]
     return found
 
 

@@ -26,7 +26,7 @@ _RUNS = {
 _ALIKE = (  # of two studies that fly the same
     "imu", "gnss", "aiding", "trajectory", "filter", "initial", "outages", "radar_time_offset",
 )  # fmt: skip
-_HOW = "Covariance along the flight: no runs, no closed form; 1σ just after a fix."
+_HOW = "Covariance along the flight: no runs, no formula; 1σ just after a fix."
 _USUAL = (("horizontal", "horizontal refined"), ("vertical", "vertical refined"))
 
 

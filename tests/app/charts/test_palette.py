@@ -15,12 +15,12 @@ from nav_model.budget import analyse
 
 # What stands in one chart together: the budget's and the comparison's charts say it themselves below.
 TOGETHER = {
-    "simulation": ("simulated", "simulated, second axis", "filter", "closed form", "closed form, second axis"),
-    "attitude": ("simulated, tilt", "simulated, yaw", "filter", "closed form", "closed form, second axis"),
-    "outage": ("simulated", "simulated, second axis", "filter", "closed form", "refined", "worst run",
+    "simulation": ("simulated", "simulated, second axis", "filter", "formula", "formula, second axis"),
+    "attitude": ("simulated, tilt", "simulated, yaw", "filter", "formula", "formula, second axis"),
+    "outage": ("simulated", "simulated, second axis", "filter", "formula", "refined", "worst run",
                "worst run, second axis"),
     "consistency": ("x", "y", "initial tilt", "z", "reference"),
-    "ensemble": ("simulated", "filter, second axis", "worst run, second axis", "closed form"),
+    "ensemble": ("simulated", "filter, second axis", "worst run, second axis", "formula"),
     "flight": ("simulated", "simulated, second axis", "third axis"),
     "along a flight": ("horizontal", "horizontal refined", "vertical", "vertical refined"),
     "along a flight, attitude": ("tilt", "tilt refined", "simulated, yaw", "yaw"),
@@ -35,7 +35,7 @@ TOGETHER = {
     "accelerometer errors": ("accelerometer bias", "accelerometer instability", "everything"),
     "gyro errors": ("gyro bias", "gyro instability", "everything"),
     "suborbital channel": ("INS alone", "INS with tracker", "decoupled, holds", "decoupled, fails",
-                           "closed form, holds", "closed form, fails", "reference"),
+                           "formula, holds", "formula, fails", "reference"),
     "suborbital, aided": ("INS alone", "INS with tracker", "INS alone, ensemble", "INS with tracker, ensemble"),
     "suborbital axes": ("axis x", "axis y", "axis z", "axis x, tracker", "axis y, tracker", "axis z, tracker"),
     "Allan, three axes": ("x", "y", "z", "fit x", "fit y", "fit z"),

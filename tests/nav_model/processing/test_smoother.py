@@ -207,7 +207,7 @@ def test_free_ins_is_the_closed_forms(compared):
                 end[1, 1] / closed.velocity - 1,
                 end[2, 2] / g**2 / closed.tilt - 1,
             ]
-    oracle = "[S-5], [S-6] in closed form"
+    oracle = "formulas [S-5], [S-6]"
     compared("Free INS by the smoother's stretches", "S-5", "our own derivation", oracle, off, 1e-8)
 
 

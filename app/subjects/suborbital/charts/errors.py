@@ -97,15 +97,15 @@ def growth_chart(shown: Shown) -> Chart:
             Line("aided", "INS with tracker", x, _log(aided), "INS with tracker", "integrated INS [B-7]"),
             Line("holds", "decoupled channel (dotted: not valid here)", x, holds, "decoupled, holds", "[B-5]"),
             Line("fails", "decoupled channel (dotted: not valid here)", x, fails, "decoupled, fails", "[B-5]"),
-            Line("closed", "formula (dotted: not valid here)", x, closed_holds, "closed form, holds", "[B-6]"),
-            Line("closed-fails", "formula (dotted: not valid here)", x, closed_fails, "closed form, fails", "[B-6]"),
+            Line("closed", "formula (dotted: not valid here)", x, closed_holds, "formula, holds", "[B-6]"),
+            Line("closed-fails", "formula (dotted: not valid here)", x, closed_fails, "formula, fails", "[B-6]"),
             Line("slope", "slope 1/k", x, slope, "reference", "[B-6]"),
         ),
         spans=boost(study),
         y_log=True,
         y_range=_log_range(ins, aided, np.abs(decoupled)),
-        knowledge=f"{shown.how}. The decoupled channel [B-5], whose local frame does not rotate, {said}. The closed "
-        f"form [B-6], with one height and constant forcing (means of the powered flight), {closed_said}.{why}",
+        knowledge=f"{shown.how}. The decoupled channel [B-5], whose local frame does not rotate, {said}. The "
+        f"formula [B-6], with one height and constant forcing (means of the powered flight), {closed_said}.{why}",
     )
 
 
