@@ -17,6 +17,7 @@ from typing import IO, Any
 from sqlalchemy import text
 
 from app.document.wording import slug
+from app.library.seal import CHANGED
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
 from nav_model.base.errors import InputError
@@ -51,7 +52,7 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
     Raises
     ------
     InputError
-        If a design is not there, or there are more revisions than an import takes.
+        If a design is not there or damaged, or there are more revisions than an import takes.
     """
     histories = {design: library.revisions(design)[::-1] for design in designs}
     count = sum(map(len, histories.values()))
@@ -62,13 +63,17 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
         for design, history in histories.items():
-            folder = f"{slug(history[-1].name)}-{design[:8]}"
-            rows = []
-            for revision in history:
-                path = f"{folder}/revision-{revision.number:04d}.toml"
-                archive.writestr(path, revision.text)
-                rows.append({"file": path, **{name: getattr(revision, name) for name in (*_TOLD, *_JUDGED)}})
-            listed.append({"id": design, "tags": list(tags[design]), "revisions": rows})
+            try:
+                folder = f"{slug(history[-1].name)}-{design[:8]}"
+                rows = []
+                for revision in history:
+                    path = f"{folder}/revision-{revision.number:04d}.toml"
+                    archive.writestr(path, revision.text)
+                    rows.append({"file": path, **{name: getattr(revision, name) for name in (*_TOLD, *_JUDGED)}})
+                listed.append({"id": design, "tags": list(tags[design]), "revisions": rows})
+            except (LookupError, TypeError, ValueError) as error:  # no row of ours is without its text or number
+                name = history[-1].name if history else ""
+                raise InputError("export", f"{name or design} was {CHANGED}. Select other designs.") from error
         archive.writestr(_LIST, json.dumps({"format": _FORMAT, "designs": listed}, ensure_ascii=False, indent=1))
     return data.getvalue()
 

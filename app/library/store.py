@@ -346,9 +346,9 @@ def _existing(connection: Connection, design: str) -> int:
     head = None
     if "\0" not in design:
         head = connection.execute(text("SELECT head FROM designs WHERE id = :id"), {"id": design}).scalar()
-    if head is None:
+    if not isinstance(head, int):
         raise InputError("library", f"has no design {design[:60]!r}")
-    return int(head)
+    return head
 
 
 def _holds(words: Sequence[str], texts: Sequence[str]) -> bool:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sqlalchemy import text
 
 from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
 from app.library.store import Library
@@ -55,6 +56,25 @@ def test_an_exported_library_comes_back_the_same(
     assert {r.origin for saved in other.designs() for r in other.revisions(saved.design)} == {"import"}
     again = import_archive(other, data, "Zoe")
     assert (again.designs, again.known) == (0, 2)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "UPDATE revisions SET number = 'x'",
+        "UPDATE designs SET head = 'x'",
+        "UPDATE designs SET head = 7",
+        "CREATE TABLE bare AS SELECT * FROM revisions; DROP TABLE revisions; ALTER TABLE bare RENAME TO revisions; "
+        "UPDATE revisions SET name = NULL, text = NULL",
+    ],
+)
+def test_a_design_changed_by_hand_is_refused_by_name(library: Library, mems: Budget, damage: str) -> None:
+    design = library.save(mems, "Ann").design
+    with library.write() as connection:
+        for statement in damage.split("; "):
+            connection.execute(text(statement))
+    with pytest.raises(InputError, match=f"{design}|{mems.design.name} was changed"):
+        export_archive(library, [design])
 
 
 def test_loose_design_files_become_designs(other: Library, mems: Budget) -> None:
