@@ -9,6 +9,7 @@ from app.charts.kinds import TOTAL, Bar, BarChart, RankChart
 from app.document.numbers import number, percent
 
 _NAMED = 0.45  # of the axis: a shorter part has no room for its name
+_NUMBER = 0.3  # of the axis: what a number after its bar takes
 
 ROWS_SHEET = Path(__file__).with_name("rows.css").read_text("utf-8")
 """How rows of bars and of dots look, wherever they are."""
@@ -97,6 +98,8 @@ class _Scale:
                 f"limit {number(self._limit, given=True)}{self._unit}</em>"
             )
         reach = max(length, self._length(was)) if was else length
+        if bar.limited and 0 < self._limit - reach < _NUMBER * self._most:  # its line would run through the number
+            reach = self._limit
         return (
             f'<td {self._room} title="{escape(tip)}"><div{over}>'
             f'<i style="width:{self._share(length)}">{self._parts(bar, length)}</i>'

@@ -23,6 +23,11 @@ def test_a_number_begins_where_its_bar_ends_and_has_room_after_the_longest():
     assert html.count("padding-right:62px") == 3  # "0.300 rad": the bars and the axis have one scale
 
 
+def test_a_number_that_its_limits_line_would_run_through_is_after_the_line():
+    assert 'class="num" style="left:100.00%"' in phases(2.5, 3.0)
+    assert 'class="num" style="left:33.33%"' in phases(1.0, 3.0)
+
+
 @pytest.mark.parametrize(
     ("total", "limit", "beside"), [(5.56, 1.5, "left:25.00%"), (1.0, 4.0, "right:calc(100% - 100.00%)")]
 )
