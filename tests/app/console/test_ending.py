@@ -153,6 +153,8 @@ def test_closed_streams_change_no_verdict(closed: str) -> None:
     [
         f"check {TACTICAL}",
         f"evaluate {TACTICAL}",
+        f"sar {TACTICAL} --runs 20",
+        f"explore rank {TACTICAL}",
         "presets imu",
         "--version",
         "serve --port 0",
@@ -167,10 +169,19 @@ def test_results_for_a_closed_standard_output_are_a_fault(command: str) -> None:
     assert done.stderr.splitlines()[-1] == "navbudget: standard output is closed"
 
 
-def test_a_file_is_written_also_without_a_standard_output(tmp_path: Path) -> None:
-    command = f"{sys.executable} -m app sar {TACTICAL} --runs 20 -o {tmp_path}/out.json >&-"
-    assert subprocess.run(command, shell=True, cwd=ROOT, stderr=subprocess.DEVNULL).returncode == 0
-    assert (tmp_path / "out.json").exists()
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        (f"sar {TACTICAL} --runs 20", "out.json"),
+        (f"report {TACTICAL}", "out.html"),
+        ("sweep sweep.toml", "out.csv"),
+    ],
+)
+def test_a_file_is_written_also_without_a_standard_output(tmp_path: Path, command: str, file: str) -> None:
+    (tmp_path / "sweep.toml").write_text(_SWEEP.replace("50000", "2"))
+    command = f"{sys.executable} -m app {command} -o {file} >&-"
+    assert subprocess.run(command, shell=True, cwd=tmp_path, stderr=subprocess.DEVNULL).returncode == 0
+    assert (tmp_path / file).exists()
 
 
 def test_a_fault_of_our_own_is_no_verdict(capsys: pytest.CaptureFixture[str]) -> None:
