@@ -49,7 +49,7 @@ def steady_marks(design: Design) -> tuple[str, str]:
     return ("[T-3]", "[T-4]") if design.gnss.velocity_noise is None else ("[P-6]", "[P-6]")
 
 
-_AUGMENTED_NOTE = "no formula covers the slow GNSS error; white noise only"
+_AUGMENTED_NOTE = "white noise only, without the slow GNSS error"
 
 
 def provenance(budget: Budget) -> Mapping[str, Provenance]:

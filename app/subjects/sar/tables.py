@@ -56,7 +56,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         said.append(f"Best in flight: {now.name}, {_degrees(study.residual(now.key), budget)}°.")
     smoothed = closed.detrended["9"]
     if budget.verdict.processing == REAL_TIME and smoothed is not None:
-        said.append(f"Post-processed, {NAMES['9']}: {_degrees(smoothed, budget)}° by formula.")
+        said.append(f"{NAMES['9']}, post-processed: {_degrees(smoothed, budget)}° by formula.")
     word, tone = f"Use {NAMES[key]}", "open"
     check = next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
     if check is not None:

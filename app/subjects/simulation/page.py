@@ -198,7 +198,7 @@ class SimulatePage(View):
             told = (
                 "The last result is shown until the first runs are in."
                 if self._result
-                else "The charts follow with the first."
+                else "The charts follow with the first runs."
             )
             return Answer(
                 f"Running: {self.run.progress.what if self.run.progress else 'starting'}", "open", (told,)
