@@ -36,11 +36,13 @@ def test_no_line_ends_between_a_number_and_its_unit_or_within_the_unit() -> None
 
 
 def test_an_abbreviation_and_a_name_of_ones_own_stay_as_they_are_in_a_sentence() -> None:
-    own = {"limits": [{"name": "lever arm, GNSS to IMU", "on": "tilt", "limit": "0.0001°"}]}
-    own_budget = analyse(first_design().replace({}, own=read_own(own)))
-    assert verdict_strip(own_budget).sentences[0].startswith("lever arm, GNSS to IMU ")
-    assert "Tightest: lever arm, GNSS to IMU, " in verdict_of(own_budget).sentences[1]
-    budget = analyse(first_design().replace({"requirements.ce90": 1e-3}))
-    assert verdict_strip(budget).sentences[0].startswith("CE90 ")
-    assert "Tightest: CE90, " in verdict_of(budget).sentences[1]
-    assert rank_chart(budget.design, "ce90").title == "What reduces CE90 most"
+    own = read_own({"limits": [{"name": "lever arm, GNSS to IMU", "on": "tilt", "limit": "0.0001°"}]})
+    design = first_design()
+    changed = {
+        "lever arm, GNSS to IMU": design.replace({}, own=own),
+        "CE90": design.replace({"requirements.ce90": 1e-3}),
+    }
+    for name, budget in ((name, analyse(one)) for name, one in changed.items()):
+        assert verdict_strip(budget).sentences[0].startswith(f"{name} ")
+        assert f"Tightest: {name}, " in verdict_of(budget).sentences[1]
+    assert rank_chart(design, "ce90").title == "What reduces CE90 most"
