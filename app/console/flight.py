@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, under
 from nav_model.base.units import parse_quantity
 
 if TYPE_CHECKING:
@@ -50,10 +50,8 @@ def flight_study(
     from nav_model.simulation.trajectory import plan_trajectory
     from nav_model.trajectory.design_study import PLAN, planned
 
-    try:
+    with under("--outage"):
         outages = list(declaration_of("trajectory.outages").read(";".join(options.outages)))
-    except InputError as error:
-        raise error.under("--outage") from error
     flight: PlannedFlight | None
     if options.trajectory == PLAN:
         flight, outages = planned(design), outages or list(design.trajectory.outages)

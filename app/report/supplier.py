@@ -1,6 +1,7 @@
 """The sheet for a supplier: required values, how each is verified, and a log's outcome line by line."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
@@ -124,15 +125,15 @@ def _decision(unit: Unit, degrees: float) -> str:
 
 def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answer, Table]:
     """Whether a log shows what is required of the inertial unit, and why, axis by axis."""
-    failed = [axis_label(row.axis) for row in rows if not row.passes]
+    failed = [axis_label(row.name) for row in rows if not row.passes]
     said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"{len(rows)} axes are."
     answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {said}",))
     body: Iterable[Row] = (
         (
-            axis_label(row.axis),
-            str(declaration_of(row.key).label),
-            *(input_in_words(design, row.key, value) for value in (row.reading, row.accepted, row.required)),
-            f"{row.degrees:.0f}",
+            axis_label(row.name),
+            str(declaration_of(row.input).label),
+            *(input_in_words(design, row.input, value) for value in (row.reading, row.accepted, row.required)),
+            f"{row.degrees_of_freedom:.0f}",
             Cell("✓ pass", tone="good") if row.passes else Cell("✗ fail", tone="bad"),
         )
         for row in rows
@@ -153,11 +154,5 @@ def acceptance_json(design: Design, rows: Sequence[Acceptance]) -> dict[str, Any
         "design": design.content_hash,
         "confidence": CONFIDENCE,
         "passes": all(row.passes for row in rows),
-        "axes": [
-            {
-                "name": row.axis, "input": row.key, "reading": row.reading, "accepted": row.accepted,
-                "required": row.required, "degrees_of_freedom": row.degrees, "passes": row.passes,
-            }
-            for row in rows
-        ],
-    }  # fmt: skip
+        "axes": [asdict(row) | {"passes": row.passes} for row in rows],
+    }

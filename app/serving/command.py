@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, under
 
 if TYPE_CHECKING:
     from app.serving.rules import Rules
@@ -90,10 +90,8 @@ def _serve(options: argparse.Namespace) -> int:
     rules.check()  # before the screen is loaded: a wrong command is refused at once
     if options.review_key is not None:
         check_key(options.review_key)
-    try:
+    with under("--library"):
         warning = look_at(options.library)
-    except InputError as error:
-        raise error.under("--library") from error
     if warning:
         print(f"navbudget: {warning}", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="navbudget-") as folder:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -38,6 +39,15 @@ class InputError(ValueError):
     def under(self, key: str) -> InputError:
         """The same error under another name, such as a command-line option or a file."""
         return type(self)(key, self.reason, self.value)
+
+
+@contextmanager
+def under(key: str) -> Iterator[None]:
+    """What is refused within is refused under another name."""
+    try:
+        yield
+    except InputError as error:
+        raise error.under(key) from error
 
 
 def not_a_choice(given: Any, options: Iterable[object]) -> str:

@@ -92,15 +92,8 @@ def to_json(budget: Budget) -> dict[str, Any]:
 
 def allocation_json(found: Allocation) -> dict[str, Any]:
     """An allocation under the contract's keys."""
-    keys = ("source", "allocated", "estimated", "margin", "owner", "locked", "systematic")
-    return {
-        "requirement": found.requirement,
-        "limit": found.limit,
-        "reserve": found.reserve,
-        "closes": found.closes,
-        "blocked_by": list(found.blocked_by),
-        "entries": [{key: getattr(entry, key) for key in keys} for entry in found.entries],
-    }
+    entries = [asdict(entry) | {"margin": entry.margin} for entry in found.entries]
+    return asdict(found) | {"closes": found.closes, "entries": entries}
 
 
 def verdict_json(verdict: Verdict) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.errors import InputError, not_a_choice, shown, under
 from nav_model.base.units import format_quantity, parse_quantity
 from nav_model.design.declaration import BaseQuantity, Quantity, in_sentence
 from nav_model.design.parts import INPUTS
@@ -61,6 +61,11 @@ ENTERED: Mapping[str, str] = MappingProxyType(
     | {name: dimension for name, (dimension, _) in EXTRA.items()}
 )
 """Figure that a contributor may enter, or a limit of the user's own limit -> its dimension."""
+
+FITTING: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {name: (dimension, "length") if name in PHASES else (dimension,) for name, dimension in ENTERED.items()}
+)
+"""Figure -> dimensions that the value of a contributor to it may have."""
 
 COASTING = ("coast_horizontal_position", "coast_vertical_position")
 UNSCALED = ("ce90", "le90", "cep", "paired_echo", "islr", *RESPONSE)
@@ -172,13 +177,11 @@ class Contributor(Sized):
             raise InputError("contributors", "one has no name. Give each a name.")
         if self.name.casefold() in _SOURCES:
             raise InputError(self.where, "is the name of a source of the model. Choose another name.", self.name)
-        for key, options in (("enters", ENTERED), ("kind", KINDS), ("processing", PROCESSINGS)):
+        allowed = {"enters": ENTERED, "kind": KINDS, "processing": PROCESSINGS,
+                   "dimension": FITTING.get(self.enters, ())}  # fmt: skip
+        for key, options in allowed.items():
             if getattr(self, key) not in options:
                 raise InputError(f"{self.where}.{key}", not_a_choice(getattr(self, key), options))
-        if self.dimension not in dimensions_of(self.enters):
-            raise InputError(
-                f"{self.where}.value", _misfit(f"a {self.dimension}", self.enters, dimensions_of(self.enters))
-            )
         if not 0 <= self.value <= _LARGEST:  # NaN lands here too
             raise InputError(f"{self.where}.value", f"{self.value:g} is not allowed. Give zero or more.", self.value)
         if self.enters in ALIKE and self.processing != BOTH:
@@ -200,11 +203,6 @@ class Contributor(Sized):
         return texts | {key: text for key in ("owner", "source") if (text := getattr(self, key))}
 
 
-def dimensions_of(enters: str) -> tuple[str, ...]:
-    """Dimensions that the value of a contributor to a figure may have."""
-    return (ENTERED[enters], "length") if enters in PHASES else (ENTERED[enters],)
-
-
 def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     """Contributors from the tables ``[[contributors]]`` of a design file.
 
@@ -218,8 +216,9 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     for where, texts in given_tables("contributors", tables, keys, ("value", "enters")):
         if (enters := texts["enters"]) not in ENTERED:
             raise InputError(f"{where}.enters", not_a_choice(enters, ENTERED), enters)
-        given: dict[str, Any] = texts | read_size(f"{where}.value", texts["value"], enters, dimensions_of(enters))
-        given["allowance"] = read_like(_ALLOWANCE, f"{where}.allowance", texts.get("allowance", "0 %"))
+        given: dict[str, Any] = texts | read_size(f"{where}.value", texts["value"], enters, FITTING[enters])
+        with under(f"{where}.allowance"):
+            given["allowance"] = _ALLOWANCE.read(texts.get("allowance", "0 %")).value
         found.append(Contributor(**given))
     return tuple(found)
 
@@ -252,20 +251,6 @@ def given_tables(
         yield where, {key: str(text).strip() for key, text in table.items()}
 
 
-def read_like(declaration: BaseQuantity[Any], where: str, text: Any) -> float:
-    """A number as an input with this declaration is read.
-
-    Raises
-    ------
-    InputError
-        As its `read`; `where` names what is wrong.
-    """
-    try:
-        return declaration.read(text).value
-    except InputError as error:
-        raise error.under(where) from error
-
-
 def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> dict[str, Any]:
     """A size in a figure, in one of the dimensions that are `allowed`: `value` [SI], `unit` and `dimension`.
 
@@ -277,14 +262,10 @@ def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> d
     for dimension in allowed:
         with suppress(InputError):
             return parse_quantity(str(text), dimension)._asdict() | {"dimension": dimension}
-    raise InputError(where, _misfit(shown(text), figure, allowed), text)
-
-
-def _misfit(what: str, figure: str, allowed: tuple[str, ...]) -> str:
     examples = " or ".join(
         {"length": "1 mm", "angle": "5°"}.get(each, DIMENSIONS[each].examples[0]) for each in allowed
     )
-    return f"{what} does not fit {label_of(figure)}. Write for example {examples}."
+    raise InputError(where, f"{shown(text)} does not fit {label_of(figure)}. Write for example {examples}.", text)
 
 
 def check_text(where: str, text: object) -> None:

@@ -5,22 +5,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.errors import InputError, not_a_choice, shown, under
 from nav_model.base.units import format_quantity
 from nav_model.design.contributors import (
     COASTING,
     ENTERED,
+    FITTING,
     IN_OUTAGE,
     MOST,
     UNSCALED,
     Contributor,
     Sized,
     check_text,
-    dimensions_of,
     given_tables,
     label_of,
     read_contributors,
-    read_like,
     read_size,
 )
 from nav_model.design.declaration import Quantity
@@ -199,12 +198,11 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
                 on,
             )
         size = read_size(f"{where}.limit", texts["limit"], on, (dimensions[on],))
-        numbers: dict[str, Any] = {
-            key: read_like(declaration, f"{where}.{key}", texts[key])
-            for key, declaration in _LIKE.items()
-            if key in texts
-        }
-        found.append(Limit(texts["name"], on, **size, **numbers))
+        for key, declaration in _LIKE.items():
+            if key in texts:
+                with under(f"{where}.{key}"):
+                    size[key] = declaration.read(texts[key]).value
+        found.append(Limit(texts["name"], on, **size))
     return tuple(found)
 
 
@@ -221,18 +219,18 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
     for key in table:
         if key not in ("split", "reserve", "locks"):
             raise InputError(f"allocation.{key}", "unknown key; [allocation] has split, reserve, locks", table[key])
-    dimensions = {figure: dimensions_of(figure) for figure in ENTERED}
-    dimensions |= {one.name: dimensions.get(one.on, (one.dimension,)) for one in limits}
+    fitting = {**FITTING, **{one.name: FITTING.get(one.on, (one.dimension,)) for one in limits}}
     locks, given = [], table.get("locks", {})
     for requirement, entries in given.items() if isinstance(given, dict) else [("", given)]:
         where = f"allocation.locks.{requirement}"
         if not isinstance(entries, dict):
             raise InputError("allocation.locks", "must be sections, [allocation.locks.REQUIREMENT]", entries)
-        if requirement not in dimensions:
+        if requirement not in fitting:
             said = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
             raise InputError("allocation.locks", said, requirement)
         for source, text in entries.items():
-            size = read_size(f"{where}.{source}", text, requirement, dimensions[requirement])
+            size = read_size(f"{where}.{source}", text, requirement, fitting[requirement])
             locks.append(Lock(requirement, source, **size))
-    reserve = read_like(RESERVE, "allocation.reserve", table.get("reserve", "20 %"))
+    with under("allocation.reserve"):
+        reserve = RESERVE.read(table.get("reserve", "20 %")).value
     return Allotment(table.get("split", "shares"), reserve, tuple(locks))

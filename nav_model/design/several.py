@@ -7,7 +7,7 @@ from typing import Any
 
 import param
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, shown, under
 from nav_model.base.units import (
     exact_bound,
     format_bound,
@@ -117,10 +117,8 @@ class Axes(_Several):
             said = f"has {len(parts)} values. Give one for all axes, or {_COUNTS[count]} separated by commas."
             raise InputError(self.key, f"{shown(text.strip())} {said}", text)
         last = _unit_of(parts[-1]) or unit
-        try:
+        with under(self.key):
             numbers = [parse_quantity(with_unit(part, last), self.dimension).value for part in parts]
-        except InputError as error:
-            raise error.under(self.key) from error
         value = tuple(numbers if len(numbers) > 1 else numbers * count)
         self._validate(value)
         return value

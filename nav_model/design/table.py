@@ -6,7 +6,7 @@ from typing import Any
 
 import param
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, shown, under
 from nav_model.design.declaration import BaseQuantity, Declared
 
 MOST_ROWS = 60
@@ -58,10 +58,8 @@ class Table(Declared, param.Parameter[Any]):
     def _check(self, val: tuple[tuple[Any, ...], ...]) -> None:
         for number, row in enumerate(val, 1):
             for (name, column), cell in zip(self.columns.items(), row, strict=True):
-                try:
+                with under(f"{self.key}[{number}].{name}"):
                     _check_name(name, cell) if column is None else column._validate(cell)
-                except InputError as error:
-                    raise error.under(f"{self.key}[{number}].{name}") from error
             if not any(cell not in (None, "") for cell in row[1:]):
                 raise InputError(f"{self.key}[{number}]", f"has one cell only. Write for example {self.example}.")
 
@@ -110,10 +108,8 @@ class Table(Declared, param.Parameter[Any]):
             elif cell == "" and column.allow_None:
                 value.append(None)
             else:
-                try:
+                with under(f"{where}.{name}"):
                     value.append(column.read(cell).value)
-                except InputError as error:
-                    raise error.under(f"{where}.{name}") from error
         return tuple(value)
 
     def _named(self, row: str, where: str) -> dict[str, str]:

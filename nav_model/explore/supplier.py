@@ -60,12 +60,12 @@ class Required:
 class Acceptance:
     """One axis of a log against a line: reading, the largest that is accepted, and the required value, SI."""
 
-    axis: str
-    key: str
+    name: str
+    input: str
     reading: float
     accepted: float
     required: float
-    degrees: float
+    degrees_of_freedom: float
 
     @property
     def passes(self) -> bool:

@@ -23,7 +23,7 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.csv_text import csv_text
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, under
 from nav_model.base.processes import worker_pool
 from nav_model.budget.figures import FIGURES, figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
@@ -155,10 +155,8 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | 
         from nav_model.simulation.cluster import cluster_pool
 
         with ExitStack() as stack:
-            try:
+            with under("--scheduler"):
                 pool, threads = stack.enter_context(cluster_pool(scheduler))
-            except InputError as error:
-                raise error.under("--scheduler") from error
             yield pool, 4 * threads
     elif workers > 1:
         with worker_pool(workers) as executor:

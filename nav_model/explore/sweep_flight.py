@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, under
 from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, specification
@@ -88,10 +88,8 @@ def _whole(key: str, value: Any) -> int:
 def _time(key: str, value: Any) -> float:
     if not isinstance(value, str):
         raise InputError(key, f'{value!r}: a time is written with its unit, such as "500 s"', value)
-    try:
+    with under(key):
         return parse_quantity(value, "time").value
-    except InputError as error:
-        raise error.under(key) from error
 
 
 def _outages(key: str, value: Any) -> tuple[tuple[float, float], ...]:

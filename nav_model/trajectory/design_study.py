@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, under
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Part, Parts
 from nav_model.budget.figures import begun, phase_sources, placing, with_fast
@@ -54,11 +54,9 @@ def planned(design: Design) -> PlannedFlight:
     own = design.trajectory
     if own.flight not in (LINES, WAYPOINTS):
         return PlannedFlight(named_flight(design, own.flight), own.duration, ())
-    try:
+    with under(f"trajectory.{own.flight}"):
         places = tuple(Waypoint(*row) for row in own.waypoints)
         return fly(lines_of(design) if own.flight == LINES else replace(plan_like(design), waypoints=places))
-    except InputError as error:
-        raise error.under(f"trajectory.{own.flight}") from error
 
 
 def covariance_specification(design: Design, study: SimulationSpec, lines: tuple[Line, ...] = ()) -> CovarianceSpec:

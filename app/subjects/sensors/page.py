@@ -20,7 +20,7 @@ from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.view import View
-from nav_model.base.errors import InputError
+from nav_model.base.errors import under
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Kind
 from nav_model.design.presets import preset_of
@@ -61,10 +61,8 @@ class SensorsPage(View):
         """The sheets for suppliers, to be saved."""
 
         def made(unit: Unit) -> bytes:
-            try:
+            with under(f"There is no sheet for the {NAMES[unit]}"):
                 return document_bytes(supplier_report(self.session.design, unit), ".html")
-            except InputError as error:
-                raise error.under(f"There is no sheet for the {NAMES[unit]}") from error
 
         return pn.FlexBox(
             *(

@@ -9,7 +9,7 @@ from pathlib import Path
 from app.console.arguments import content_of, paths_of, put_json
 from app.console.files import whole_file
 from app.console.progress import show_progress
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, under
 from nav_model.design import Design
 from nav_model.design.declaration import Choice
 from nav_model.design.file import parse_design, read_bytes
@@ -49,11 +49,8 @@ def run(options: argparse.Namespace) -> int:
     if options.trajectory is not None:
         flown = (Path(options.trajectory).name, read_bytes(options.trajectory, BOUNDS.most_bytes))
     if options.save is not None:
-        try:
-            with whole_file(options.save) as file:
-                file.write(format_study(settings, flown).encode("utf-8"))
-        except InputError as error:
-            raise error.under("--save") from error
+        with under("--save"), whole_file(options.save) as file:
+            file.write(format_study(settings, flown).encode("utf-8"))
     with told_progress() as progress:
         survey = run_survey(settings, flown, progress=progress)
         answer = survey_json(survey)

@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
 
-from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.errors import InputError, not_a_choice, shown, under
 from nav_model.base.toml_text import read_toml
 from nav_model.base.units import Parsed, parse_quantity
 from nav_model.design.declaration import BaseQuantity
@@ -132,10 +132,8 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         if key in OFFERED:
             parsed, target = _offered(key, item["value"], where), offer
         elif key in _EXTRA[kind]:
-            try:
+            with under(where):
                 parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
-            except InputError as error:
-                raise error.under(where) from error
         else:
             name_of_input, declaration = _input(kind, key, where)
             parsed, target = declaration.read(item["value"], key), values

@@ -94,7 +94,7 @@ def log(factor: float, axes: int = 3) -> ImuLog:
 def test_a_log_well_below_passes_and_one_above_fails_on_every_axis() -> None:
     lines = required(DESIGN, "imu")
     quiet, loud = (judge_log(lines, analyse_log(log(factor))) for factor in (0.85, 1.1))
-    assert [row.axis for row in quiet] == [f"{kind}_{axis}" for kind in ("gyro", "accelerometer") for axis in "xyz"]
+    assert [row.name for row in quiet] == [f"{kind}_{axis}" for kind in ("gyro", "accelerometer") for axis in "xyz"]
     assert all(row.passes for row in quiet)
     assert not any(row.passes for row in loud)
     assert quiet[0].reading == pytest.approx(0.85 * quiet[0].required, rel=0.1)
