@@ -71,7 +71,7 @@ def search(
     InputError
         If the design gives no requirement, no unit can be judged, or prices are in several currencies.
     """
-    currency = _currency((*imus.values(), *receivers.values()))
+    currency = one_currency((*imus.values(), *receivers.values()))
     names = list(limits(design))
     if not names:
         raise InputError("requirements", "none is given; give at least one limit to compare sensors with")
@@ -113,8 +113,14 @@ def _rank(row: Candidate) -> tuple[bool, float, float]:
     return not row.closes, (math.inf if row.price is None else row.price) if row.closes else 0.0, -row.margin
 
 
-def _currency(entries: Iterable[Entry]) -> str:
-    """The one currency of all prices; empty without prices."""
+def one_currency(entries: Iterable[Entry]) -> str:
+    """The one currency of all prices; empty without prices.
+
+    Raises
+    ------
+    InputError
+        If there are several.
+    """
     priced = {entry.name: entry.offer["price"].unit for entry in entries if "price" in entry.offer}
     first = next(iter(priced.values()), "")
     for name, currency in priced.items():

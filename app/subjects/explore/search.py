@@ -30,7 +30,7 @@ from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue
-from nav_model.explore.search import Biases, Candidate, left_out, search
+from nav_model.explore.search import Biases, Candidate, left_out, one_currency, search
 
 MAX_BYTES = 200_000
 _KNOWLEDGE = (
@@ -138,6 +138,7 @@ class SearchPanel(Question):
         self._say(f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo.")
 
     def _opened(self, _: str, content: bytes) -> None:
+        self._keep.disabled = True
         try:
             text = content.decode("utf-8-sig")
             self._add(read_offers(text))
@@ -146,11 +147,13 @@ class SearchPanel(Question):
             self._say(f"Not opened. Save the file as UTF-8 text: byte {error.start} is not UTF-8.")
         except InputError as error:
             self._say(f"Not opened. {error}")
-        self.show(self.session.budget)
 
     def _add(self, found: Offers) -> None:
-        """Rank these units with those of the catalogue."""
-        self._own = found
+        """Rank these units, too."""
+        own = {kind: {**self._own[kind], **found[kind]} for kind in KINDS}
+        one_currency(entry for entries in own.values() for entry in entries.values())
+        self._own = own
+        self.show(self.session.budget)
         self._say(f"Added {', '.join(name for entries in found.values() for name in entries)}.")
 
     async def _kept(self, _: Any) -> None:
@@ -165,14 +168,13 @@ class SearchPanel(Question):
         """Rank what the library holds."""
         try:
             found, damaged = await asyncio.to_thread(lambda: kept_offers(library()))
+            if any(found.values()):
+                self._add(found)
+            elif not damaged:
+                self._say("The library holds no offers yet. Open a file and keep it.")
         except InputError as error:
             self._say(f"Not opened. {error}")
             return
-        if any(found.values()):
-            self._add(found)
-            self.show(self.session.budget)
-        elif not damaged:
-            self._say("The library holds no offers yet. Open a file and keep it.")
         if damaged:
             self._say(f"Left out, as they are damaged: {', '.join(damaged)}. Keep these files again.")
 

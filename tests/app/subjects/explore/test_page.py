@@ -142,6 +142,20 @@ def test_a_pair_that_is_no_longer_there_adopts_nothing(explore: ExplorePage) -> 
     assert search.session.design == first_design()
 
 
+def test_files_add_up_and_one_that_is_refused_changes_nothing_and_is_not_kept(explore: ExplorePage) -> None:
+    _open(explore, EXAMPLE.encode())
+    _open(explore, OWN.encode())
+    search = _search(explore)
+    assert not search._keep.disabled
+    added = search._table.html
+    assert {"Our IMU", "Our <b>unit</b>"} <= {row.imu for row in search._found}
+    assert "others are in EUR" in _open(explore, EXAMPLE.replace("Our IMU", "New").replace("EUR", "USD").encode())
+    assert search._keep.disabled
+    search.own = False
+    search.own = True
+    assert search._table.html == added
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
