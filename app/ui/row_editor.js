@@ -1,16 +1,17 @@
 // Rows to fill in. A row that lacks something it needs is begun: it stays here until it is whole. What is typed while
-// the rows change stays typed, and so does what was refused.
+// the rows change stays typed, and so does what was refused. A row in force goes when its removal is taken.
 export function render({ model }) {
   const place = document.createElement("div")
   const table = document.createElement("table"), said = document.createElement("p")
   const make = (tag, text = "", more = {}) => Object.assign(document.createElement(tag), { textContent: text, ...more })
   const whole = (row) => model.columns.every(({ key, needed }) => !needed || row[key]?.trim())
   let rows = []
-  const tell = () => {
-    const missing = rows.some((row) => !whole(row) && !row.begun)
+  const inForce = (row) => model.rows.some((each) => model.columns.every(({ key }) => (each[key] ?? "") === (row[key] ?? "")))
+  const tell = (told = rows) => {
+    const missing = told.some((row) => !whole(row) && !row.begun)
     const needed = model.columns.filter((column) => column.needed).map(({ label }) => label.toLowerCase())
     said.textContent = missing ? `Each row needs ${needed.join(" and ")}.` : model.refused
-    if (!missing) model.send_msg({ rows: rows.filter(whole) })
+    if (!missing) model.send_msg({ rows: told.filter(whole) })
   }
   // Rows copied from a spreadsheet, into a table whose rows have an order and only boxes.
   const paste = (event, row, key) => {
@@ -33,7 +34,7 @@ export function render({ model }) {
     box.dataset.place = `${index} ${key}`
     box.dataset.says = `${label}:`
     box.oninput = () => { row[key] = box.value; nameAll() }
-    box.onchange = tell
+    box.onchange = () => tell()
     box.onpaste = (event) => paste(event, row, key)
     return box
   }
@@ -63,7 +64,15 @@ export function render({ model }) {
         tools.append(made)
       }
       if (model.ordered) tool("Insert", "Insert above", () => begin(index))
-      tool("Remove", "Remove", () => { rows.splice(index, 1); draw(); add.focus(); tell() })
+      tool("Remove", "Remove", () => {
+        const left = rows.filter((each) => each !== row)
+        if (!inForce(row)) {
+          rows = left
+          draw()
+        }
+        add.focus()
+        tell(left)
+      })
     })
     nameAll()
     table.hidden = !rows.length

@@ -2,9 +2,11 @@
 
 import csv
 import io
+import json
 import re
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import pytest
 from known_designs import MEMS
@@ -323,3 +325,18 @@ def test_contributors_are_entered_by_keyboard_and_a_refusal_loses_nothing(visit:
     page.get_by_role("button", name="Remove lever arm").press("Enter")
     expect(page.locator("table.bars")).not_to_contain_text("lever arm")
     expect(add).to_be_focused()
+
+
+def test_a_contributor_that_a_requirement_limits_stays_in_its_table(visit: Visit) -> None:
+    own = {
+        "contributors": [{"name": "arm", "value": "1 mm", "enters": "detrended_phase"}],
+        "limits": [{"name": "arm known", "on": "arm", "limit": "2 mm"}],
+    }
+    page = visit("?" + urlencode({key: json.dumps(table) for key, table in own.items()}))
+    page.get_by_role("button", name="Your contributors, and allocation").click()
+    remove = page.get_by_role("button", name="Remove arm", exact=True)
+    remove.press("Enter")
+    expect(page.get_by_role("alert").filter(has_text="'arm known' limits 'arm'")).to_be_visible()
+    page.get_by_role("button", name="Remove arm known").press("Enter")
+    remove.press("Enter")
+    expect(remove).to_have_count(0)
