@@ -65,6 +65,8 @@ class _Sheets:
         self.figure = book.add_format({"num_format": "[<0.01]0.00E+00;0.000"})
         self.level = book.add_format({"num_format": "0.00"})
         self.percent = book.add_format({"num_format": "+0.0%;-0.0%"})
+        self.share = book.add_format({"num_format": "0.0%"})
+        self.apart = book.add_format({"indent": 1})
         self.entry = book.add_format({"bg_color": "#FFF8DC", "border": 1, "border_color": "#BBBBBB", "locked": False})
         self.grey = book.add_format({"font_color": "#8A8A8A", "italic": True})
         self.bad = book.add_format({"font_color": "#B00020", "bold": True})
@@ -88,9 +90,12 @@ class _Sheets:
         sheet.set_landscape()
         sheet.fit_to_pages(1, 0)
         row = len(said) + 2
+        sheet.set_row(row, 30)  # two lines, which not every program finds out
         sheet.write_row(row, 0, columns, self.head)
-        for column, width in enumerate(columns.values()):
-            sheet.set_column(column, column, width)
+        for column, (name, width) in enumerate(columns.items()):
+            sheet.set_column(
+                column, column, width, self.apart if name in ("Unit", "Met", "Equation", "What it is") else None
+            )
         sheet.freeze_panes(row + 1, 1)
         return row + 1
 
@@ -225,7 +230,7 @@ class _Sheets:
         with np.errstate(invalid="ignore"):  # of a phase that is zero
             share = size / whole if systematic else size**2 / (whole * root)
         formula = f"=IF({whole.text}=0,0,{share.text})"
-        sheet.write_formula(row, at + 3, formula, self.percent, float(share.value) if whole.value else 0.0)
+        sheet.write_formula(row, at + 3, formula, self.share, float(share.value) if whole.value else 0.0)
 
     def _sums(self, sheet: Any) -> None:
         columns = {"Figure, in real time, 1σ": 62, "Value": 16, "Unit": 10, "Equation": 16, "State": 22}
@@ -253,7 +258,7 @@ class _Sheets:
         fixed = {} if live else figures(replace(inputs_of(self.design), post_processed=True), names)
         columns = {
             "Requirement": 38, "Value, 1σ": 14, "Factor": 8, "Value checked": 14, "Limit": 12, "Unit": 8,
-            "Margin": 10, "Met": 10, "Equation": 16, "State": 22, "Main error source (as computed)": 40,
+            "Margin": 10, "Met": 12, "Equation": 16, "State": 22, "Main error source (as computed)": 40,
         }  # fmt: skip
         said = (
             "",

@@ -139,6 +139,7 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
         if line.quadratic:
             assert listed[line.source][1].value == pytest.approx(math.degrees(line.quadratic), rel=1e-9)
             assert listed[line.source][4].value == pytest.approx(line.share, rel=1e-9)
+            assert "+" not in listed[line.source][4].number_format  # a share is no margin
 
 
 def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
