@@ -12,8 +12,10 @@ from nav_model.base.errors import InputError
 from nav_model.budget.contributors import entering
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.verdict import required
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import OFFERED, Entry, SourcedValue
+from nav_model.design.contributors import RESPONSE
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
@@ -181,7 +183,12 @@ def _filled(design: Design, change: Mapping[str, Value], key: str) -> float:
 def _dominant(
     design: Design, names: list[str], columns: Mapping[str, Array], tightest: Array
 ) -> tuple[list[str], Array]:
-    """For each candidate the source with the largest share of the tightest figure, and the share."""
+    """For each candidate the source with the largest share of the tightest figure, and the share.
+
+    A measure of the impulse response has the shares of the quadratic phase.
+    """
+    limited = required(design)
+    names = ["quadratic_phase" if limited[name].on in RESPONSE else name for name in names]
     keys = [key for key in SENSORS if key in stated(design) or key in columns]
     slopes = log_derivatives(design, keys, names, columns)
     by_source: dict[str, Array] = {}
@@ -205,5 +212,5 @@ def _contributed(design: Design, names: list[str], columns: Mapping[str, Array],
         root = whole - sum(part.size for part in parts if part.systematic)
         for part in parts:
             share = part.size / whole if part.systematic else part.size**2 / (root * whole)
-            found.setdefault(part.name, np.zeros((len(names), count)))[names.index(name)] = share
+            found.setdefault(part.name, np.zeros((len(names), count)))[np.array(names) == name] = share
     return found

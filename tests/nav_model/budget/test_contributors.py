@@ -205,6 +205,18 @@ def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> Non
             from_query("contributors=" + json.dumps(tables))
 
 
+def test_a_search_judges_measures_of_the_response_by_the_quadratic_phase() -> None:
+    own = read_contributors([LEVER_ARM | {"enters": "quadratic_phase", "value": "1 mm"}])
+    limits = [{"name": name, "on": name, "limit": "1 dB"} for name in ("peak_loss", "pslr")]
+    design = Design(own=Own(own, read_limits([limit | {"name": "my " + limit["name"]} for limit in limits])))
+    rows = search(design, catalogue("imu"), {})
+    assert {"lever arm", "gyro noise"} <= {row.dominant for row in rows}
+    for row in rows:
+        check = analyse(design.replace(row.changes)).verdict.tightest
+        assert (row.tightest, row.dominant) == (check.name, check.sensor)
+        assert row.share == pytest.approx(check.sensor_share, rel=1e-6)
+
+
 @pytest.mark.parametrize("kind", ["random", "systematic"])
 def test_a_search_names_a_contributor_that_dominates_with_its_share(kind: str) -> None:
     own = read_contributors([LEVER_ARM | {"kind": kind, "value": "5 mm"}])
