@@ -126,7 +126,7 @@ def _decision(unit: Unit, degrees: float) -> str:
 def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answer, Table]:
     """Whether a log shows what is required of the inertial unit, and why, axis by axis."""
     failed = [axis_label(row.name) for row in rows if not row.passes]
-    said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"{len(rows)} axes are."
+    said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"All {len(rows)} axes pass."
     answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {said}",))
     body: Iterable[Row] = (
         (
