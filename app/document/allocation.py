@@ -57,7 +57,7 @@ def allocation_table(budget: Budget, check: Check, key: str) -> Table | Text:
     return table(
         f"{key}-allocation-{budget.verdict.checks.index(check)}",
         f"Allocation of {printable(check.label)}",
-        (("Source", 1.5), *numbers("Allocated", "Estimated", "Margin"), "Owner"),
+        (("Source", 1.5), *numbers("Allocated", "Estimated", "Margin"), ("Owner", 1)),
         (
             (f"{source}, locked" if source in locked else source, *rest)
             for source, *rest in (row.values() for row in entry_texts(budget.design, check, found))
@@ -82,7 +82,7 @@ def owners_table(budgets: Sequence[Budget], labels: Sequence[str]) -> Table | Te
     return table(
         "review-owners",
         "What each source may take, and its estimate in brackets",
-        (("Requirement", 1.4), ("Source", 1.4), "Owner", *numbers(*labels)),
+        (("Requirement", 1.4), ("Source", 1.4), ("Owner", 1), *numbers(*labels)),
         (
             (*key, ", ".join(owners[key]), *(texts.get(place, NONE) for place in range(len(budgets))))
             for key, texts in cells.items()

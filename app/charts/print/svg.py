@@ -144,6 +144,12 @@ def _curves(axes: Any, chart: Chart) -> None:
             log_axis(axis)
 
 
+def _begun(label: str) -> str:
+    """As much of a bar's label as leaves room for the bars."""
+    first, *more = textwrap.wrap(label, _Y_LABEL_LENGTH)
+    return f"{first} …" if more else first
+
+
 _BAR_KINDS = (("first", STYLES["quadratic"].colour, -0.19, "", "dashdot"),
               ("second", STYLES["with cubic"].colour, 0.19, "/////", "dotted"))  # fmt: skip
 
@@ -163,7 +169,7 @@ def _bars(axes: Any, chart: BarChart) -> None:
         if not math.isnan(limit):
             said = f"limit on {label}, at {spread_of(chart.x_label)}"
             axes.axvline(limit, label=said, **pen(STYLES["limit"], dash))
-    axes.set_yticks(list(rows), [bar.label for bar in bars])
+    axes.set_yticks(list(rows), [_begun(bar.label) for bar in bars])
     axes.set_ylim(len(bars) - 0.5, -0.5)  # a last row without a second bar stays whole
     axes.set_xlim(left=0)
     axes.tick_params(axis="y", length=0)

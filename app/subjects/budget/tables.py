@@ -229,7 +229,7 @@ def contributor_table(budget: Budget, key: str) -> Table:
         f"{key}-contributors",
         "Contributors given in the design",
         (("Contributor", 1.3), ("Enters", 1.3), *numbers("Value, 1σ"), *numbers("Allowance", width=0.9),
-         "Kind", "Processing", "Owner", ("Source", 1.3)),
+         "Kind", "Processing", ("Owner", 1), ("Source", 1.3)),
         (
             tuple(
                 printable(text)

@@ -33,7 +33,8 @@ def owner_tables(review: Review) -> tuple[Block, ...]:
     labels = [f"D{item.place}" for item in review.items]
     differing = own_differences([budget.design for budget in budgets])
     same = Text("Contributors, requirements of your own and allocation are the same in every design.")
-    changed = table("review-changed", "What differs between the designs", (("Entry", 1.4), *labels),
+    heads = ("Entry", 1), *((label, 1) for label in labels)
+    changed = table("review-changed", "What differs between the designs", heads,
                     ((name, *texts) for name, texts in differing.items()))  # fmt: skip
     return owners_table(budgets, labels), changed if differing else same
 

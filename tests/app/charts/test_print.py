@@ -151,7 +151,7 @@ def test_log_axes_are_powers_of_ten():
     assert {"1", "10", "100"} <= set(words)
 
 
-_BARS = (Bar("one", 3.0, 1.0, 0.3, 0.1, ""), Bar("two", 2.0, math.nan, 0.2, math.nan, ""))
+_BARS = (Bar("one name " * 20, 3.0, 1.0, 0.3, 0.1, ""), Bar("two", 2.0, math.nan, 0.2, math.nan, ""))
 
 
 def test_bars_of_the_second_kind_are_hatched_so_grey_tells_them_apart():
@@ -159,6 +159,7 @@ def test_bars_of_the_second_kind_are_hatched_so_grey_tells_them_apart():
     assert "<pattern" in svg
     assert "limit on plain, at 1σ" in texts(svg)
     assert "limit on hatched, at 1σ" not in texts(svg)
+    assert "one name one name one name …" in texts(svg)  # more would leave the bars no room
 
 
 def test_a_persons_matplotlib_settings_change_nothing_and_are_left_alone():

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from app.document.blocks import Table
 from app.document.html import to_html
 from app.examples import example
 from app.report.comparison import difference_tables
@@ -12,7 +13,7 @@ from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.timelines import position_knowledge
 from nav_model import analyse
 from nav_model.design.contributors import read_contributors
-from nav_model.design.own import Own
+from nav_model.design.own import Allotment, Own
 
 _BASE = example("mems_x_band")
 _LEVER_ARM = {
@@ -26,8 +27,13 @@ _OMITTED = "Lever arm, timing, atmosphere"
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
 def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: str) -> None:
     alone = _BASE.replace({"processing.mode": mode})
-    design = alone.replace({}, own=Own(read_contributors([_LEVER_ARM])))
-    said, before = (to_html(report_of([analyse(one)])) for one in (design, alone))
+    design = alone.replace({}, own=Own(read_contributors([_LEVER_ARM]), allocation=Allotment()))
+    report, without = (report_of([analyse(one)]) for one in (design, alone))
+    tables = [each for part in report.chapters[0].sections for each in part.blocks if isinstance(each, Table)]
+    written = [column for each in tables for column in each.columns if column.title in ("Owner", "Source")]
+    assert written
+    assert all(column.width for column in written)  # else a long text leaves the others no room on paper
+    said, before = map(to_html, (report, without))
     assert _OMITTED in before
     assert _OMITTED not in said
     row = re.search(r"<tr>(?:(?!</tr>).)*lever &lt;arm&gt;(?:(?!</tr>).)*mechanics.*?</tr>", said, re.DOTALL)

@@ -207,8 +207,8 @@ def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> Non
 
 def test_a_search_judges_measures_of_the_response_by_the_quadratic_phase() -> None:
     own = read_contributors([LEVER_ARM | {"enters": "quadratic_phase", "value": "1 mm"}])
-    limits = [{"name": name, "on": name, "limit": "1 dB"} for name in ("peak_loss", "pslr")]
-    design = Design(own=Own(own, read_limits([limit | {"name": "my " + limit["name"]} for limit in limits])))
+    limits = [{"name": f"my {name}", "on": name, "limit": "1 dB"} for name in ("peak_loss", "pslr")]
+    design = Design(own=Own(own, read_limits(limits)))
     rows = search(design, catalogue("imu"), {})
     assert {"lever arm", "gyro noise"} <= {row.dominant for row in rows}
     for row in rows:

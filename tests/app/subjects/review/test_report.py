@@ -119,6 +119,9 @@ def test_owners_and_what_changed_between_designs_can_be_seen(tmp_path: Path) -> 
     review = decide(place, review.id, 2, "heading", True, "Bob", "")
     assert (2, "heading") not in review.open_points()
     said = html_of(*owner_tables(review))
+    for block in owner_tables(review):  # what a person writes is given a width, or no room is left on paper
+        for cells in zip(block.columns, *block.rows, strict=True):
+            assert cells[0].width or all(len(cell.text) < 40 for cell in cells[1:])
     assert "<arm>" not in said
     assert "mechanics, radar" in said
     for design in designs:
