@@ -110,8 +110,8 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
     }
     sizes, systematic = _sizes(budget, check)
     for source in locked.keys() - sizes.keys():
-        sources = f"{check.name} has {', '.join(sizes)}" if sizes else f"{check.name} has no source"
-        raise InputError("lock", f"{source!r} is no source here; {sources}.", source)
+        said = f"{source!r} is no source here; {check.label} has {', '.join(sizes) or 'none'}. Remove its lock."
+        raise InputError("lock", said, source)
     target = check.limit * (1 - plan.reserve)
     free = [source for source in sizes if source not in locked]
     square = sum(value**2 for source, value in locked.items() if source not in systematic)

@@ -93,11 +93,12 @@ class Contributors(View):
         """Follow the current budget."""
         own, plan = budget.design.own, budget.design.allocation or Allotment()
         tables = own.tables()
+        limits = tables.get("limits", [])
+        if limits != self._limits.rows:  # one of them may be why a contributor was refused
+            self._contributors.refused = ""
         names = tuple((one.name, f"Contributor {one.name}") for one in own.contributors)
         self._contributors.rows = tables.get("contributors", [])
-        self._limits.param.update(
-            columns=[field._asdict() for field in _limit_fields(names)], rows=tables.get("limits", [])
-        )
+        self._limits.param.update(columns=[field._asdict() for field in _limit_fields(names)], rows=limits)
         self._following = True
         options = {check.label: check.name for check in budget.verdict.checks}
         chosen = self._requirement.value

@@ -160,7 +160,7 @@ def test_what_is_not_there_is_refused_by_name() -> None:
     for requirement in ("yaw", "le90"):
         with pytest.raises(InputError, match="requirement"):
             allocate(_budget(1), requirement)
-    with pytest.raises(InputError, match="lock: 'lever arm' is no source here"):
+    with pytest.raises(InputError, match=r"lock: 'lever arm' is no source here; Tilt has .*Remove its lock"):
         allocate(_budget(1), "tilt", Allotment(locks=(Lock("tilt", "lever arm", 1.0, "angle"),)))
 
 
