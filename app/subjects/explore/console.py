@@ -118,9 +118,12 @@ def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
     entries = dict(catalogue(kind))
     for path in files:
         try:
-            entries |= read_catalogue(read_bytes(path).decode("utf-8-sig"), kind)
+            own = read_catalogue(read_bytes(path).decode("utf-8-sig"), kind)
         except UnicodeDecodeError as error:
             raise InputError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
+        if not own:
+            raise InputError(path, f"has no [[{kind}]] entries")
+        entries |= own
     return entries
 
 

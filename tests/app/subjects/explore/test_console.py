@@ -41,6 +41,8 @@ def test_a_name_from_a_catalogue_is_no_formula(tmp_path, capsys):
     named = [row for row in rows if name in row["imu"]]
     assert {row["imu"] for row in named} == {f"'{name}"}
     assert all(float(row["margin"]) < 0 for row in named)  # a negative number is one
+    assert main(["explore", "search", MEMS, "--receivers", str(own)]) == 2
+    assert "own.toml: has no [[gnss]] entries" in capsys.readouterr().err
 
 
 def test_every_csv_of_ours_marks_what_a_spreadsheet_would_compute():
