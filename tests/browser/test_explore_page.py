@@ -36,7 +36,7 @@ def test_every_question_fits_the_window_and_says_nothing_in_the_console(
         page.get_by_role("button", name=name, exact=True).click()
         settled(page)
         strip = page.get_by_role("status").first
-        page.wait_for_function("e => e.getBoundingClientRect().height > 0", arg=strip.element_handle())
+        expect(strip).to_be_visible()
         assert strip.evaluate("e => e.getBoundingClientRect().top") < 80, name
         assert page.locator(".main-content").evaluate("e => e.scrollHeight - e.clientHeight") <= 1, name
     assert not said

@@ -113,7 +113,7 @@ def test_no_part_of_a_page_is_drawn_over_another(
             page.get_by_role("button", name="Examples").click()
         page.wait_for_function("(name) => location.hash === '#' + name.toLowerCase()", arg=name)
         if name == "Explore":
-            expect(page.get_by_role("table", name="What reduces quadratic phase most")).to_be_visible()
+            expect(page.get_by_role("table", name="What reduces")).to_be_visible()
         else:
             expect(page.locator(".bk-Figure:visible").last).to_be_visible()
         settled(page)
