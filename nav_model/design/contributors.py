@@ -96,9 +96,10 @@ _SOURCES = frozenset(
     for declaration in names.values()
     if isinstance(declaration, BaseQuantity) and declaration.source
 ) | {
-    "initial tilt", "coast before aperture", "vibration", "unsensed motion", "oscillator", "no such source"
+    "initial tilt", "coast before aperture", "vibration", "unsensed motion", "oscillator", "no such source", "total",
+    "along-track",
 }  # fmt: skip
-"""Names that budgets give to sources of the model, in lower case."""
+"""Names that budgets give to sources of the model and to sums of them, in lower case."""
 
 _ALLOWANCE = Quantity(
     default=0.0, dimension="ratio", unit="%", short="", bounds=(0.0, 1e9), label="allowance", variable=False
@@ -176,7 +177,7 @@ class Contributor(Sized):
         if not self.name:
             raise InputError("contributors", "one has no name. Give each a name.")
         if self.name.casefold() in _SOURCES:
-            raise InputError(self.where, "is the name of a source of the model. Choose another name.", self.name)
+            raise InputError(self.where, "is a name that the budget itself uses. Choose another name.", self.name)
         allowed = {"enters": ENTERED, "kind": KINDS, "processing": PROCESSINGS,
                    "dimension": FITTING.get(self.enters, ())}  # fmt: skip
         for key, options in allowed.items():

@@ -175,6 +175,7 @@ def test_the_content_hash_counts_them() -> None:
         ({"allowance": "20 mm"}, "contributors[lever arm].allowance"),
         ({"allowance": "-20 %"}, "contributors[lever arm].allowance"),
         ({"name": "Gyro noise"}, "contributors[Gyro noise]"),
+        ({"name": "total"}, "contributors[total]"),  # a bar of this name would get the limits of the sum
         ({"name": " "}, "contributors[1].name"),
         ({"owner": "two\nlines"}, "contributors[lever arm].owner"),
         ({"colour": "red"}, "contributors[lever arm].colour"),
