@@ -33,7 +33,6 @@ from app.subjects import SUBJECTS
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
-from app.upstream.browser import head_script
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
 from app.upstream.late_session import page_of, sheets_from_here
 from app.upstream.rendering import copy_none, look_at_what_was_given
@@ -193,8 +192,7 @@ def opening_page() -> Callable[[str, bool], str]:
 
     def page(token: str, dark: bool) -> str:
         scheme = '<meta name="color-scheme" content="dark">' if dark else ""  # dark while it loads
-        script = f"<script>{OPENING_SCRIPT}{head_script(token)}</script>"
-        first = f"<head>{_VIEWPORT}{scheme}<style>{OPENING_SHEET}</style>{script}"
+        first = f"<head>{_VIEWPORT}{scheme}<style>{OPENING_SHEET}</style><script>{OPENING_SCRIPT}</script>"
         return light(token).replace("<head>", first, 1)
 
     return page

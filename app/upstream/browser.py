@@ -1,4 +1,4 @@
-"""What is overridden in the browser: the scripts of this folder, by an invisible part of the page or in its head."""
+"""What is overridden in the browser: the scripts of this folder, by an invisible part of the page."""
 
 from pathlib import Path
 
@@ -9,14 +9,6 @@ _SCRIPTS = ("paints", "layouts", "select_keys", "back_button")
 
 def _script(name: str) -> str:
     return Path(__file__).with_name(f"{name}.js").read_text(encoding="utf-8")
-
-
-_HEAD = _script("opening")
-
-
-def head_script(token: str) -> str:
-    """For the head of a page, which is given the token of its session: what must come before the libraries."""
-    return _HEAD.replace("TOKEN", token)
 
 
 class Repairs(PlainScript):

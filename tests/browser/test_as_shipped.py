@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from on_page import IDLE
-from playwright.sync_api import Browser, Page, Route
+from playwright.sync_api import Browser, Page
 from waiting import PATIENCE
 
 _TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
@@ -66,12 +66,6 @@ _REACHED = """() => {
   return reached
 }"""
 
-# For each connection that a page opens: how far the page was.
-_CONNECTIONS = """window.connections = []
-window.WebSocket = class extends WebSocket {
-  constructor(...asked) { super(...asked); connections.push(document.readyState) }
-}"""
-
 
 @pytest.fixture(scope="module")
 def shipped(browser: Browser) -> Iterator[Page]:
@@ -80,7 +74,6 @@ def shipped(browser: Browser) -> Iterator[Page]:
     with subprocess.Popen([sys.executable, str(program)], stdout=subprocess.PIPE, text=True) as process:
         page = browser.new_page()
         page.set_default_timeout(1e3 * PATIENCE)
-        page.add_init_script(_CONNECTIONS)
         page.goto(f"http://127.0.0.1:{int(process.stdout.readline())}/")
         page.wait_for_function(IDLE)
         page.get_by_role("combobox", name="choice").wait_for()
@@ -130,18 +123,3 @@ def test_a_sheet_is_written_again_with_the_same_text_and_a_paint_asks_for_comput
     assert shipped.evaluate(_REWRITE)
     as_shipped, without = shipped.evaluate(_ASKED)
     assert as_shipped > 2 * without > 0
-
-
-def test_a_page_connects_when_all_has_run_and_ours_while_a_library_is_still_to_come(
-    shipped: Page, page: Page, server: str
-) -> None:
-    [reached] = shipped.evaluate("() => connections")
-    assert reached in {"interactive", "complete"}
-    late: list[Route] = []
-    page.add_init_script(_CONNECTIONS)
-    page.route("**/bokeh-tables.min.js*", lambda route: late.append(route))
-    with page.expect_event("websocket", timeout=1e3 * PATIENCE):
-        page.goto(server, wait_until="commit")
-    late.pop().continue_()
-    page.wait_for_function(IDLE, timeout=1e3 * PATIENCE)
-    assert page.evaluate("() => connections") == ["loading"]
