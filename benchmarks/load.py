@@ -81,8 +81,7 @@ class Visitor(Tab):
 
     async def settle(self, kind: Kind) -> None:
         """Wait until the page has all that a step changes."""
-        for name in kind.data:
-            await self.until(name=name)
+        await self._arrived(set(kind.data) - {model["attributes"].get("name") for model in self.objects})
         self.kind = kind
         if kind is PRODUCT:
             self.start = float(self.row(kind.slider)[1]["place"])
@@ -97,6 +96,19 @@ class Visitor(Tab):
         self.newest: float | None = None  # the place that is sent when it has
         self.steps = 0
         self.heard = self._hear
+
+    async def _arrived(self, late: set[str]) -> None:
+        """Wait for the models of these names, which come after the document: a browser asks for that only once."""
+        there = asyncio.Event()
+
+        def hear(content: str) -> None:
+            late.difference_update([name for name in late if f'"name":"{name}"' in content])
+            if not late:
+                there.set()
+
+        self.heard = hear
+        hear("")
+        await asyncio.wait_for(there.wait(), 120)
 
     async def press(self, due: float) -> None:
         """Move the slider to the next place: the browser sends the newest when the last has been answered."""
