@@ -15,6 +15,7 @@ from app.charts.screen.maps import MapFigure
 from app.declared import held
 from app.document.blocks import Answer
 from app.document.pane import html_of
+from app.document.wording import box_text
 from app.session import Session
 from app.subjects.explore.charts import sweep_chart
 from app.subjects.explore.question import Question
@@ -33,6 +34,7 @@ from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.parts import labelled
+from nav_model.explore.margins import quantity
 from nav_model.explore.sweep import Column, to_csv, to_parquet, whole_sweep
 from nav_model.explore.sweep_plan import Plan, parse_plan
 
@@ -163,7 +165,7 @@ class SweepPanel(Question):
             hint = "An example is set: press Run sweep, or choose other inputs and ranges."
             self.answer = Answer("Sweep", "open", (hint,))
         else:
-            stale = self._plan is None or self._plan.identity != swept.plan.identity
+            stale = self._plan is None or _asked(self._plan) != _asked(swept.plan)
             self.answer = sweep_answer(swept.plan, swept.columns, stale)
 
     def _take(self, row: str) -> None:
@@ -172,10 +174,21 @@ class SweepPanel(Question):
         if swept is not None:
             changes: dict[str, Any] = {}
             for axis, place in zip(swept.plan.axes, swept.plan.indices(int(row), int(row) + 1), strict=True):
-                changes |= axis.changes[int(place[0])]
+                change = axis.changes[int(place[0])]
+                if _is_range(axis.shown):  # rounded to four digits, so that its box shows no more
+                    text = box_text(self.session.design, axis.key, change[axis.key])
+                    change = {axis.key: quantity(axis.key).read(text).value}
+                changes |= change
             problem = self.session.change(changes)
             if problem:
                 self._say(str(problem), alert=True)
+
+
+def _asked(plan: Plan) -> tuple[Any, ...]:
+    """What decides the output of a plan: what the design has of a varied input does not."""
+    varied = {key for axis in plan.axes for change in axis.changes for key in change}
+    kept = {key: value for key, value in plan.design.items() if key not in varied}
+    return kept, plan.design.own.identity(), plan.axes
 
 
 def _is_range(values: tuple[Any, ...]) -> bool:

@@ -5,12 +5,12 @@ import io
 import re
 from typing import Any
 
-import numpy as np
 import panel as pn
 import pyarrow.parquet
 import pytest
 from waiting import soon
 
+from app.document.wording import entered
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.explore.page import ExplorePage
@@ -302,11 +302,14 @@ async def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) 
     passing = margins[margins >= 0]
     assert len(passing) == sum(columns["closes"])
     assert margins.tolist() == [*sorted(passing), *sorted(margins[margins < 0], reverse=True)]
-    best = int(np.argmax(1 - sweep_ratios(columns)))
-    sweep._table._handle_msg(str(best))
+    sweep._table._handle_msg("7")
     taken = explore.session.design
-    assert taken.imu.angle_random_walk == pytest.approx(columns["imu.angle_random_walk"][best])
-    assert "earlier sweep or design" in sweep.answer.sentences[0]  # the design is another now
+    assert taken.imu.angle_random_walk == pytest.approx(columns["imu.angle_random_walk"][7], rel=5e-4)
+    assert entered(taken, "imu.angle_random_walk") == "0.03162 °/√h"  # 10 to the power of -1.5
+    said = "earlier sweep or design"
+    assert said not in sweep.answer.sentences[0]  # the sweep is the same from each of its designs
+    explore.session.change({"flight.speed": 2 * taken.flight.speed})
+    assert said in sweep.answer.sentences[0]
     parquet = pyarrow.parquet.read_table(io.BytesIO(to_parquet(columns)))
     table = list(csv.DictReader(io.StringIO(to_csv(columns).decode())))
     assert parquet.column_names == list(table[0])
