@@ -77,27 +77,35 @@ def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit:
 
 
 _GROUND = "() => getComputedStyle(document.body).backgroundColor"
-_CANVAS = """() => [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure")
-  .map(figure => figure.border_fill_color)"""
+_CANVAS = """() => {
+  const figures = [...Bokeh.documents[0]._all_models.values()].filter(m => m.type === "Figure")
+  return figures.length && figures.map(figure => figure.border_fill_color)  // they come after the first screen
+}"""
+
+
+def _canvas(page: Page) -> list[str]:
+    """Colours behind the figures, once there are some."""
+    found: list[str] = page.wait_for_function(_CANVAS).json_value()
+    return found
 
 
 @pytest.mark.slow
 def test_a_page_in_dark_stays_dark(visit: Visit, settled: Callable[[Page], None]) -> None:
     page = visit()
-    light, on_light = page.evaluate(_GROUND), page.evaluate(_CANVAS)
+    light, on_light = page.evaluate(_GROUND), _canvas(page)
     page.get_by_role("button", name="Toggle theme").click()
     page.wait_for_function(f"(before) => ({_GROUND})() !== before", arg=light)
     page.wait_for_function("() => document.cookie.includes('navbudget-theme=dark')")
     page.wait_for_function(f"(light) => ({_CANVAS})().every(colour => !light.includes(colour))", arg=on_light)
     settled(page)
-    dark, on_dark = page.evaluate(_GROUND), page.evaluate(_CANVAS)
+    dark, on_dark = page.evaluate(_GROUND), _canvas(page)
     page = visit()
     settled(page)
     assert page.evaluate(_GROUND) == dark
-    assert set(page.evaluate(_CANVAS)) == set(on_dark)
+    assert set(_canvas(page)) == set(on_dark)
     page.get_by_role("button", name="Toggle theme").click()
     page.wait_for_function("() => document.cookie.includes('navbudget-theme=light')")
     page = visit()
     settled(page)
     assert page.evaluate(_GROUND) == light
-    assert set(page.evaluate(_CANVAS)) == set(on_light)
+    assert set(_canvas(page)) == set(on_light)

@@ -125,5 +125,5 @@ def test_the_simulator_flies_and_is_cancelled(visit: Visit) -> None:
     expect(page.get_by_text("Cancelled: ")).to_be_visible()
     run.press("Enter")
     expect(page.get_by_text(f"{_MATCH} 50 flights of the simulator, seed 0.")).to_be_visible()
-    page.get_by_role("button", name="Parts of the error, impulse response in figures").click()
+    page.get_by_role("button", name="Parts of the error, impulse response in numbers").click()
     expect(page.get_by_text("Simulator and error model compared")).to_be_visible()
