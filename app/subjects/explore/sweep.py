@@ -174,11 +174,10 @@ class SweepPanel(Question):
         if swept is not None:
             changes: dict[str, Any] = {}
             for axis, place in zip(swept.plan.axes, swept.plan.indices(int(row), int(row) + 1), strict=True):
-                change = axis.changes[int(place[0])]
-                if _is_range(axis.shown):  # rounded to four digits, so that its box shows no more
-                    text = box_text(self.session.design, axis.key, change[axis.key])
-                    change = {axis.key: quantity(axis.key).read(text).value}
-                changes |= change
+                changes |= axis.changes[int(place[0])]
+                if isinstance(value := changes[axis.key], float):  # four digits, so that its box shows no more
+                    text = box_text(self.session.design, axis.key, value)
+                    changes[axis.key] = quantity(axis.key).read(text).value
             problem = self.session.change(changes)
             if problem:
                 self._say(str(problem), alert=True)

@@ -337,3 +337,5 @@ async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> Non
     for name, ratio in zip(columns["imu.preset"], sweep_ratios(columns), strict=True):
         fill = preset_fill("imu", name)[0]
         assert 1 - ratio == pytest.approx(analyse(first_design().replace(fill)).verdict.tightest.margin, rel=1e-9)
+    sweep._table._handle_msg("0")
+    assert explore.session.design.imu.preset == "LN-200"
