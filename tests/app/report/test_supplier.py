@@ -12,6 +12,8 @@ from app.cli import main
 from app.examples import example
 from nav_model.explore.supplier import required
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize(("unit", "said"), [("imu", "Angle random walk"), ("gnss", "Position noise")])
 def test_a_sheet_is_one_page_with_values_test_and_sources(tmp_path: Path, unit: str, said: str) -> None:

@@ -7,11 +7,14 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import pytest
 from open_page import Tab
 from waiting import PATIENCE, until
 
 from app.serving.address import SharedSocket
 from app.serving.board import Board, Row
+
+pytestmark = pytest.mark.long
 
 _CODE = """
 import resource, sys

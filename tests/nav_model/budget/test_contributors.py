@@ -98,6 +98,7 @@ def _random_set(draw: random.Random) -> list[Contributor]:
     return found
 
 
+@pytest.mark.long
 def test_random_sets_agree_with_the_sum_written_out() -> None:
     draw = random.Random(29)
     for number in range(500):

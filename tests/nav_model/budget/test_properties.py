@@ -45,6 +45,7 @@ def random_values(rng):
     return values
 
 
+@pytest.mark.long
 def test_post_processed_is_never_worse_than_real_time():
     """300 designs, but for what real time leaves out and says: that velocity fixes are rarer than those of position,
     the growth of the along-track velocity in the aperture, where there is a caution, and, in steady state, fixes
@@ -92,6 +93,7 @@ def more_errors(rng, design):
     yield "an oscillator", {"oscillator.phase_noise": NOISE}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("smoothed", [False, True])
 def test_no_added_error_makes_a_figure_smaller(smoothed):
     """To 1e-4, by which the closed form and the filter that is sampled may differ in what a slow error adds."""

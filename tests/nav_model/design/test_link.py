@@ -12,6 +12,7 @@ from nav_model.design import Design
 from nav_model.design.link import from_query, to_query
 
 
+@pytest.mark.long
 @settings(max_examples=60)
 @given(any_design())
 def test_round_trip(design: Design) -> None:

@@ -36,6 +36,7 @@ def test_every_solved_value_of_a_figure_without_steps_is_at_its_limit(data, desi
                 assert around[0] <= 1 <= around[1]
 
 
+@pytest.mark.long
 @settings(max_examples=4)
 @given(data=st.data(), leg=st.floats(2.0, 60.0), mode=st.sampled_from(["real time", "post-processed"]))
 def test_every_solved_value_put_back_meets_its_limit_where_figures_step_too(data, designs, leg, mode):

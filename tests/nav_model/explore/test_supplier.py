@@ -91,6 +91,7 @@ def log(factor: float, axes: int = 3) -> ImuLog:
     return ImuLog(gyro, accelerometer, rate)
 
 
+@pytest.mark.long
 def test_a_log_well_below_passes_and_one_above_fails_on_every_axis() -> None:
     lines = required(DESIGN, "imu")
     quiet, loud = (judge_log(lines, analyse_log(log(factor))) for factor in (0.85, 1.1))

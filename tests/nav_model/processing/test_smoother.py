@@ -96,6 +96,7 @@ def test_batch_least_squares(kind, ratio, compared):
              "largest difference of a correlation")  # fmt: skip
 
 
+@pytest.mark.long
 def test_intervals_that_do_not_divide():
     """Everyday receivers, with their own intervals: half of them within 0.5 %, phase within 5 %, velocity 10 %."""
     rng, off, phase = np.random.default_rng(5), [], []

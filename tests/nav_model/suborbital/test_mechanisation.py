@@ -107,6 +107,7 @@ def flown_in_local_axes(flight: TrueFlight, model: str, used: np.ndarray) -> np.
     return np.array(found)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("gravity", "aided"), [("spherical", False), ("j2", True), ("ellipsoidal", False)])
 def test_a_mechanisation_in_local_axes_agrees(gravity, aided, compared):
     """[B-2] against [B-3] with all errors: better than 1e-2 m over the flight, with and without camera."""

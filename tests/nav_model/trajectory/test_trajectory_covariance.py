@@ -74,6 +74,7 @@ def test_a_filter_that_knows_its_errors_is_that_of_the_simulator(options: dict[s
     np.testing.assert_allclose(states(found.real_time), own, rtol=2e-3)
 
 
+@pytest.mark.long
 def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
     """[S-5], [P-5] and their shares: to one part in a hundred, where a fix comes at the aperture's start."""
     for design in (MEMS, TACTICAL, FAST, SHAKEN):
@@ -112,6 +113,7 @@ def same_shares(sources: tuple[str, ...], mine: np.ndarray, other: Mapping[str, 
     np.testing.assert_allclose(mine, [other.get(source, 0.0) for source in sources], rtol=0, atol=0.01)
 
 
+@pytest.mark.long
 def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
     """[T-8], and [S-5] where fixes are so dense that the filter is the continuous one of the closed form."""
     for design in (TACTICAL, DENSE):
@@ -213,6 +215,7 @@ def test_beyond_the_bank_limit_no_fix_is_used() -> None:
     assert found.real_time.position[beyond, 0].max() > 1.5 * along(MEMS).real_time.position[100, 0]
 
 
+@pytest.mark.long
 def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
     """For as long as one solution lasts, the flight is that of a receiver with its noise; then it recovers."""
 
@@ -233,6 +236,7 @@ def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
     np.testing.assert_allclose(np.sqrt(fix[at]), [1.0, code, code, floating, floating, 1.0])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("runs", [60, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "receiver",
