@@ -50,6 +50,8 @@ async def test_pages_that_an_address_has_left_do_not_keep_it_or_others_out(servi
         tokens = [await asyncio.to_thread(served.token) for _ in range(2)]
         for token in tokens:
             await served.hang_up(await served.enter(token))
+        # The server hears of it in its own time; whoever only looks at the page takes no place.
+        await asyncio.to_thread(until, lambda: served.ask("/")[0] == 200, "word of the pages that were left")
         third = await served.enter()
         kept = await served.enter(tokens[1])  # the older one gave way
         assert (await asyncio.to_thread(served.ask, "/"))[0] == 503  # and nobody does who is there
