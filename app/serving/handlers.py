@@ -204,7 +204,6 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
         _connections.add(self)
         super().open(*arguments, **options)
         if self.ws_connection is not None and self.ws_connection.stream is not None:
-            self.set_nodelay(True)  # a message is many writes: none waits for word of the one before
             _here.keep(self.ws_connection.stream.socket)
 
     def hung_up(self) -> bool:

@@ -33,7 +33,7 @@ from app.subjects import SUBJECTS
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
-from app.upstream.connection import keep_first_changes, send_in_order
+from app.upstream.connection import keep_first_changes, send_in_order, write_once
 from app.upstream.late_session import page_of, sheets_from_here
 from app.upstream.rendering import copy_none, look_at_what_was_given
 from app.upstream.requests import ask_first, believe_proxies_only, let_nobody_new_in, listen_on, read_any_address
@@ -131,6 +131,7 @@ def serve_on(
     settings.simple_ids = True  # as it is unless said; said, it is not looked up anew for each id
     settings.perform_document_validation = False  # warns of empty layouts, at each look at a document
     send_in_order()
+    write_once()
     keep_first_changes()
     read_any_address()
     look_at_what_was_given()

@@ -3,7 +3,7 @@
 Bokeh (3.9) puts a change into words at once but writes it when the event that made it has been dealt with; Panel
 (1.9.4) writes at once where the connection is free, and otherwise puts the change into a queue that it looks at every
 10 ms. Here every change takes its place in the connection's own line when it is put into words. Changes made right
-after the page was sent are kept.
+after the page was sent are kept, a message is one write, and a page that is closed meanwhile is no error.
 
 A connection lost at a ping closes without an error, and errors are sent without a traceback, which would reveal paths
 and versions: each class here is a part of the connection's handler.
@@ -13,6 +13,7 @@ Reports to send upstream, versions and ends: docs/upstream/connection.md
 
 import asyncio
 import functools
+import json
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
@@ -22,9 +23,10 @@ from weakref import WeakSet
 import panel.io.document as panel_document
 from bokeh.document import Document
 from bokeh.document.events import DocumentPatchedEvent
+from bokeh.protocol.message import Message
 from bokeh.server.connection import ServerConnection
 from panel.io.server import WSHandler
-from tornado.websocket import WebSocketClosedError
+from tornado.iostream import StreamClosedError
 
 _under_way: set[asyncio.Task[None]] = set()  # the loop itself keeps no task alive
 
@@ -39,7 +41,7 @@ def _in_line(connection: Any, events: list[DocumentPatchedEvent]) -> asyncio.Tas
 
 
 async def _write(connection: Any, message: Any, turn: Any) -> None:
-    with await turn, suppress(WebSocketClosedError):  # a page that is closed meanwhile is no error
+    with await turn:
         await asyncio.gather(*panel_document.dispatch_tornado(connection, msg=message))
 
 
@@ -91,6 +93,64 @@ def _collected(document: Document, lock: threading.Lock) -> list[Any]:
 def keep_first_changes() -> None:
     """Install the override; the server calls it once, before it serves."""
     panel_document._drain_unconnected_events = _collected
+
+
+_TEXT, _BINARY = 0x1, 0x2  # kinds of frame, RFC 6455 section 5.2
+
+
+def _frame(kind: int, data: bytes) -> bytes:
+    """A whole message of a server, not compressed (RFC 6455 section 5.2; RFC 7692 leaves that open for each)."""
+    size = len(data)
+    if size < 126:
+        length = bytes([size])
+    elif size < 1 << 16:
+        length = b"\x7e" + size.to_bytes(2, "big")
+    else:
+        length = b"\x7f" + size.to_bytes(8, "big")
+    return bytes([0x80 | kind]) + length + data
+
+
+def _dispatch(connection: Any, events: Sequence[Any] | None = None, msg: Any = None) -> Sequence[asyncio.Task[None]]:
+    """As Panel's ``dispatch_tornado``: begin to write a message; what comes back is done when it is written."""
+    websocket = connection._socket.ws_connection
+    if websocket is None or websocket.is_closing() or not (events or msg):
+        return []
+    whole = _whole(msg or connection.protocol.create("PATCH-DOC", events))
+    try:
+        return [asyncio.ensure_future(_written(websocket.stream.write(whole)))]
+    except StreamClosedError:
+        return []
+
+
+def _whole(message: Any) -> bytes:
+    """Every frame of a message, one after the other."""
+    texts = (message.header_json, message.metadata_json, message.content_json)
+    frames = [_frame(_TEXT, text.encode()) for text in texts]
+    for buffer in message._buffers:
+        frames += _frame(_TEXT, json.dumps(buffer.ref).encode()), _frame(_BINARY, bytes(buffer.to_bytes()))
+    return b"".join(frames)
+
+
+async def _answer(message: Any, socket: Any) -> int:
+    """As Bokeh's ``Message.send``: write what answers a message of the page; its bytes."""
+    whole = _whole(message)
+    with await socket.write_lock.acquire():
+        websocket = socket.ws_connection
+        if websocket is not None and not websocket.is_closing():
+            with suppress(StreamClosedError):
+                await websocket.stream.write(whole)
+    return len(whole)
+
+
+async def _written(outcome: asyncio.Future[None]) -> None:
+    with suppress(StreamClosedError):
+        await outcome
+
+
+def write_once() -> None:
+    """Install the override; the server calls it once, before it serves."""
+    panel_document.dispatch_tornado = _dispatch
+    Message.send = _answer
 
 
 class LostConnection(WSHandler):
