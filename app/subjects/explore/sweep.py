@@ -165,7 +165,7 @@ class SweepPanel(Question):
             hint = "An example is set: press Run sweep, or choose other inputs and ranges."
             self.answer = Answer("Sweep", "open", (hint,))
         else:
-            stale = self._plan is None or _asked(self._plan) != _asked(swept.plan)
+            stale = self._plan is None or self._plan.identity != swept.plan.identity
             self.answer = sweep_answer(swept.plan, swept.columns, stale)
 
     def _take(self, row: str) -> None:
@@ -181,13 +181,6 @@ class SweepPanel(Question):
             problem = self.session.change(changes)
             if problem:
                 self._say(str(problem), alert=True)
-
-
-def _asked(plan: Plan) -> tuple[Any, ...]:
-    """What decides the output of a plan: what the design has of a varied input does not."""
-    varied = {key for axis in plan.axes for change in axis.changes for key in change}
-    kept = {key: value for key, value in plan.design.items() if key not in varied}
-    return kept, plan.design.own.identity(), plan.axes
 
 
 def _is_range(values: tuple[Any, ...]) -> bool:
