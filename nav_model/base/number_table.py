@@ -1,0 +1,303 @@
+"""Columns of numbers from a table in a text file: only those that are asked for are read.
+
+NumPy's parser reads whole pieces of text; a piece that it refuses is read field by field, which takes empty fields,
+dates and decimal commas, and finds the first thing that is wrong. (pandas reads as fast, but takes 90 MB to load.)
+"""
+
+import csv
+import io
+import math
+import re
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError, shown
+from nav_model.base.file_kind import text_encoding
+
+_PIECE = 1_000_000  # characters
+_MOST_COLUMNS = 1000
+_HEAD_LINES = 200
+_SAMPLE_LINES = 50
+_LONGEST_LINE = 100_000
+_EMPTY = frozenset(("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "nat"))
+_TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2}):(\d\d):(\d\d(?:[.,]\d*)?)")
+_COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
+_WHOLE = re.compile(r"\s*[-+]?\d+\s*")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Values (rows, columns), NaN where a field is empty; the line of the file that each row is in.
+
+    `cut`: the last line ends too early, as where a recording was broken off, and was left out.
+    """
+
+    values: Array
+    lines: NDArray[np.int32]
+    cut: bool
+
+
+@dataclass(frozen=True)
+class NumberTable:
+    """A table whose rows are not read yet.
+
+    Attributes
+    ----------
+    headers : tuple of tuple of str
+        Lines above the first row that have a text for each column, the nearest first.
+    comments : tuple of str
+        All lines above the first row.
+    width : int
+        Number of columns.
+    ends_open : bool
+        Whether rows end with a delimiter, after which no column comes.
+    """
+
+    file_name: str
+    headers: tuple[tuple[str, ...], ...]
+    comments: tuple[str, ...]
+    width: int
+    delimiter: str | None
+    ends_open: bool
+    encoding: str
+    content: bytes = field(repr=False)
+
+    def columns(self, places: Sequence[int], most_rows: int, most_bytes: int, times: Collection[int] = ()) -> Columns:
+        """The columns at `places`, counted from zero; a field of those in `times` may be a date or a time of day [s].
+
+        Raises
+        ------
+        InputError
+            Under the file's name, with line and column: text or an infinity where a number belongs, another number of
+            fields than in the rows before, decimal commas beside decimal points, more than `most_rows` rows, or more
+            than `most_bytes` of numbers.
+        """
+        allowed = min(most_rows, most_bytes // (8 * max(1, len(places))))
+        possible = max(self.content.count(b"\n"), self.content.count(b"\r")) + 1
+        values = np.empty((min(allowed, possible), len(places)))
+        line_of = np.empty(len(values), dtype=np.int32)
+        text = _text(self.content, self.encoding)
+        for _ in self.comments:
+            text.readline()
+        rows, line, cut = 0, len(self.comments) + 1, False
+        following = self._piece(text)
+        while piece := following:
+            following = self._piece(text)
+            count = piece.count("\n") + (not piece.endswith("\n"))
+            block, offsets = self._at_once(piece, count, places), np.arange(count, dtype=np.int32)
+            if block is None:
+                block, offsets, cut = self._by_field(piece, line, places, times, last=not following)
+            if rows + len(block) > allowed:
+                if allowed == most_rows:
+                    raise InputError(self.file_name, f"The file has more than {most_rows} rows. Cut it.")
+                raise InputError(
+                    self.file_name, f"More than {most_bytes / 1e6:.0f} MB of numbers. Leave out columns."
+                )
+            values[rows : rows + len(block)] = block
+            line_of[rows : rows + len(block)] = line + offsets
+            rows, line = rows + len(block), line + count
+        return Columns(values[:rows], line_of[:rows], cut)
+
+    def _piece(self, text: io.TextIOWrapper) -> str:
+        """The next million characters, to the end of a line."""
+        piece = text.read(_PIECE)
+        end = text.readline(_LONGEST_LINE)
+        if len(end) == _LONGEST_LINE:
+            raise InputError(self.file_name, f"A line is longer than {_LONGEST_LINE} characters. This is no table.")
+        return piece + end
+
+    def _at_once(self, piece: str, count: int, places: Sequence[int]) -> Array | None:
+        """The rows by NumPy's parser; None where it does not know a field, or lines differ in their fields."""
+        if self.delimiter != "," and "," in piece:
+            if "." in piece:
+                return None
+            piece = piece.replace(",", ".")
+        # Asked for some columns, the parser does not count the others, but text among them does no harm.
+        some = self.delimiter is not None
+        if some and piece.count(self.delimiter or "") != count * (self.width - 1 + self.ends_open):
+            return None
+        try:
+            block = np.loadtxt(
+                io.StringIO(piece), delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, dtype=np.float64,
+                usecols=places if some else None,
+            )  # fmt: skip
+        except ValueError:
+            return None
+        if not some:
+            if block.shape[1] != self.width:
+                return None
+            block = block[:, places]
+        return None if len(block) != count or np.isinf(block).any() else block
+
+    def _by_field(
+        self, piece: str, first: int, places: Sequence[int], times: Collection[int], *, last: bool
+    ) -> tuple[Array, NDArray[np.int32], bool]:
+        """The rows one field at a time, the lines they are in, and whether the last line ends too early."""
+        lines = [(at, line) for at, line in enumerate(piece.split("\n")) if line.strip() and line[0] not in "#%"]
+        offsets = np.array([at for at, _ in lines], dtype=np.int32)
+        block, marks = np.empty((len(lines), len(places))), dict[str, str]()
+        for row, (at, line) in enumerate(lines):
+            fields, where = _fields(line, self.delimiter), f"line {first + at}"
+            if len(fields) == self.width + 1 and self.ends_open and not fields[-1]:
+                fields.pop()
+            if len(fields) != self.width:
+                if last and row == len(lines) - 1 and len(fields) < self.width:
+                    return block[:row], offsets[:row], True
+                raise InputError(self.file_name, f"{where}: {len(fields)} columns, {self.width} in the lines before")
+            for column, place in enumerate(places):
+                text = fields[place]
+                try:
+                    value = _number(text, self.delimiter, marks, where)
+                except ValueError:
+                    value = _seconds(text) if place in times else math.nan
+                    if math.isnan(value):
+                        raise InputError(
+                            self.file_name, f"{where}, column {place + 1}: {shown(text)} is not a number"
+                        ) from None
+                if math.isinf(value):
+                    raise InputError(self.file_name, f"{where}, column {place + 1}: {shown(text)} is not finite")
+                block[row, column] = value
+            if len(marks) == 2:
+                raise InputError(
+                    self.file_name, f"{marks[',']}: a decimal comma, but {marks['.']} has a decimal point."
+                )
+        return block, offsets, False
+
+
+def open_table(content: bytes, file_name: str) -> NumberTable:
+    """The table of a text file: UTF-8, UTF-16 or Windows-1252, between commas, semicolons, tabs or blanks.
+
+    Lines above the first row, and lines that begin with # or %, are comments. Between anything but commas, a comma
+    may be a decimal comma.
+
+    Raises
+    ------
+    InputError
+        Under the file's name: it is no text, holds no numbers, has very long lines or more than 1000 columns, or has
+        decimal commas between commas.
+    """
+    encoding = text_encoding(content)
+    if encoding is None:
+        raise InputError(file_name, "The file is not text.")
+    text = _text(content, encoding)
+    head: list[str] = []
+    while len(head) < _HEAD_LINES + _SAMPLE_LINES and (line := text.readline(_LONGEST_LINE)):
+        if len(line) >= _LONGEST_LINE:
+            raise InputError(file_name, f"Line {len(head) + 1} is longer than {_LONGEST_LINE} characters.")
+        head.append(line)
+    # What most of the last lines look like is a row; the first line like it is the first row.
+    layouts = [(_delimiter(line), line) for line in head if line.strip() and line[0] not in "#%"]
+    shapes = [(delimiter, len(_fields(line, delimiter))) for delimiter, line in layouts[-5:]]
+    (delimiter, width), _ = Counter(shapes).most_common(1)[0] if shapes else ((None, 0), 0)
+    amounts = [_numeric(_fields(line, mark)) for mark, line in layouts[-5:] if len(_fields(line, mark)) == width]
+    if not any(amounts):
+        said = f"The first {len(head)} lines hold no numbers" if len(head) > _HEAD_LINES else "No numbers found"
+        raise InputError(file_name, f"{said}. This is not a table.")
+    if width > _MOST_COLUMNS:
+        raise InputError(file_name, f"{width} columns; a table has at most {_MOST_COLUMNS}.")
+    first = next(
+        at for at, line in enumerate(head)
+        if line.strip() and line[0] not in "#%" and len(cells := _fields(line, delimiter)) == width
+        and 2 * _numeric(cells) > max(amounts)
+    )  # fmt: skip
+    headers = _headers(head[:first], delimiter, width)
+    # A delimiter at the end of every row parts nothing, unless there is a name for what comes after it.
+    ends_open = (
+        not headers and width > 1 and not any(_fields(line, delimiter)[-1].strip() for _, line in layouts[-5:])
+    )
+    if ends_open:
+        width -= 1
+        headers = _headers(head[:first], delimiter, width)
+    if delimiter == "," and not headers:
+        _refuse_commas(head[first], head[:first], file_name, first + 1)
+    return NumberTable(file_name, headers, tuple(head[:first]), width, delimiter, ends_open, encoding, content)
+
+
+def _text(content: bytes, encoding: str) -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BytesIO(content), encoding=encoding, errors="replace", newline=None)
+
+
+def _delimiter(line: str) -> str | None:
+    """The mark between the fields of a row; None: blanks."""
+    mark = next((mark for mark in ";\t," if mark in line), None)
+    words = line.split()
+    if mark == "," and len(words) > 1 and all(map(_COMMA_NUMBER.fullmatch, words)):
+        return None  # decimal commas between blanks
+    return mark
+
+
+def _fields(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is None:
+        return line.split()
+    line = line.rstrip("\r\n ") if delimiter == "\t" else line.strip()
+    return next(csv.reader([line], delimiter=delimiter), []) if '"' in line else line.split(delimiter)
+
+
+def _numeric(fields: list[str]) -> int:
+    """How many of them are numbers, with a point or a comma."""
+    return sum(1 for text in fields if _is_number(text.replace(",", ".")))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[tuple[str, ...], ...]:
+    """Of each line above the rows, the nearest first, a text for each column; none of those with more, fewer, or only
+    numbers."""
+    headers = []
+    for line in reversed(lines):
+        bare = line.strip().lstrip("#%/").strip()
+        glued = re.sub(r"\s+(?=[\[(])", "", bare)  # a blank before a unit parts nothing
+        for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
+            names = tuple(name.strip() for name in _fields((bare if mark else glued).rstrip(mark), mark))
+            if len(names) == width and not all(map(_is_number, names)):
+                headers.append(names)
+                break
+    return tuple(headers)
+
+
+def _refuse_commas(row: str, above: list[str], file_name: str, line: int) -> None:
+    """Refuse decimal commas between commas: whole numbers only, up to twice as many as there are names."""
+    count, fields = len(above[-1].split(",")) if above else 0, row.split(",")
+    if 1 < count < len(fields) <= 2 * count and all(map(_WHOLE.fullmatch, fields)):
+        raise InputError(
+            file_name,
+            f"line {line}: {len(fields)} numbers under {count} names. These are decimal commas between commas. Write "
+            "the file with semicolons or tabs between the columns, or with decimal points.",
+        )
+
+
+def _number(text: str, delimiter: str | None, marks: dict[str, str], where: str) -> float:
+    """A field as a number, NaN where it is empty, with its decimal mark into `marks`. ValueError: it is neither."""
+    if delimiter != "," and _COMMA_NUMBER.fullmatch(text):
+        marks.setdefault(",", where)
+        return float(text.replace(",", "."))
+    if text.strip().lower() in _EMPTY:
+        return math.nan
+    value = float(text.replace("_", "x"))  # Python's own digits may be parted by it
+    if "." in text:
+        marks.setdefault(".", where)
+    return value
+
+
+def _seconds(text: str) -> float:
+    """Seconds of a date with a time, or of a time of day; NaN: neither."""
+    try:
+        moment = datetime.fromisoformat(text.strip().replace(",", "."))
+        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+    except ValueError:
+        match = _TIME_OF_DAY.fullmatch(text.strip())
+    if match is None:
+        return math.nan
+    return int(match[1]) * 3600.0 + int(match[2]) * 60.0 + float(match[3].replace(",", "."))
