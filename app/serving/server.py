@@ -34,7 +34,7 @@ from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
-from app.upstream.late_session import page_of, sheets_from_here
+from app.upstream.late_session import page_of, sheets_from_here, visitor
 from app.upstream.rendering import copy_none, look_at_what_was_given
 from app.upstream.requests import ask_first, believe_proxies_only, let_nobody_new_in, listen_on, read_any_address
 from app.work import pool as workers
@@ -139,7 +139,7 @@ def serve_on(
     believe_proxies_only()
     for name in COMPONENTS:
         import_module(name)
-    workers.use(rules.workers, row.board.processes, partial(set_up, rules.log))
+    workers.use(rules.workers, row.board.processes, partial(set_up, rules.log), visitor)
     began, collector, loaded = time.monotonic(), Collector(), asyncio.Event()
     listen_on(listening, port)
     access = provider_of(rules)

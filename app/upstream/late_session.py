@@ -70,3 +70,11 @@ def connecting_cookies() -> dict[str, str]:
         return {}
     connecting = context.request._request  # what the proxy with the token's cookies stands for
     return {name: morsel.value for name, morsel in connecting.cookies.items()}
+
+
+def visitor() -> str:
+    """Who uses the page that asks: the person who logged in, else the address; empty outside a page."""
+    context = pn.state.curdoc.session_context if pn.state.curdoc else None
+    if context is None or context.request is None:
+        return ""
+    return pn.state.user or str(context.request._request.remote_ip)

@@ -6,6 +6,7 @@ its run and stayed small waits for the next, with all that it has loaded; there 
 
 import asyncio
 import logging
+import math
 import multiprocessing
 import os
 import sys
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from app.work import pool as workers
+from app.work.turns import Turns
 from nav_model.base.errors import InputError
 from nav_model.base.processes import end_with_parent
 
@@ -32,20 +34,21 @@ class RunLost(Exception):
 async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Callable[[float, str], None]) -> Any:
     """Run an importable function in a process beside the pages; cancelling the task ends that process at once.
 
-    function is called with ``progress=`` a function of the share done and of what is being done, which reaches
-    `progress` here.
+    It begins when it is the turn of the visitor who asks. function is called with ``progress=`` a function of the
+    share done and of what is being done, which reaches `progress` here.
 
     Raises
     ------
     ValueError
-        As the function raises it, an InputError with its key: the message is for the person.
+        As the function raises it or an ArithmeticError, an InputError with its key: the message is for the person.
     RunLost
         When the process died.
     """
-    if _places().locked():
+    visitor = workers.visitor()
+    if _turns().must_wait(visitor):
         progress(0.0, WAITING)
     with workers.counted():
-        async with _places():
+        async with _turns().place(visitor):
             process, held = _take(), None
             try:
                 await asyncio.to_thread(process.ends.send, (function, arguments))
@@ -104,9 +107,9 @@ def _take() -> _Process:
 
 
 @cache
-def _places() -> asyncio.Semaphore:
-    """As many runs at a time as the pool has processes."""
-    return asyncio.Semaphore(workers.size())
+def _turns() -> Turns:
+    """As many runs at a time as the pool has processes, half of them for one visitor: a run may take minutes."""
+    return Turns(workers.size(), math.ceil(workers.size() / 2))
 
 
 def _work(ends: Connection, begin: Callable[[], None] | None) -> None:
@@ -122,7 +125,7 @@ def _work(ends: Connection, begin: Callable[[], None] | None) -> None:
             result = function(*arguments, progress=lambda share, what: ends.send(("progress", share, what)))
         except InputError as error:
             answer: tuple[str, Any] = "refused", error
-        except ValueError as error:
+        except (ValueError, ArithmeticError) as error:
             answer = "refused", ValueError(str(error))  # not every kind of it survives the way
         except Exception as error:  # noqa: BLE001  # for the log: on standard error its text may be a file's
             place = [

@@ -11,6 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import TypeVar, TypeVarTuple
 
+from app.work.turns import Turns
 from nav_model.base.processes import kill_workers, worker_pool
 
 _A = TypeVarTuple("_A")
@@ -20,14 +21,21 @@ _NICENESS = 10  # of heavy work: a tenth of the share of a slider step, where bo
 
 _size = 0  # 0: nothing was asked for
 _begin: Callable[[], None] | None = None
+_asking: Callable[[], str] = str
 _under_way = 0
 
 
-def use(count: int | None, servers: int = 1, begin: Callable[[], None] | None = None) -> None:
+def use(
+    count: int | None,
+    servers: int = 1,
+    begin: Callable[[], None] | None = None,
+    asking: Callable[[], str] = str,
+) -> None:
     """Set how many processes the pools of all ``servers`` have together, before they start; None: one less than the
-    cores. Each has one at least, and calls ``begin``, an importable function, first."""
-    global _size, _begin
-    _begin = begin
+    cores. Each has one at least, and calls ``begin``, an importable function, first. ``asking`` names the visitor
+    whose page asks for work."""
+    global _size, _begin, _asking
+    _begin, _asking = begin, asking
     _size = math.ceil((count or _spare_cores()) / servers)
 
 
@@ -45,6 +53,17 @@ def _spare_cores() -> int:
 def pool() -> ProcessPoolExecutor:
     """The pool; its processes start with the first task."""
     return worker_pool(size(), functools.partial(step_back, _begin))
+
+
+@functools.cache
+def _turns() -> Turns:
+    """As many tasks at a time as the pool has processes: a queue of its own knows no visitor."""
+    return Turns(size(), size())
+
+
+def visitor() -> str:
+    """Who asks for work: visitors take turns. Empty outside a page."""
+    return _asking()
 
 
 def first() -> Callable[[], None] | None:
@@ -73,7 +92,7 @@ def counted() -> Iterator[None]:
 
 
 async def elsewhere(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
-    """Run an importable function in a worker process.
+    """Run an importable function in a worker process, when it is the turn of the visitor who asks.
 
     Raises
     ------
@@ -81,11 +100,16 @@ async def elsewhere(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
         If the worker died; the next call gets a new pool.
     """
     with counted():
-        try:
-            return await asyncio.get_running_loop().run_in_executor(pool(), function, *arguments)
-        except BrokenProcessPool:
-            pool.cache_clear()
-            raise
+        async with _turns().place(visitor()):
+            return await _run(function, *arguments)
+
+
+async def _run(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
+    try:
+        return await asyncio.get_running_loop().run_in_executor(pool(), function, *arguments)
+    except BrokenProcessPool:
+        pool.cache_clear()
+        raise
 
 
 def under_way() -> int:

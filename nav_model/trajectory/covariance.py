@@ -22,7 +22,7 @@ from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.layout import VELOCITY
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
-from nav_model.trajectory.errors import ErrorModel, error_model
+from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import judge
 from nav_model.trajectory.result import Processed, TrajectoryResult
@@ -52,12 +52,13 @@ class _Sums(NamedTuple):
     added: FloatArray
 
 
-def covariance(spec: CovarianceSpec) -> TrajectoryResult:
-    """The covariance along the flight of `spec`.
+def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> TrajectoryResult:
+    """The covariance along the flight of `spec`, which takes `most_steps` steps at most.
 
-    Raises InputError for a flight that cannot be flown, ArithmeticError where the covariance is not finite.
+    Raises InputError for a flight that cannot be flown or takes more steps, ArithmeticError where the covariance is
+    not finite.
     """
-    model = error_model(spec)
+    model = error_model(spec, most_steps)
     run, looks = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
     ends, by_innovation = _ends(model, run, looks)
     states, smooth = _later(model, run, looks, ends)

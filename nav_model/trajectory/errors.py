@@ -42,7 +42,8 @@ _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact for noise through the chain gyro -> position
 _APERTURE_PARTS = 5  # nodes in an aperture at least
 _DENSEST = 0.02  # s between nodes, however short a correlation time
-_MOST_NODES = 200_000  # a few minutes, and some 8 GB
+MOST_STEPS = 200_000
+"""Steps of a flight unless fewer are allowed: a few minutes, and some 8 GB."""
 _BLOCK = 512  # steps at a time, for memory
 
 
@@ -76,16 +77,16 @@ class ErrorModel:
     is_fix: NDArray[np.bool_]
 
 
-def error_model(spec: CovarianceSpec) -> ErrorModel:
-    """The linear model of a flight.
+def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorModel:
+    """The linear model of a flight of `most_steps` steps at most.
 
-    Raises InputError where the flight cannot be flown, as `plan_trajectory`, or is too long.
+    Raises InputError where the flight cannot be flown, as `plan_trajectory`, or takes more steps.
     """
     study = spec.study
     trajectory, states = plan_trajectory(study.trajectory, study.duration), states_of(study)
     scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
     wanted = output_samples(study) / study.imu.rate
-    time_s = _nodes(trajectory, states, np.union1d(scheduled, wanted), spec)
+    time_s = _nodes(trajectory, states, np.union1d(scheduled, wanted), spec, most_steps)
     outputs, truth = np.searchsorted(time_s, wanted - 1e-9), true_states(trajectory, time_s)
     parts = [
         _steps(trajectory, time_s[first : first + _BLOCK + 1], states) for first in range(0, len(time_s) - 1, _BLOCK)
@@ -143,7 +144,9 @@ def _steps(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[
     return _top(powers, 1.0), np.exp(-decay * steps[:, None]), factors, filter_noise
 
 
-def _nodes(trajectory: Trajectory, states: States, anchors: FloatArray, spec: CovarianceSpec) -> FloatArray:
+def _nodes(
+    trajectory: Trajectory, states: States, anchors: FloatArray, spec: CovarianceSpec, most: int
+) -> FloatArray:
     """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
     times = [error.time / 5.0 for error in states.drives if error.time > 0.0]
     longest = max(min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS, *times]), _DENSEST)
@@ -153,8 +156,8 @@ def _nodes(trajectory: Trajectory, states: States, anchors: FloatArray, spec: Co
     fastest = np.maximum(np.maximum.reduceat(rate, at)[:-1], rate[at[1:]])
     parts = np.ceil(np.diff(anchors) * np.maximum(1.0 / longest, fastest / _LARGEST_TURN) - 1e-9)
     counted = np.cumsum(np.insert(np.maximum(parts, 1.0), 0, 0.0))
-    if counted[-1] > _MOST_NODES:
-        said = f"the flight takes {counted[-1]:.0f} steps, at most {_MOST_NODES}. Give a shorter one or fewer fixes."
+    if counted[-1] > most:
+        said = f"the flight takes {counted[-1]:.0f} steps, at most {most}. Give a shorter one or fewer fixes."
         raise InputError("duration", said)
     return np.interp(np.arange(counted[-1] + 1.0), counted, anchors)
 

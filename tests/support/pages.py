@@ -8,10 +8,10 @@ from typing import Any
 from waiting import soon
 
 
-async def at_once(function: Callable[..., Any], *arguments: Any) -> Any:
+async def at_once(function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
     """Instead of a worker process."""
     await asyncio.sleep(0)
-    return function(*arguments)
+    return function(*arguments, **options)
 
 
 def when_done(do: Callable[[], Any], *runs: Any) -> None:

@@ -35,6 +35,7 @@ from app.ui.study_settings import StudySettings
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import upload
 from app.ui.view import View
+from app.work.alone import run_alone
 from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -135,8 +136,9 @@ class TrajectoryPage(View):
             known: Followed | None = None if file else kept(*wanted)
             if known is not None:
                 return known
-            run.tell("Following the covariance along the flight")
-            found = await elsewhere(follow, design, self.states, file)
+            found: Followed = await run_alone(
+                follow, design, self.states, file, progress=lambda _, what: run.tell(what)
+            )
             if file is None:
                 keep(found, *wanted)
             return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from nav_model.trajectory.plan import Waypoint
     from nav_model.trajectory.result import TrajectoryResult
 
-MOST_FIXES = 20_000  # seconds of work, and memory, of one person
+_MOST_STEPS = 30_000  # seconds of work, and memory, of one person
 _POINTS = 1200  # results kept along a flight
 Rows = tuple[tuple[float, float, float, str], ...]
 """Waypoints as a design has them."""
@@ -64,8 +65,14 @@ class Followed:
         return start[0] + north / to_north, start[1] + east / to_east
 
 
-def follow(design: Design, states: int, file: File | None = None) -> Followed:
-    """Follow the covariance along the flight of the design's plan, or of a file; for a worker process.
+def follow(
+    design: Design,
+    states: int,
+    file: File | None = None,
+    *,
+    progress: Callable[[float, str], None] = lambda share, what: None,
+) -> Followed:
+    """Follow the covariance along the flight of the design's plan, or of a file; for a process of its own.
 
     Raises
     ------
@@ -78,12 +85,13 @@ def follow(design: Design, states: int, file: File | None = None) -> Followed:
     from nav_model.trajectory.design_study import covariance_specification, plan_like, planned
     from nav_model.trajectory.files import parse_flight
 
+    progress(0.0, "Following the covariance along the flight")
     if file is None:
         flight = planned(design)
     else:
         flight = parse_flight(file.content, file.name, plan_like(design), design.flight.altitude)
-    if flight.duration > MOST_FIXES * design.gnss.interval:
-        said = f"{flight.duration:g} s have more than {MOST_FIXES} fixes, which is too long for this page; "
+    if flight.duration > _MOST_STEPS * design.gnss.interval:
+        said = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
         raise InputError("Flight", said + "use the command `navbudget trajectory`")
     study = specification(
         design,
@@ -94,7 +102,7 @@ def follow(design: Design, states: int, file: File | None = None) -> Followed:
         every=max(1.0, round(flight.duration / _POINTS)),
         states=states,
     )
-    result = covariance(covariance_specification(design, study, flight.lines))
+    result = covariance(covariance_specification(design, study, flight.lines), _MOST_STEPS)
     position = result.truth.position
     north, east = metres_per_radian(position[0, 0], position[0, 2])
     return Followed(

@@ -1,9 +1,12 @@
 """The Trajectory page without a browser: what it follows, what it says, what it refuses."""
 
+import asyncio
 import csv
 import io
 import json
 import math
+import multiprocessing
+import time
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -15,6 +18,7 @@ import numpy as np
 import pytest
 from bokeh.events import DoubleTap
 from pages import at_once, when_done
+from waiting import soon
 
 import app.subjects.trajectory.page as trajectory_page
 from app import cli
@@ -53,6 +57,7 @@ def _places(*rows: tuple[float, float]) -> tuple[tuple[float, float, float, str]
 @pytest.fixture
 def session(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> Session:
     monkeypatch.setattr(trajectory_page, "elsewhere", at_once)
+    monkeypatch.setattr(trajectory_page, "run_alone", at_once)
     monkeypatch.setattr(trajectory_page, "_SETTLE_SECONDS", 0.0)
     return Session(first_design())
 
@@ -221,6 +226,9 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     assert (first[3], first[2], second[2]) == ("first", 3000.0, session.design.flight.altitude)
     with pytest.raises(InputError, match=r"Flight: .* too long for this page"):
         follow(first_design().replace({"trajectory.duration": 1e5}), 9)
+    dense = {"trajectory.duration": 7000.0, "radar.aperture_time": 1.0}
+    with pytest.raises(InputError, match="the flight takes 35000 steps, at most 30000"):
+        follow(first_design().replace(dense), 9)
 
 
 def test_simulated_runs_of_the_same_flight_are_laid_over_the_curves(session: Session, followed: Followed) -> None:
@@ -284,3 +292,24 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     assert "Flight: parallel lines, 2 lines, " in html
     assert "outages: 100\xa0s to 130\xa0s" in html
     assert "wrote" in capsys.readouterr().err
+
+
+def _for_an_hour(*_: object, progress: Any) -> None:
+    progress(0.0, "begun")
+    time.sleep(3600)
+
+
+def test_a_flight_ends_with_the_page_that_asked_for_it(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> None:
+    monkeypatch.setattr(trajectory_page, "follow", _for_an_hour)
+    session = Session(first_design())
+    page = TrajectoryPage(session)
+    others = set(multiprocessing.active_children())
+
+    async def leave() -> None:
+        task = page.start()
+        await soon(lambda: page.run.progress is not None and page.run.progress.what == "begun", "the flight")
+        session.close()
+        await asyncio.wait([task])
+
+    asyncio.run(leave())
+    assert set(multiprocessing.active_children()) <= others
