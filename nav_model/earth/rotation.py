@@ -68,11 +68,6 @@ def quaternion_from_matrix(matrix: ArrayLike) -> FloatArray:
     return np.asarray(_rotations().from_matrix(matrix, assume_valid=True).as_quat(scalar_first=True))
 
 
-def matrix_from_quaternion(quaternion: ArrayLike) -> FloatArray:
-    """Matrices (..., 3, 3) of unit quaternions (..., 4)."""
-    return np.asarray(_rotations().from_quat(quaternion, scalar_first=True).as_matrix())
-
-
 def matrix_from_vector(vector: ArrayLike) -> FloatArray:
     """exp([v x]), (..., 3, 3), of rotation vectors (..., 3)."""
     return np.asarray(_rotations().from_rotvec(vector).as_matrix())

@@ -1,4 +1,4 @@
-"""Attitude from star directions: five methods, their predicted covariances and the test of consistency.
+"""Attitude from star directions: three methods, their predicted covariances and the test of consistency.
 
 All functions are batched: body and reference (..., k, 3) unit vectors with b = A r, weight (..., k) zero
 where a scene has fewer stars. A turns reference (inertial) into body components. Noise is sigma rad per
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nav_model.earth.rotation import FloatArray, matrix_from_quaternion, skew, vector_from_matrix
+from nav_model.earth.rotation import FloatArray, skew, vector_from_matrix
 
 COLLINEAR = 1e-10
 """Below this product of the two smallest information eigenvalues over sigma the roll is not observable."""
@@ -22,7 +22,7 @@ Estimate = tuple[FloatArray, FloatArray]
 
 
 def information(body: FloatArray, weight: FloatArray) -> FloatArray:
-    """sum (I - b b^T), (..., 3, 3): inverse covariance of the optimal methods in units of 1/sigma²."""
+    """sum (I - b b^T), (..., 3, 3): inverse covariance of least squares in units of 1/sigma²."""
     count = np.sum(weight > 0.0, axis=-1)[..., None, None]
     seen = _seen(body, weight)
     return np.asarray(count * np.eye(3) - np.swapaxes(seen, -1, -2) @ seen)
@@ -79,75 +79,8 @@ def n_vector(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estim
     return np.swapaxes(_nearest_rotation(raw), -1, -2), covariance
 
 
-def _davenport(profile: FloatArray) -> FloatArray:
-    """Davenport's K (..., 4, 4) for quaternions (w, x, y, z) of A (reference to body)."""
-    trace = np.trace(profile, axis1=-2, axis2=-1)
-    z = np.stack(
-        [
-            profile[..., 2, 1] - profile[..., 1, 2],
-            profile[..., 0, 2] - profile[..., 2, 0],
-            profile[..., 1, 0] - profile[..., 0, 1],
-        ],
-        axis=-1,
-    )
-    k = np.empty((*profile.shape[:-2], 4, 4))
-    k[..., 0, 0] = trace
-    k[..., 0, 1:] = k[..., 1:, 0] = z
-    k[..., 1:, 1:] = profile + np.swapaxes(profile, -1, -2) - trace[..., None, None] * np.eye(3)
-    return k
-
-
-def q_method(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
-    """Davenport's q-method: the eigenvector of the largest eigenvalue of K."""
-    _, vectors = np.linalg.eigh(_davenport(_profile(b, r, w)))
-    rotation = matrix_from_quaternion(vectors[..., :, -1])
-    return rotation, _optimal_covariance(b, w, sigma)
-
-
-def quest(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
-    """QUEST: Newton on the quartic of K for its largest eigenvalue, then the quaternion in closed form.
-
-    Of the four sequential rotations (none, or 180° about x, y, z of the reference) each scene takes the one
-    whose quaternion has the largest scalar part, so 180° turns are no exception.
-    """
-    profile = _profile(b, r, w)
-    flips = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
-    turned = profile[..., None, :, :] * flips[:, None, :]
-    s = turned + np.swapaxes(turned, -1, -2)
-    trace = np.trace(turned, axis1=-2, axis2=-1)
-    z = _davenport(turned)[..., 0, 1:]
-    # K's characteristic polynomial does not depend on the sequential rotation; take it from the first.
-    s0, t0, z0 = s[..., 0, :, :], trace[..., 0], z[..., 0, :]
-    kappa = 0.5 * (np.trace(s0, axis1=-2, axis2=-1) ** 2 - np.trace(s0 @ s0, axis1=-2, axis2=-1))
-    delta = np.linalg.det(s0)
-    sz = np.einsum("...ij,...j->...i", s0, z0)
-    a = t0**2 - kappa
-    bb = t0**2 + np.sum(z0 * z0, axis=-1)
-    c = delta + np.sum(z0 * sz, axis=-1)
-    d = np.sum(sz * sz, axis=-1)
-    peak = np.ones_like(t0)
-    for _ in range(30):
-        value = ((peak**2 - a - bb) * peak - c) * peak + a * bb + c * t0 - d
-        slope = (4.0 * peak**2 - 2.0 * (a + bb)) * peak - c
-        step = value / np.where(slope == 0.0, np.inf, slope)
-        peak = peak - step
-        if np.all(np.abs(step) < 1e-15):
-            break
-    eye = np.eye(3)
-    m = (peak[..., None] + trace)[..., None, None] * eye - s
-    scalar = np.linalg.det(m)
-    best = np.argmax(np.abs(scalar), axis=-1)[..., None]
-    m = np.take_along_axis(m, best[..., None, None], axis=-3)[..., 0, :, :]
-    z = np.take_along_axis(z, best[..., None], axis=-2)[..., 0, :]
-    vector = np.linalg.solve(m, z[..., None])[..., 0]
-    q = np.concatenate([np.ones((*vector.shape[:-1], 1)), vector], axis=-1)
-    rotation = matrix_from_quaternion(q / np.linalg.norm(q, axis=-1, keepdims=True))
-    rotation = rotation * flips[best[..., 0]][..., None, :]
-    return rotation, _optimal_covariance(b, w, sigma)
-
-
 def svd(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
-    """Least squares (Wahba's problem) by singular value decomposition."""
+    """Least squares (Wahba's problem) by singular value decomposition, which q-method and QUEST solve as well."""
     rotation = _nearest_rotation(_profile(b, r, w))
     return rotation, _optimal_covariance(b, w, sigma)
 
@@ -155,11 +88,9 @@ def svd(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
 METHODS: dict[str, Callable[[FloatArray, FloatArray, float, FloatArray], Estimate]] = {
     "TRIAD": triad,
     "N-vector": n_vector,
-    "q-method": q_method,
-    "QUEST": quest,
     "SVD": svd,
 }
-"""The five methods by name; each takes body, reference, sigma and weight of scenes that it can solve."""
+"""The methods by name; each takes body, reference, sigma and weight of scenes that it can solve."""
 
 
 def estimate(
@@ -180,7 +111,7 @@ def estimate(
 
 def solvable(method: str, body: FloatArray, weight: FloatArray) -> np.ndarray:
     """Scenes (...) that a method can solve: TRIAD needs the first two stars apart, the N-vector three that span
-    space, the others two apart."""
+    space, SVD two apart."""
     b, w = (body[..., :2, :], weight[..., :2]) if method == "TRIAD" else (body, weight)
     apart = np.linalg.eigvalsh(information(b, w))[..., 0] >= COLLINEAR
     enough = np.sum(w > 0.0, axis=-1) >= (3 if method == "N-vector" else 2)
@@ -217,7 +148,7 @@ class MethodScore:
 def compare_methods(
     body: FloatArray, reference: FloatArray, truth: FloatArray, sigma: float, weight: FloatArray | None = None
 ) -> tuple[MethodScore, ...]:
-    """All five methods on the same scenes (n, k, 3) with true attitudes (n, 3, 3)."""
+    """Every method on the same scenes (n, k, 3) with true attitudes (n, 3, 3)."""
     scores: list[MethodScore] = []
     for name in METHODS:
         rotation, covariance = estimate(name, body, reference, sigma, weight)

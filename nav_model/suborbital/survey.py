@@ -35,8 +35,8 @@ class Survey:
     """Result of `run_survey`.
 
     track: the whole flight's star images (None with a perfect camera); star_frames: an image every two seconds;
-    scores: the five methods on those images; gravity: cost of every pair (true model, INS model), m; trajectory: name
-    of the file flown, or "".
+    scores: the attitude methods on those images; gravity: cost of every pair (true model, INS model), m; trajectory:
+    name of the file flown, or "".
     """
 
     settings: Settings
@@ -103,7 +103,7 @@ def run_survey(
 
 
 def _scores(flight: TrueFlight, camera: StarCamera, sky: Sky, seed: int) -> tuple[tuple[MethodScore, ...], int]:
-    """The five methods on a flight's images, one a second, and how many images the gate refused."""
+    """The attitude methods on a flight's images, one a second, and how many images the gate refused."""
     attitude = flight.attitude_bi[:: max(1, round(1.0 / flight.step_s))]
     chosen, _ = select_stars(camera, sky, attitude)
     body, reference, weight = measure(camera, sky, attitude, chosen, np.random.default_rng(seed))

@@ -32,7 +32,7 @@ def add_to(commands: Any) -> None:
         help='angles from camera to IMU, e.g. "60, 0, 0 arcsec"')  # fmt: skip
     add("--star-images", dest="camera.frames", action="store_const", const="star images",
         help="take attitude from star images instead of a perfect camera")  # fmt: skip
-    add("--method", dest="camera.method", metavar="NAME", help="TRIAD, N-vector, q-method, QUEST or SVD")
+    add("--method", dest="camera.method", metavar="NAME", help="TRIAD, N-vector or SVD")
     add("--seed", metavar="N", help="seed of centroid noise and white noise (default 1)")
     suborbital.set_defaults(run=_suborbital)
 

@@ -196,7 +196,7 @@ def noise_table(shown: Shown) -> NumberTable:
 
 
 def method_table(shown: Shown) -> NumberTable:
-    """The five attitude methods on this flight's images."""
+    """The attitude methods on this flight's images."""
     sigma = shown.survey.settings["camera.centroid_noise"] / ARCSECOND
     return NumberTable(
         "methods",
@@ -207,12 +207,12 @@ def method_table(shown: Shown) -> NumberTable:
             (s.method, s.mean_error_rad / ARCSECOND, *(rms / ARCSECOND for rms in s.axis_rms_rad), s.mean_nees)
             for s in shown.survey.scores
         ),
-        "The same images of this flight for all five, one a second, centroid noise "
+        "The same images of this flight for every method, one a second, centroid noise "
         f"{number(sigma, given=True)} arcsec per axis; {shown.survey.scenes_refused} rejected. "
         "Covariances [B-9]. TRIAD uses only two stars, the "
         "brightest: its error is large where these are close together, so a few scenes decide its mean. Over 1000 "
-        "random scenes of five stars at 10 arcsec, twenty seeds give means of 207 to 362 arcsec; the optimal methods "
-        "give 72 to 78.",
+        "random scenes of five stars at 10 arcsec, twenty seeds give means of 207 to 362 arcsec; SVD, the least "
+        "squares, gives 72 to 78.",
     )  # fmt: skip
 
 
