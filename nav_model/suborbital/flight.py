@@ -18,6 +18,7 @@ from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_euler
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
 from nav_model.suborbital.checks import require
+from nav_model.suborbital.runge_kutta import after_step, node_of, state_at
 
 MAX_STEPS = 100_000
 """Of a flight: ten thousand seconds at 0.1 s, and no memory beyond it."""
@@ -168,34 +169,20 @@ def _integrate(
     r0: FloatArray, v0: FloatArray, force_i: FloatArray, j: FloatArray, h: float
 ) -> tuple[FloatArray, FloatArray]:
     """RK4 of r'' = f - gravitation(r), f (n, 3 nodes, 3) given in inertial axes."""
-    n = force_i.shape[0]
-    position = np.empty((n + 1, 3))
-    velocity = np.empty((n + 1, 3))
-    position[0] = r0
-    velocity[0] = v0
-    kr, kv = np.empty((4, 3)), np.empty((4, 3))
-    r, v = r0.copy(), v0.copy()
-    rs, vs = np.empty(3), np.empty(3)
+    n, k = force_i.shape[0], np.empty((4, 6))
+    states = np.empty((n + 1, 6))  # position, velocity
+    states[0, :3], states[0, 3:] = r0, v0
     for i in range(n):
-        for s in range(4):
-            node = (s + 1) // 2
-            step = 0.0 if s == 0 else (h if s == 3 else 0.5 * h)
-            for a in range(3):
-                rs[a] = r[a] + (step * kr[s - 1, a] if s else 0.0)
-                vs[a] = v[a] + (step * kv[s - 1, a] if s else 0.0)
-            radius = np.sqrt(rs[0] ** 2 + rs[1] ** 2 + rs[2] ** 2)
-            sine = rs[2] / radius
+        for slope in range(4):
+            y = state_at(states[i], k, slope, h)
+            radius = np.sqrt(y[0] ** 2 + y[1] ** 2 + y[2] ** 2)
+            sine = y[2] / radius
             radial, axial = field_kernel(radius, sine, j)
-            for a in range(3):
-                kr[s, a] = vs[a]
-                kv[s, a] = force_i[i, node, a] + (radial - axial * sine) * rs[a] / radius
-            kv[s, 2] += axial
-        for a in range(3):
-            r[a] += h / 6.0 * (kr[0, a] + 2.0 * kr[1, a] + 2.0 * kr[2, a] + kr[3, a])
-            v[a] += h / 6.0 * (kv[0, a] + 2.0 * kv[1, a] + 2.0 * kv[2, a] + kv[3, a])
-        position[i + 1] = r
-        velocity[i + 1] = v
-    return position, velocity
+            k[slope, :3] = y[3:]
+            k[slope, 3:] = force_i[i, node_of(slope)] + (radial - axial * sine) / radius * y[:3]
+            k[slope, 5] += axial
+        states[i + 1] = after_step(states[i], k, h)
+    return states[:, :3].copy(), states[:, 3:].copy()
 
 
 def step_nodes(half: FloatArray) -> FloatArray:

@@ -32,6 +32,7 @@ from nav_model.suborbital.layout import (
     SLOW_MATRIX,
     VELOCITY,
 )
+from nav_model.suborbital.runge_kutta import after_step, node_of, state_at
 
 _TOGETHER = 64  # cases in a call of the kernel: between two, progress is told
 
@@ -150,11 +151,10 @@ def _run(
             s = sines[2 * i + node]
             _measured(p, ACCELEROMETERS, force[i, node], felt[:3], s[0], s[1], f[node])
             _measured(p, GYROS, rate[i, node], felt[3:], s[2], s[3], w[node])
-        for s in range(4):
-            node = (s + 1) // 2
-            now = y if s == 0 else y + (h if s == 3 else 0.5 * h) * k[s - 1]
-            _inertial_rates(now, f[node], w[node], j, k[s])
-        y += h / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])
+        for slope in range(4):
+            node = node_of(slope)
+            _inertial_rates(state_at(y, k, slope, h), f[node], w[node], j, k[slope])
+        y = after_step(y, k, h)
 
 
 def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:

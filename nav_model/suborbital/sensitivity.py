@@ -33,6 +33,7 @@ from nav_model.suborbital.layout import (
     VELOCITY,
 )
 from nav_model.suborbital.mechanisation import oscillations
+from nav_model.suborbital.runge_kutta import after_step, node_of, state_at
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def _propagate(
     out: FloatArray,
 ) -> None:
     """RK4 of [B-4] for all columns at once; state (9, P) holds psi, velocity and position errors."""
-    n, driven = len(dynamics), np.zeros((3, *state.shape))
+    n, driven, k = len(dynamics), np.zeros((3, *state.shape)), np.empty((4, *state.shape))
     for i in range(n + 1):
         if used[i]:
             _restart(state, attitude[2 * i], rate[i, 0] if i < n else rate[i - 1, 2])
@@ -122,11 +123,10 @@ def _propagate(
         for node in range(3):
             at = 2 * i + node
             unit_errors(attitude[at], force[i, node], rate[i, node], sines[at], driven[node, 3:6], driven[node, :3])
-        one = dynamics[i, 0] @ state + driven[0]
-        two = dynamics[i, 1] @ (state + 0.5 * h * one) + driven[1]
-        three = dynamics[i, 1] @ (state + 0.5 * h * two) + driven[1]
-        four = dynamics[i, 2] @ (state + h * three) + driven[2]
-        state = state + h / 6.0 * (one + 2.0 * two + 2.0 * three + four)
+        for slope in range(4):
+            node = node_of(slope)
+            k[slope] = dynamics[i, node] @ state_at(state, k, slope, h) + driven[node]
+        state = after_step(state, k, h)
 
 
 def _half_path(flight: TrueFlight) -> FloatArray:
