@@ -183,7 +183,9 @@ class Session(param.Parameterized):
             elif not given.strip() and declared.allow_None:
                 value = None
             else:
-                value, unit = declared.read(with_unit(given.strip(), self.design.unit(key)))
+                value, unit = declared.read(
+                    with_unit(given.strip(), self.design.scale(key)), baseline=self.design.baseline
+                )
         except InputError as refused:
             return refused
         return self.change({key: value}, {key: unit} if unit else None)

@@ -3,7 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Mapping
-from typing import cast
+from typing import Any, cast
 
 from app.document.numbers import number, show_in
 from nav_model.base.units import format_quantity
@@ -48,10 +48,13 @@ def box_text(design: Design, key: str, value: float, digits: int = 4) -> str:
 
 def entered(design: Design, key: str) -> str:
     """An input as a person types it, in the unit in force; empty where it is not given."""
-    declared, value = declaration_of(key), design[key]
-    if isinstance(declared, Table):
-        return declared.show(value)
-    return "" if value is None else box_text(design, key, value, _TYPED)  # type: ignore[arg-type]
+    value: Any = design[key]
+    if isinstance(table := declaration_of(key), Table):
+        return table.show(value)
+    declared = quantity(key)
+    if value is None or not declared.dimension:
+        return "" if value is None else f"{value:.{_TYPED}g}"
+    return format_quantity(value, design.scale(key), declared.dimension, _TYPED, baseline=design.baseline or 0.0)
 
 
 def preset_name(design: Design, section: str) -> str:

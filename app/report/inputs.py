@@ -82,7 +82,10 @@ def shown_value(design: Design, section: str, name: str) -> str:
     assert isinstance(value, float | int)
     if not declaration.dimension:
         return f"{value:g}"
-    written_as, text = declaration.write(float(value), design.written.get(key, ""))
+    written = design.written.get(key, "")
+    if said := declaration.conversion(float(value), written, design.baseline):
+        return said
+    written_as, text = declaration.write(float(value), written)
     if written_as == name:
         return str(text)
     return f"{declaration.show(float(value))} ({written_as} {text})"

@@ -1,17 +1,35 @@
-"""The kinds of quantity, and the units of each with their exact factors to SI, read from `dimensions.toml`."""
+"""The kinds of quantity, and what may follow a number of each: a unit, and how good the number is.
+
+"m CEP", "mg @ 100 Hz" and "cm + 1 ppm" are scales as "m" is: a number of them is one sigma per axis in SI.
+Percentages are of the normal distribution on one axis, circles (CEP, R95, CE90) of the radius in a plane, DRMS is √2
+sigmas, SEP the median of the distance in space.
+"""
 
 import math
+import re
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
+from functools import lru_cache
+from statistics import NormalDist
+from typing import NamedTuple
 
-from nav_model.base.constants import STANDARD_GRAVITY
-from nav_model.base.toml_text import shipped
+from nav_model.base.errors import InputError, shown
+from nav_model.base.unit_text import TABLES, Product, plain_signs, product_of, root_of, size_of, spelled
 
 _FINE = Context(prec=40)
 MAX_EXPONENT = 400
 """Powers of ten beyond this are refused: no float has them, and an exact rational would only cost memory."""
-_NAMED = {"deg": Fraction(math.pi) / 180, "g": Fraction(str(STANDARD_GRAVITY)), "ft": Fraction("0.3048")}
+
+
+class Scale(NamedTuple):
+    """What follows a number: its text, the size of one in SI at 1σ per axis, what a metre of the base line adds [SI],
+    and in words how the size came about; empty for a unit alone."""
+
+    unit: str
+    size: Fraction
+    per_metre: Fraction = Fraction(0)
+    how: str = ""
 
 
 @dataclass(frozen=True)
@@ -24,6 +42,8 @@ class Dimension:
         As used in messages.
     units : dict
         Canonical symbol -> exact factor to SI. The first is the default for display.
+    products : dict
+        Product of named units -> its canonical symbol.
     examples : tuple of str
         Quantity strings offered to a user whose text was refused.
     decibels : int
@@ -32,25 +52,39 @@ class Dimension:
 
     name: str
     units: dict[str, Fraction]
+    products: dict[frozenset[tuple[str, Fraction]], str]
+    base: Product
     examples: tuple[str, ...]
     decibels: int = 0
 
-    def amount(self, number: Fraction, unit: str) -> Fraction:
-        """A number of `unit` (canonical symbol) in SI."""
-        scaled = number * self.units[unit]
+    def scale(self, text: str) -> Scale:
+        """What the text after a number says.
+
+        Raises
+        ------
+        InputError
+            If it is no unit of this kind, or its accuracy cannot be brought to one sigma.
+        """
+        return Scale(text, self.units[text]) if text in self.units else _scale(text, self.name)
+
+    def amount(self, number: Fraction, unit: str, baseline: float = 0.0) -> Fraction:
+        """A number of `unit` in SI, at a base line [m]."""
+        scale = self.scale(unit)
+        scaled = number * scale.size + scale.per_metre * Fraction(baseline)
         if not self.decibels:
             return scaled
         exponent = _FINE.divide(Decimal(scaled.numerator), Decimal(scaled.denominator * self.decibels))
         largest = Decimal(MAX_EXPONENT)
         return Fraction(_FINE.power(10, min(max(exponent, -largest), largest)))
 
-    def number(self, amount: Fraction, unit: str) -> Fraction:
+    def number(self, amount: Fraction, unit: str, baseline: float = 0.0) -> Fraction:
         """An amount in SI as a number of `unit`; in decibels, one that is not above zero is far below any."""
+        scale = self.scale(unit)
         if self.decibels:
             amount = max(amount, Fraction(1, 10**MAX_EXPONENT))
             level = _FINE.divide(Decimal(amount.numerator), Decimal(amount.denominator)).log10(_FINE)
             amount = Fraction(level) * self.decibels
-        return amount / self.units[unit]
+        return (amount - scale.per_metre * Fraction(baseline)) / scale.size
 
     @property
     def default_unit(self) -> str:
@@ -58,22 +92,113 @@ class Dimension:
         return next(iter(self.units))
 
 
-def _factor(text: str) -> Fraction:
-    """The factor that a product over other factors says, such as "deg/3600/60".
-
-    >>> _factor("2*3/4")
-    Fraction(3, 2)
-    """
-    above, *below = ([_NAMED.get(each) or Fraction(each) for each in part.split("*")] for part in text.split("/"))
-    return math.prod(above, start=Fraction(1)) / math.prod((math.prod(part) for part in below), start=Fraction(1))
-
-
-DIMENSIONS: dict[str, Dimension] = {
-    name: Dimension(
+def _dimension(name: str, units: list[str], examples: list[str], decibels: int = 0) -> Dimension:
+    products = {unit: product_of(unit) for unit in units}
+    return Dimension(
         name,
-        {unit: _factor(text) for unit, text in row["units"].items()},
-        tuple(row["examples"]),
-        row.get("decibels", 0),
+        {unit: size_of(product)[0] for unit, product in products.items()},
+        {frozenset(product.items()): unit for unit, product in products.items()},
+        size_of(products[units[0]])[1],
+        tuple(examples),
+        decibels,
     )
-    for name, row in shipped("nav_model.base", "dimensions").items()
-}
+
+
+DIMENSIONS: dict[str, Dimension] = {name: _dimension(name, **row) for name, row in TABLES.items()}
+
+# What may follow the unit, from the end on: words that leave the number as it is, its accuracy, a bandwidth.
+_AFTER = re.compile(
+    r"""[\s,;@(\[]+(?:
+    rmse?|typ(?:ical)?\.?|max(?:imum)?\.?|nominal|(?:per|each)\ axis|A?MSL|HAE|(?:1\s*-?\s*|one[\s-])?(?:σ|sigma)
+    |(?P<accuracy>(?P<number>\d\d?(?:\.\d+)?)\s*-?\s*(?P<share>σ|sigmas?|%(?:\s*(?:confidence|CL))?)
+    |(?P<times>\d?)\s*DRMS|SEP|(?P<word>CEP|LEP|(?:CE|LE|R)(?=\d))\s*-?(?P<of>\d\d)?)
+    |(?:in\s+|over\s+|at\s+)?(?:BW\s*=?\s*)?(?P<band>\d{1,6}(?:\.\d{1,6})?)\s*(?P<kilo>k?)Hz(?:\s*(?:BW|bandwidth))?
+    )[\s)\]]*$""",
+    re.VERBOSE | re.IGNORECASE,
+)
+_ON_BASE_LINE = re.compile(r"(.+?)\s*\+\s*(\d{1,6}(?:\.\d{1,6})?)\s*([^\d\s].*)")
+_SEP = 1.5381722544550522  # median of the distance from the mean in space, in sigmas of an axis
+_HALF = Fraction(1, 2)
+
+
+@lru_cache(maxsize=4096)
+def _scale(text: str, name: str) -> Scale:
+    """As `Dimension.scale`, of a text that is not one of the usual symbols."""
+    kind, unit = DIMENSIONS[name], plain_signs(text).strip()
+    accuracies, band, slope, more, how = [], Fraction(0), Fraction(0), "", ""
+    while match := _AFTER.search(unit):
+        unit = unit[: match.start()]
+        if match["band"]:
+            band = Fraction(match["band"]) * (1000 if match["kilo"] else 1)
+        elif match["accuracy"]:
+            accuracies.append(match)
+    if match := _ON_BASE_LINE.fullmatch(unit):
+        unit, ratio = match[1], DIMENSIONS["ratio"].scale(match[3])
+        slope, more = Fraction(match[2]) * ratio.size, f" + {match[2]} {ratio.unit}"
+    try:
+        product = product_of(unit)
+        size, base = size_of(product)
+    except InputError:
+        raise
+    except ValueError as error:
+        raise _refused(unit, kind) from error
+    symbol = kind.products.get(frozenset(product.items()))
+    if kind.decibels and (accuracies or more or symbol is None):
+        raise _refused(text, kind)
+    density = size_of({**product, "Hz": product.get("Hz", 0) - _HALF})[1]
+    if base != kind.base == density and band:  # an rms within a bandwidth, where its density is asked for
+        size, more, how = size / root_of(band), f" @ {float(band):g} Hz", f" over √({float(band):g} Hz)"
+    elif base != kind.base:
+        raise _refused(unit, kind, spelled(product) if density == kind.base else "")
+    if accuracies:
+        sigmas, accuracy = _sigmas(accuracies, kind)
+        size, slope, more = size / sigmas, slope / sigmas, f"{more} {accuracy}"
+        how += ", 1σ per axis" + (", taken as of one axis" if "%" in accuracy else "")
+    elif slope:
+        how = ", 1σ per axis"
+    return Scale((symbol or spelled(product)) + more, size, slope, how)
+
+
+def _sigmas(accuracies: list[re.Match[str]], kind: Dimension) -> tuple[Fraction, str]:
+    """How many sigmas of an axis an accuracy is, and its name."""
+    first, *others = sorted(accuracies, key=lambda match: match["word"] is None)
+    word, share = (first["word"] or "").upper(), first["of"]
+    if word == "CEP" and not share and len(others) == 1 and others[0]["share"] and "%" in others[0]["share"]:
+        share, others = others[0]["number"], []  # "CEP (95 %)"
+    if others:
+        stated = " and ".join(match["accuracy"] for match in accuracies)
+        raise InputError("quantity", f"The number states its accuracy twice, {stated}. Write one of them.")
+    if not first["share"] and not word.startswith("L") and kind.name not in ("length", "speed", "angle"):
+        raise InputError("quantity", f"{first['accuracy']} is of a place, not of {kind.name}.")
+    if first["share"] and "%" not in first["share"]:
+        sigmas, name = float(first["number"]), f"{first['number']}σ"
+    elif first["share"] or word.startswith("L"):
+        share = first["number"] or share or "50"
+        sigmas, name = NormalDist().inv_cdf(0.5 + float(share) / 200), f"{share} %"
+    elif word:
+        sigmas = math.sqrt(-2 * math.log(1 - float(share or 50) / 100))
+        name = f"CEP{share}" if share not in (None, "50") else "CEP"
+    elif first["times"] is None:
+        sigmas, name = _SEP, "SEP"
+    else:
+        sigmas, name = math.sqrt(2) * float(first["times"] or 1), f"{first['times']}DRMS"
+    if not sigmas > 0:
+        raise InputError("quantity", f"{name} is no accuracy.")
+    return Fraction(sigmas), name
+
+
+def _refused(unit: str, kind: Dimension, rms: str = "") -> InputError:
+    """Why a text is no unit of a kind; where it is that of an `rms` or a drift, which random walks it may mean."""
+    unit = unit.strip()
+    if rms:
+        walk = re.sub(r"/(?=[hs]$)", "/√", rms)
+        other = f"{rms} rms @ 100 Hz" if walk == rms else walk
+        said = f"is no {kind.name}. Write {other} or {rms}/√Hz, whichever is meant."
+    elif unit in ("'", '"') and kind.name == "length":
+        one, other = ("ft", "arcmin") if unit == "'" else ("in", "arcsec")
+        said = f"may mean {one} or {other}. Write {one} for a length."
+    else:
+        *most, last = [*kind.units, "Hz"] if kind.name == "interval" else kind.units
+        choice = f"{', '.join(most)} or {last}" if most else last
+        said = f"is not a unit of {'time' if kind.name == 'interval' else kind.name}. Use {choice}."
+    return InputError("quantity", f"{shown(unit)} {said}", unit)

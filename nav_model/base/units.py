@@ -1,8 +1,8 @@
 """Quantity strings as printed on data sheets, both ways: ``"0.5 °/√h"`` <-> SI.
 
 Inside the model everything is SI; a unit exists only here, at the edge. A quantity is a decimal number
-followed by a unit of the dimension its key asks for. Every unit has one canonical spelling, used for
-printing, and is read in the usual ASCII spellings too (``deg/sqrt(h)``, ``ug/sqrt(Hz)``, ``m/s^2``).
+followed by a unit of the dimension its key asks for, in any spelling of the grammar in `nav_model.base.unit_text`;
+what is printed has one. Words about its accuracy bring it to one sigma per axis (`nav_model.base.dimensions`).
 
 Conversions are exact rational arithmetic rounded once, so that printing and reading again gives the same
 float, whatever the unit. The units themselves are in `nav_model.base.dimensions`.
@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from functools import cache, lru_cache
@@ -20,6 +21,7 @@ from typing import NamedTuple
 
 from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
 from nav_model.base.errors import InputError, shown
+from nav_model.base.unit_text import LONGEST, plain_signs
 
 _KEY = "quantity"  # in errors, until whoever asked for the quantity puts his own key in its place
 
@@ -31,74 +33,14 @@ class Parsed(NamedTuple):
     unit: str
 
 
-# Spellings met on data sheets and keyboards, rewritten in this order before the table is consulted.
-_REWRITES: tuple[tuple[str, str], ...] = (
-    ("μ", "µ"),  # Greek mu -> micro sign
-    ("º", "°"),
-    ("˚", "°"),
-    ("degrees", "°"),
-    ("degree", "°"),
-    ("deg", "°"),
-    ("√(", "sqrt("),
-    ("rtHz", "√Hz"),
-    ("**", "^"),
-    ("^2", "²"),
-    ("s2", "s²"),
-    ("2/Hz", "²/Hz"),
-    ("sec", "s"),
-    ("hour", "h"),
-    ("hr", "h"),
-)
-_SQRT = re.compile(r"sqrt\((\w+)\)|sqrt(Hz|h|s)\b|(Hz|h|s)\^(?:0\.5|\(?1/2\)?)")
 _NUMBER = re.compile(r"[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
-_APART = re.compile(r"\w\s+\w")
-
-
-def _canonical_spelling(unit: str) -> str:
-    if _APART.search(unit.strip()):  # "1 m m" must not pass for millimetres
-        return unit
-    text = "".join(unit.split()).replace("arcsec", "\0")  # "sec" below must not touch it
-    for old, new in _REWRITES:
-        text = text.replace(old, new)
-    text = _SQRT.sub(lambda m: "√" + (m[1] or m[2] or m[3]), text)
-    if text.startswith("u") and text[1:2] in {"g", "m"}:
-        text = "µ" + text[1:]
-    return text.replace("\0", "arcsec")
-
-
-_ALIASES: dict[str, str] = {
-    "dps/√Hz": "°/s/√Hz",
-    "dps": "°/s",
-    "dph": "°/h",
-    "fps/√h": "ft/s/√h",
-    "fps": "ft/s",
-    "kt": "kn",
-    "kmh": "km/h",
-    "nmi": "NM",
-    "'": "arcmin",
-    '"': "arcsec",
-    "as": "arcsec",
-}
-
-
-def unit_symbol(unit: str, dimension: str) -> str:
-    """Canonical symbol of a unit in any accepted spelling.
-
-    Raises
-    ------
-    InputError
-        If the text is not a unit of the dimension.
-    """
-    table = DIMENSIONS[dimension]
-    text = _canonical_spelling(unit)
-    text = _ALIASES.get(text, text)
-    if text not in table.units:
-        rate = dimension == "interval"
-        *most, last = [*table.units, "Hz"] if rate else table.units
-        choice = f"{', '.join(most)} or {last}" if most else last
-        name = "time" if rate else table.name
-        raise InputError(_KEY, f"{shown(unit.strip())} is not a unit of {name}. Use {choice}.", unit)
-    return text
+_BEFORE = re.compile(r"(?:([A-Za-z]\w*\.?)[\s:=]+(?=[\d.,±<≤~≈+]))?(?:[±<≤~≈]|\+\s*/\s*[-−])?\s*(?=[\d.,])")
+_IN_BRACKETS = re.compile(r"\((?=[\d.])([^()]*)\)(.*)")
+_PLACE = re.compile(
+    r"""([NSEW])?\s*([+-])?(\d+(?:\.\d*)?)\s*
+    (?:(?:°|deg\b)\s*(?:(\d+(?:\.\d*)?)\s*'\s*(?:(\d+(?:\.\d*)?)\s*"\s*)?)?)?([NSEW])?""",
+    re.VERBOSE,
+)
 
 
 def _article(name: str) -> str:
@@ -137,18 +79,37 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
         raise InputError(_KEY, f"{shown(text)} is too large.", text) from error
 
 
-def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, str]:
+def parse_exact(
+    text: str, dimension: str, advice: str = "", *, baseline: float | None = None, letters: str = ""
+) -> tuple[Fraction, str]:
     """As `parse_quantity`, with the value in SI as an exact rational.
 
-    `advice` is the sentence that says what to write instead of a text that is no quantity; empty: an example.
+    Parameters
+    ----------
+    text, dimension : str
+        As there.
+    advice : str
+        The sentence that says what to write instead of a text that is no quantity; empty: an example.
+    baseline : float, optional
+        Distance from the base station [m], which "1 cm + 1 ppm" needs.
+    letters : str
+        The two letters that the angle of a place may have, "NS" or "EW".
     """
     table = DIMENSIONS[dimension]
-    refused = f"{shown(text)} is not {_article(table.name)}. {advice or f'Try {table.examples[0]}.'}"
     stripped = with_point(text.strip())
     match = _NUMBER.match(stripped)
-    if match is None or len(stripped) > 100:
+    if match and len(stripped) <= LONGEST and (unit := stripped[match.end() :].strip()) in table.units:
+        return table.amount(_decimal(match[0], text), unit), unit
+    refused = f"{shown(text)} is not {_article(table.name)}. {advice or f'Try {table.examples[0]}.'}"
+    if len(stripped) > LONGEST:
         raise InputError(_KEY, refused, text)
-    number, unit = match[0].replace("−", "-"), stripped[match.end() :]
+    if dimension == "angle" and (place := _place(plain_signs(stripped), letters)) is not None:
+        return place * table.units["°"], "°"
+    stripped = _from_its_number(stripped)
+    match = _NUMBER.match(stripped)
+    if match is None:
+        raise InputError(_KEY, refused, text)
+    unit = stripped[match.end() :]
     if not unit.strip():
         example = join_quantity(match[0], table.examples[0].lstrip("-.0123456789e "))
         raise InputError(_KEY, f"{shown(text)} has no unit. Write for example {example}.", text)
@@ -156,13 +117,51 @@ def parse_exact(text: str, dimension: str, advice: str = "") -> tuple[Fraction, 
         raise InputError(_KEY, f"{shown(text)} can be read in two ways. Write it without the comma.", text)
     if re.match(r"\s+\d", unit):
         raise InputError(_KEY, f"{shown(text)} has a space in its number. Write it without.", text)
-    if dimension == "interval" and _canonical_spelling(unit) in DIMENSIONS["frequency"].units:
-        rate = parse_exact(stripped, "frequency")[0]  # "5 Hz" is 0.2 s
-        if rate <= 0:
-            raise InputError(_KEY, refused, text)
-        return 1 / rate, table.default_unit
-    symbol = unit_symbol(unit, dimension)
-    return table.amount(_decimal(number, text), symbol), symbol
+    if dimension == "interval":
+        rate = None
+        with suppress(InputError):
+            rate = parse_exact(stripped, "frequency")[0]  # "5 Hz" is 0.2 s
+        if rate is not None:
+            if rate <= 0:
+                raise InputError(_KEY, refused, text)
+            return 1 / rate, table.default_unit
+    scale = table.scale(unit.strip())
+    if scale.per_metre and not (baseline is not None and math.isfinite(baseline)):
+        asked = "Write" if baseline is None else "Give gnss.baseline, for example 10 km, or write"
+        raise InputError(_KEY, f"{shown(text)} grows with the base line. {asked} the sum at yours.", text)
+    along = baseline if scale.per_metre and baseline else 0.0
+    return table.amount(_decimal(match[0], text), scale.unit, along), scale.unit
+
+
+def _from_its_number(text: str) -> str:
+    """A quantity without ± or < before its number and brackets about a sum; a word such as CEP goes behind."""
+    match = _IN_BRACKETS.fullmatch(text)
+    bare = match[1] + match[2] if match else text
+    if (before := _BEFORE.match(bare)) is None:
+        return bare
+    return with_point(f"{bare[before.end() :]} {before[1] or ''}".strip())
+
+
+def _place(text: str, letters: str) -> Fraction | None:
+    """Degrees of 48°12'30" or 48.2° N; None for a text of another kind.
+
+    Raises
+    ------
+    InputError
+        For minutes or seconds above 60, or a letter that the angle does not take.
+    """
+    match = _PLACE.fullmatch(text)
+    if match is None or not (match[1] or match[4] or match[6]):
+        return None
+    minutes, seconds = Fraction(match[4] or 0), Fraction(match[5] or 0)
+    if not (minutes < 60 and seconds < 60):
+        raise InputError(_KEY, f"{shown(text)} has 60 minutes or seconds, or more.", text)
+    letter = (match[1] or "") + (match[6] or "")
+    if letter not in ("", *letters) or (letter and match[2]):
+        said = f"Write it with {letters[0]} or {letters[1]}" if letters else "Write it without a point of the compass"
+        raise InputError(_KEY, f"{shown(text)} is not such an angle. {said}, or with a sign.", text)
+    degrees = Fraction(match[3]) + minutes / 60 + seconds / 3600
+    return -degrees if letter in ("S", "W") or match[2] == "-" else degrees
 
 
 _COMMA = re.compile(r"([+\-−]?\d*),(\d+)(?![\d.,])")
@@ -181,6 +180,7 @@ def with_point(text: str) -> str:
 
 
 def _decimal(number: str, text: str) -> Fraction:
+    number = number.replace("−", "-")
     exponent = number.lower().partition("e")[2]
     if exponent and abs(int(exponent)) > MAX_EXPONENT:
         raise InputError(_KEY, f"{shown(text)} is too large or too small.", text)
@@ -212,13 +212,13 @@ def from_si(value: float, unit: str, dimension: str) -> float:
 def _whole_times(unit: str, dimension: str) -> float:
     """How many of the unit make one in SI, where that is a whole number, or zero."""
     kind = DIMENSIONS[dimension]
-    share = 0 if kind.decibels else 1 / kind.units[unit]
+    share = 0 if kind.decibels or (scale := kind.scale(unit)).per_metre else 1 / scale.size
     return float(share) if share.denominator == 1 and share < 2**53 else 0.0
 
 
 @lru_cache(maxsize=4096)
 def format_quantity(
-    value: float, unit: str, dimension: str, digits: int | None = None, *, zeros: bool = False
+    value: float, unit: str, dimension: str, digits: int | None = None, *, zeros: bool = False, baseline: float = 0.0
 ) -> str:
     """Print a value in SI as a quantity string in `unit`.
 
@@ -227,13 +227,15 @@ def format_quantity(
     value : float
         SI.
     unit : str
-        Canonical symbol.
+        Canonical symbol, or what follows the number, as `parse_quantity` has it.
     dimension : str
         Key of `DIMENSIONS`.
     digits : int, optional
         Significant digits. Without it, the fewest that read back as exactly the same float.
     zeros : bool
         Whether zeros at the end count as digits: ``"0.500 °/√h"``.
+    baseline : float
+        Distance from the base station [m], where the unit has a part for each kilometre.
 
     Returns
     -------
@@ -241,9 +243,9 @@ def format_quantity(
         ``"0.5 °/√h"``; a plain degree sign follows its number without a space: ``"45°"``.
     """
     kind = DIMENSIONS[dimension]
-    exact = kind.number(Fraction(value), unit)
+    exact = kind.number(Fraction(value), unit, baseline)
     if digits is None:
-        number = shortest_decimal(exact, lambda decimal: float(kind.amount(decimal, unit)) == value)
+        number = shortest_decimal(exact, lambda decimal: float(kind.amount(decimal, unit, baseline)) == value)
     else:
         number = plain_number(float(exact), digits, zeros=zeros)
     return join_quantity(number, unit)

@@ -15,7 +15,7 @@ from typing import Any, cast
 from nav_model.base.errors import InputError, shown
 from nav_model.base.frozen import FrozenMapping
 from nav_model.design.contributors import Contributor
-from nav_model.design.declaration import BaseQuantity
+from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE, BaseQuantity
 from nav_model.design.own import Allotment, Limit, Own
 from nav_model.design.parts import (
     INPUTS,
@@ -179,21 +179,26 @@ class Design:
         """The design that differs in `changes` (dotted keys, SI), and in what is its `own` where that is given.
 
         `written` updates the units remembered, `origins` where values came from; a value that changes loses the
-        origin it had. Parts, units and origins in which nothing changes are the same objects.
+        origin it had. Noise written as "1 cm + 1 ppm" follows the base line. Parts, units and origins in which
+        nothing changes are the same objects.
 
         Raises
         ------
         InputError
             As the constructor.
         """
+        plain = {key: self.unit(key) for key in ON_BASE_LINE if key in changes and " + " in self.written.get(key, "")}
+        written = {**plain, **(written or {})}
+        if BASE_LINE in changes:
+            changes = {**self._on_base_line(cast("float | None", changes[BASE_LINE])), **changes}
         given = dict(changes)
         texts = {key: str(given.pop(key)) for key in TOP_KEYS if key in given}
         touched = {key.partition(".")[0] for key in given}
         kept = {key: self._values[key] for section in touched for key in _KEYS.get(section, ())}
         parts = {part.section: part(**own) for part, own in _by_part(kept | given) if part.section in touched}
         units: Mapping[str, str] = self.written
-        if any(units.get(key) != unit for key, unit in (written or {}).items()):
-            units = {**units, **(written or {})}
+        if any(units.get(key) != unit for key, unit in written.items()):
+            units = {**units, **written}
         held: Mapping[str, str] = self.origins
         if origins or any(key in held and value != self[key] for key, value in changes.items()):
             held = {key: origin for key, origin in held.items() if changes.get(key, self[key]) == self[key]}
@@ -213,10 +218,31 @@ class Design:
 
     def unit(self, key: str) -> str:
         """Unit symbol in which the value under `key` is shown."""
-        written = self.written.get(key, "")
         declaration = declaration_of(key)
         assert isinstance(declaration, BaseQuantity)
-        return declaration.unit if not written or ":" in written else written
+        return declaration.plain_unit(self.written.get(key, ""))
+
+    def scale(self, key: str) -> str:
+        """What follows the number under `key` as a person writes it: its unit, or "m CEP"."""
+        written = self.written.get(key, "")
+        return self.unit(key) if not written or ":" in written else written
+
+    @property
+    def baseline(self) -> float | None:
+        """Distance from the base station [m], if it is given."""
+        return cast("float | None", self._values[BASE_LINE])
+
+    def _on_base_line(self, baseline: float | None) -> dict[str, Value]:
+        """Noise that is written as growing with the base line, at another one."""
+        moved: dict[str, Value] = {}
+        for key in ON_BASE_LINE:
+            value, written = self[key], self.written.get(key, "")
+            if " + " in written:
+                declaration = declaration_of(key)
+                assert isinstance(declaration, BaseQuantity)
+                text = declaration.write(cast("float", value), written, self.baseline)[1]
+                moved[key] = declaration.read(text, baseline=baseline).value
+        return moved
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Design) and self._values == other._values and self.own == other.own

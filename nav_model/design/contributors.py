@@ -126,6 +126,11 @@ class Sized:
         """How messages name it."""
         return f"{self.table}[{shown(self.name)[1:-1]}]"
 
+    def refuse_accuracy(self, where: str) -> None:
+        """Refuse a value such as "2 m CEP" where it is not a 1σ."""
+        if self.unit and DIMENSIONS[self.dimension].scale(self.unit).how:
+            raise InputError(where, f"{shown(self.show())} states an accuracy, but this is not a 1σ.", self.show())
+
     def show(self, digits: int | None = None) -> str:
         """The value with its unit; without `digits` the shortest text that reads back to the same value."""
         return format_quantity(
@@ -185,6 +190,8 @@ class Contributor(Sized):
                 raise InputError(f"{self.where}.{key}", not_a_choice(getattr(self, key), options))
         if not 0 <= self.value <= _LARGEST:  # NaN lands here too
             raise InputError(f"{self.where}.value", f"{self.value:g} is not allowed. Give zero or more.", self.value)
+        if self.enters in UNSCALED:
+            self.refuse_accuracy(f"{self.where}.value")
         if self.enters in ALIKE and self.processing != BOTH:
             raise InputError(
                 f"{self.where}.processing", f'{label_of(self.enters)} is the same in both processings. Write "both".'

@@ -27,6 +27,12 @@ from nav_model.base.units import (
 
 _T = TypeVar("_T")
 
+BASE_LINE = "gnss.baseline"
+"""Key of the distance from the base station."""
+ON_BASE_LINE = ("gnss.position_noise", "gnss.vertical_position_noise", "gnss.correlated_noise")
+"""Inputs that may grow with it: "1 cm + 1 ppm"."""
+_COMPASS = {"latitude": "NS", "longitude": "EW"}
+
 
 @dataclass(frozen=True)
 class Alternative:
@@ -208,10 +214,17 @@ class BaseQuantity(Declared, param.Number[_T]):
         example = self.show(typical, 6 if self.default else 1) if typical else DIMENSIONS[self.dimension].examples[0]
         return f"Enter the {in_sentence(self.label)}, for example {example}."
 
-    def read(self, text: Any, key: str | None = None) -> Parsed:
+    def read(self, text: Any, key: str | None = None, baseline: float | None = None) -> Parsed:
         """A value written in a file, a link or a box -> SI and the unit to show it in.
 
-        `key` is the name the value was given under, which may be the alternative's.
+        Parameters
+        ----------
+        text : object
+            What was given.
+        key : str, optional
+            The name the value was given under, which may be the alternative's.
+        baseline : float, optional
+            Distance from the base station [m], for noise that grows with it.
 
         Raises
         ------
@@ -233,7 +246,13 @@ class BaseQuantity(Declared, param.Number[_T]):
             raise InputError(where, f'{shown(text)} is not text in quotes. Write for example "{example}".', text)
         try:
             advice = "" if in_sentence(self.label) == dimension else self._asked(reciprocal)
-            exact, unit = parse_exact(text, dimension, advice)
+            if baseline is None and where in ON_BASE_LINE:
+                baseline = math.nan  # it is asked for
+            letters = _COMPASS.get(str(self.label).lower(), "")
+            exact, unit = parse_exact(text, dimension, advice, baseline=baseline, letters=letters)
+            if where.startswith("requirements.") and (scale := DIMENSIONS[dimension].scale(unit)).how:
+                said = f"{shown(text)}: a limit has no accuracy. Write {scale.unit.split()[0]} alone; "
+                raise InputError(where, f"{said}requirements.confidence says at how many sigmas it counts.", text)
         except InputError as error:
             raise InputError(where, error.reason, text) from error
         try:
@@ -257,7 +276,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         self._validate(number)
         return number
 
-    def write(self, value: float, written: str) -> tuple[str, str | float]:
+    def write(self, value: float, written: str, baseline: float | None = None) -> tuple[str, str | float]:
         """Key and value for a file or link, reading back to exactly the same float.
 
         `written` is the unit remembered from reading (``"wavelength:cm"`` for an alternative).
@@ -266,12 +285,28 @@ class BaseQuantity(Declared, param.Number[_T]):
             return str(self.name), value
         if self.alternative and ":" in written:
             return self.alternative.key, self._write_alternative(value, written.partition(":")[2])
-        return str(self.name), format_quantity(value, written or self.unit, self.dimension)
+        return str(self.name), format_quantity(value, written or self.unit, self.dimension, baseline=baseline or 0.0)
+
+    def conversion(self, value: float, written: str, baseline: float | None = None) -> str:
+        """What was made of a value [SI] written as "0.2 m CEP": "0.2 m CEP = 0.170 m, 1σ per axis".
+
+        Empty where it is a number of a usual unit.
+        """
+        if not self.dimension or not written or ":" in written or written in DIMENSIONS[self.dimension].units:
+            return ""
+        text = format_quantity(value, written, self.dimension, 12, baseline=baseline or 0.0)
+        usual = format_quantity(value, self.plain_unit(written), self.dimension, 3, zeros=True)
+        return f"{text} = {usual}{DIMENSIONS[self.dimension].scale(written).how}"
+
+    def plain_unit(self, written: str) -> str:
+        """The usual unit in which a value that is written so is shown elsewhere."""
+        unit = written.split(" ")[0]
+        return unit if self.dimension and unit in DIMENSIONS[self.dimension].units else self.unit
 
     def _write_alternative(self, value: float, unit: str) -> str:
         assert self.alternative is not None
         constant = Fraction(self.alternative.constant)
-        factor = DIMENSIONS[self.alternative.dimension].units[unit]
+        factor = DIMENSIONS[self.alternative.dimension].scale(unit).size
 
         def reads_back(decimal: Fraction) -> bool:
             return decimal > 0 and float(constant / (decimal * factor)) == value

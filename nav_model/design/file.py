@@ -169,6 +169,9 @@ def _build(tables: dict[str, Any]) -> Design:
 
 def _read_section(section: str, table: dict[str, Any], values: dict[str, Value], written: dict[str, str]) -> None:
     given: dict[str, str] = {}
+    baseline = None
+    if section == "gnss" and "baseline" in table:
+        baseline = INPUTS[section]["baseline"].read(table["baseline"]).value
     for name, content in table.items():
         key = f"{section}.{name}"
         if key in (*PRESET_KEYS, *OUTDATED):
@@ -181,7 +184,7 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
             raise InputError(key, f"means the same as {section}.{given[target]}. Give one of them.")
         given[target] = name
         if isinstance(declaration, BaseQuantity):
-            parsed = declaration.read(content, name)
+            parsed = declaration.read(content, name, baseline)
             values[f"{section}.{target}"], written[f"{section}.{target}"] = parsed
         else:
             values[f"{section}.{target}"] = declaration.read(content)
@@ -247,7 +250,9 @@ def format_design(design: Design) -> str:
                 continue
             if isinstance(declaration, BaseQuantity):
                 assert isinstance(value, float | int)
-                name, value = declaration.write(float(value), design.written.get(f"{section}.{name}", ""))
+                name, value = declaration.write(
+                    float(value), design.written.get(f"{section}.{name}", ""), design.baseline
+                )
             elif isinstance(declaration, Table):
                 assert isinstance(value, tuple)
                 table[name] = declaration.write(value)

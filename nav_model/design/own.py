@@ -75,6 +75,7 @@ class Limit(Sized):
             raise InputError(self.where, "is the name of a requirement already. Choose another name.", self.name)
         if not 0 < self.value < math.inf:
             raise InputError(f"{self.where}.limit", "must be more than zero.", self.value)
+        self.refuse_accuracy(f"{self.where}.limit")
         if self.at is not None and self.on not in (*COASTING, *IN_OUTAGE):
             raise InputError(
                 f"{self.where}.at", f"{label_of(self.on)} is no value of the outage, so it has no time.", self.at
@@ -104,6 +105,7 @@ class Lock(Sized):
         if not 0 < self.value < math.inf:
             where = f"allocation.locks.{self.requirement}.{self.name}"
             raise InputError(where, "must be locked at more than zero.", self.value)
+        self.refuse_accuracy(f"allocation.locks.{self.requirement}.{self.name}")
 
 
 @dataclass(frozen=True)

@@ -136,6 +136,20 @@ class Gnss(Part):
         instead="position_noise",
         source="GNSS noise",
     )
+    baseline = OptionalQuantity(
+        dimension="length",
+        unit="km",
+        short="gbl",
+        bounds=(0.0, 1e6),
+        softbounds=(100.0, 1e5),
+        label="Base line",
+        doc='Distance from the base station, for noise that grows with it: "1 cm + 1 ppm".',
+        datasheet="Not on data sheets: the flight plan.",
+        typical="1 to 30 km",
+        when_empty="not used",
+        variable=False,
+        since="0.1.0",
+    )
     interval = Quantity(
         default=1.0,
         dimension="interval",

@@ -34,6 +34,10 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         value, unit = design[self.key], design.unit(self.key)
         assert value is None or isinstance(value, float | int)
         mark, note = _source(design, self.key)
+        if value is not None and (
+            said := self._declared.conversion(value, design.written.get(self.key, ""), design.baseline)
+        ):
+            note = f"{said}. {note}".strip()
         told: Row = {"text": entered(design, self.key), "size": value, "unit": unit, "mark": mark, "note": note}
         if self._scale is not None:
             told["place"] = self._scale.ends[1] if value is None else self._scale.place(value)

@@ -16,7 +16,7 @@ from nav_model.design.table import Table
 QUANTITIES = [key for key in all_keys() if isinstance(declaration_of(key), BaseQuantity)]
 _BAD = [
     "5 kg", "-1", "nan", "inf", "1e400", "1e99", "abc", "--1", "1 2", "1,500", "0x10", "=1+1", "½", "1e", ".",
-    "1 m m", "<script>alert(1)</script>", "1 °/√h/√h", "\x00", "∞", "1" * 5000,
+    "1 m m", "<script>alert(1)</script>", "1 °/√h/h/h", "\x00", "∞", "1" * 5000,
 ]  # fmt: skip
 _SIGNED = {  # -1 is right
     key for key in QUANTITIES if declaration_of(key).limits[0] < 0 or declaration_of(key).dimension == "level"
@@ -84,6 +84,29 @@ def test_a_refused_text_goes_when_the_value_becomes_another(session: Session) ->
     session.change({"gnss.interval": 2.0})
     assert sheet.row("gnss.interval")["error"] == ""
     assert sheet.row("gnss.interval")["text"] == "2 s"
+
+
+def test_a_box_says_what_was_made_of_a_number_as_printed(session: Session) -> None:
+    key = "gnss.position_noise"
+    sheet = Sheet(session, key, "gnss.baseline")
+    sheet.enter(key, "±0.2 m (CEP)")
+    assert session.design[key] == pytest.approx(0.2 / 1.17741, rel=1e-6)
+    assert sheet.row(key)["text"] == "0.2 m CEP"
+    assert sheet.row(key)["note"] == "0.2 m CEP = 0.170 m, 1σ per axis."
+    sheet.enter(key, "0.4")  # a bare number is one more of what the box shows
+    assert sheet.row(key)["text"] == "0.4 m CEP"
+    sheet.enter(key, "1 cm + 1 ppm")
+    assert "Give gnss.baseline" in sheet.row(key)["error"]
+    sheet.enter("gnss.baseline", "10 km")
+    sheet.enter(key, "1 cm + 1 ppm")
+    assert session.design[key] == 0.02
+    sheet.enter("gnss.baseline", "30 km")
+    assert sheet.row(key)["note"] == "1 cm + 1 ppm = 4.00 cm, 1σ per axis."
+    sheet.enter("gnss.baseline", "")
+    assert "grows with the base line" in sheet.row("gnss.baseline")["error"]
+    sheet._handle_msg({"key": key, "place": -1.0, "number": 1})  # the slider moves a plain number
+    assert sheet.row(key)["text"] == "10 cm"
+    assert sheet.row(key)["note"] == ""
 
 
 @pytest.mark.parametrize("key", TABLES)

@@ -1,7 +1,9 @@
 """Quantity strings: spellings of data sheets, exactness both ways, refusals."""
 
 import math
+import random
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -12,8 +14,8 @@ from nav_model.base.errors import InputError
 from nav_model.base.units import (
     format_quantity,
     from_si,
+    parse_exact,
     parse_quantity,
-    unit_symbol,
 )
 
 EVERY_UNIT = [(name, unit) for name, dimension in DIMENSIONS.items() for unit in dimension.units]
@@ -153,7 +155,7 @@ def test_a_decimal_comma_and_a_rate_are_read(text, dimension, value, unit):
 
 @pytest.mark.parametrize(("dimension", "unit"), EVERY_UNIT, ids=lambda value: value)
 def test_canonical_symbols_are_fixed_points_and_examples_parse(dimension, unit):
-    assert unit_symbol(unit, dimension) == unit
+    assert DIMENSIONS[dimension].scale(unit).unit == unit
     for example in DIMENSIONS[dimension].examples:
         parse_quantity(example, dimension)
 
@@ -178,3 +180,183 @@ def test_an_amount_is_rounded_once(dimension, unit, value):
 )
 def test_printed_forms(value, unit, dimension, digits, text):
     assert format_quantity(value, unit, dimension, digits) == text
+
+
+def test_what_was_read_before_the_grammar_reads_the_same():
+    """Values and symbols as the reader of revision 439f4838 gave them, bit for bit."""
+    lines = Path(__file__).with_name("spellings_at_439f4838.txt").read_text(encoding="utf-8").splitlines()
+    count = 0
+    for line in lines[1:]:
+        dimension, symbol, value, spellings = line.split(" | ")
+        for spelling in spellings.split("  "):
+            text = f"0.5 {spelling.replace('␣', ' ')}"
+            assert parse_quantity(text, dimension) == (float(value), symbol), text
+            count += 1
+    assert count == 937
+
+
+# Names by what they are, written down here a second time, apart from those of the product.
+_ANGLES = (("°", 0), ("deg", 0), ("degree", 0), ("degrees", 0), ("Deg", 0), ("m°", 3), ("mdeg", 3),
+           ("millidegrees", 3), ("µdeg", 6), ("microdegree", 6))  # fmt: skip
+_SECONDS = ("s", "sec", "second", "Sec", "SEC")
+_ROOTS = ("√", "√ ", "sqrt ", "rt-", "root-", "root ", "Sqrt ")
+_HERTZ = ("Hz", "hz", "HZ", "hertz")
+
+
+def _spelling(rng: random.Random) -> str:
+    """One of the ways to write 0.15 °/s/√Hz, which is 9 °/√h."""
+    (angle, shift), second = rng.choice(_ANGLES), rng.choice(_SECONDS)
+    hertz = rng.choice(_HERTZ)
+    roots = [f"{rng.choice(_ROOTS)}{hertz}", f"√({hertz})", f"sqrt( {hertz} )", f"rt{hertz}", f"sqrt{hertz}"]
+    root = rng.choice([*roots, *(f"{hertz}{power}" for power in ("^0.5", "^1/2", "^(1/2)", "**0.5"))])
+    inverse, inverse_root = (
+        rng.choice(["^-1", "⁻¹", "**-1", "-1"]),
+        rng.choice(["^-1/2", "^-0.5", "^(-1/2)", "**-0.5"]),
+    )
+    times, over = rng.choice(["*", "·", " ", " * ", "."]), rng.choice(["/", " / ", " per "])
+    if rng.random() < 0.2:  # abbreviations and hours
+        angle, shift = rng.choice([("dps", 0), ("mdps", 3), ("milli-dps", 3), ("µdps", 6)])
+        unit = rng.choice([f"{angle}{over}{root}", f"{angle} {hertz}{inverse_root}", f"{angle}{over}({root})"])
+    else:
+        unit = rng.choice([
+            f"{angle}{over}{second}{over}{root}", f"({angle}{over}{second}){over}{root}",
+            f"{angle}{over}({second}{times}{root})", f"{angle}{times}{second}{inverse}{times}{hertz}{inverse_root}",
+            f"{angle}{over}{root}{over}{second}", f"{second}{inverse} {angle}{over}{root}",
+            f"[{angle}{over}{second}{over}{root}]", f"{{{angle}{over}{second}}}{over}{root}",
+            f"{angle}{over}({second}²{times}{hertz})^0.5{over}√{second}{times}√{second}",
+        ])  # fmt: skip
+    number = Fraction(15, 100) * 10**shift
+    if rng.random() < 0.1:
+        hour = rng.choice(["h", "hr", "hour"])
+        number, unit = Fraction(9) * 10**shift, rng.choice([f"{angle}/√{hour}", f"{angle} {hour}^-1/2"])
+        if "dps" in angle:
+            number = Fraction(15, 100) * 10**shift
+            unit = f"{angle}/√Hz"
+    digits = f"{float(number):.{rng.randint(2, 6)}f}"
+    digits = rng.choice(
+        [digits, digits.replace(".", ",") if digits[-4] != "." else digits, f"{float(number) * 10:.2f}e-1"]
+    )
+    before = rng.choice(["", "", "", "±", "± ", "<", "≤ ", "typ ", "+/-"])
+    after = rng.choice(["", "", "", " typ", " typ.", ", 1σ", " (1σ)", " @ 1σ", " 1 sigma", " rms", " RMS", " (rms)",
+                        " per axis", " rms, 1σ", " @ 25 Hz"])  # fmt: skip
+    return f"{before}{digits} {unit}{after}"
+
+
+def test_ten_thousand_spellings_of_one_quantity_read_equal():
+    rng = random.Random(40)
+    texts = [text for text in (_spelling(rng) for _ in range(10_000)) if len(text) <= 100]
+    value = float(Fraction(15, 100) * Fraction(math.pi) / 180)
+    for text in texts:
+        assert parse_quantity(text, "angle random walk").value == value, text
+    assert len(set(texts)) > 9000
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "value"),
+    [
+        ("0.2 m CEP", "length", 0.2 / math.sqrt(2 * math.log(2))),
+        ("1.0 m (CEP50)", "length", 1 / 1.17741),
+        ("CEP 1.0 m", "length", 1 / 1.17741),
+        ("2 m R95", "length", 2 / 2.44775),
+        ("2 m CEP (95 %)", "length", 2 / 2.44775),
+        ("3 m CE90", "length", 3 / 2.14597),
+        ("2 m 2DRMS", "length", 1 / math.sqrt(2)),
+        ("2 m 95 %", "length", 2 / 1.959964),
+        ("2 m (LE90)", "length", 2 / 1.644854),
+        ("1 m SEP", "length", 1 / 1.538172),
+        ("0.3 °/h 3σ", "angular rate", math.radians(0.1) / 3600),
+        ("0.3 °/h (3 sigma)", "angular rate", math.radians(0.1) / 3600),
+        ("3 mg rms @ 100 Hz", "velocity random walk", 0.3e-3 * 9.80665),
+        ("3 mg rms @ 100 Hz BW", "velocity random walk", 0.3e-3 * 9.80665),
+        ("0.3 °/s in 900 Hz bandwidth", "angle random walk", math.radians(0.01)),
+        ("0.01 °/s/√Hz @ 10 Hz", "angle random walk", math.radians(0.01)),
+    ],
+)
+def test_words_about_accuracy_bring_a_number_to_one_sigma(text, dimension, value):
+    """Against tables of the normal, Rayleigh and Maxwell distributions; what is written reads back exactly."""
+    parsed = parse_quantity(text, dimension)
+    assert parsed.value == pytest.approx(value, rel=3e-6)
+    assert parse_quantity(format_quantity(parsed.value, parsed.unit, dimension), dimension) == parsed
+
+
+def test_noise_that_grows_with_the_base_line_needs_it():
+    for text in ("1 cm + 1 ppm", "(1 cm + 1 ppm)", "1 cm + 1 mm/km rms", "(10 mm + 1ppm) RMS"):
+        exact, unit = parse_exact(text, "length", baseline=10e3)
+        assert exact == Fraction(2, 100)
+        value = float(parse_exact(text, "length", baseline=12_345.6)[0])
+        again = format_quantity(value, unit, "length", baseline=12_345.6)
+        assert float(parse_exact(again, "length", baseline=12_345.6)[0]) == value
+        with pytest.raises(InputError, match=r"base line. Write"):
+            parse_quantity(text, "length")
+    assert parse_exact("(1 cm + 1 ppm) CEP", "length", baseline=10e3)[0] == pytest.approx(Fraction(2 / 100 / 1.17741))
+
+
+@pytest.mark.parametrize(
+    ("text", "letters", "degrees"),
+    [("48°12'30\"", "", 48 + 12.5 / 60), ("-48° 12' 30\"", "", -48 - 12.5 / 60), ("11.5° W", "EW", -11.5),
+     ("N 48°12'30\"", "NS", 48 + 12.5 / 60), ("48°12′30″ S", "NS", -48 - 12.5 / 60), ("E 11°30.6'", "EW", 11.51),
+     ("48.2N", "NS", 48.2)],
+)  # fmt: skip
+def test_places_have_minutes_seconds_and_points_of_the_compass(text, letters, degrees):
+    assert float(parse_exact(text, "angle", letters=letters)[0]) == pytest.approx(math.radians(degrees), rel=1e-14)
+
+
+ASKED = [
+    ("0.3 °/h", "angle random walk", "°/√h or °/h/√Hz"),
+    ("3 mg", "velocity random walk", "mg rms @ 100 Hz or mg/√Hz"),
+    ("50'", "length", "ft or arcmin"),
+    ("5 m", "time", "'m' is not a unit of time"),
+    ("5 mg", "length", "'mg' is not a unit"),
+    ("100 nm", "length", "NM (nautical miles) or 0.001 µm"),
+    ("9600 mhz", "frequency", "mHz or MHz"),
+    ("2 m 2DRMS (95 %)", "length", "twice, 95 % and 2DRMS"),
+    ("1 °/h CEP", "angular rate", "CEP is of a place"),
+    ("48° N", "angle", "without a point of the compass"),
+    ("48°61'", "angle", "60 minutes or seconds"),
+    ("1 kg", "acceleration", "'kg' is not a unit"),
+]
+
+
+@pytest.mark.parametrize(("text", "dimension", "said"), ASKED, ids=[row[0] for row in ASKED])
+def test_what_has_two_meanings_is_asked_for(text, dimension, said):
+    with pytest.raises(InputError) as caught:
+        parse_quantity(text, dimension)
+    assert said in str(caught.value)
+
+
+HOSTILE = ["1 " + "(" * 97, "1 m" + "^9" * 40, "1 ppm^12" + "^12" * 20, "1 " + "((ppm^9)^9)" * 8,
+           "1 " + "√" * 90 + "m", "1" + " " * 97 + "x", "1 m" + " typ" * 24, "1 m " + "1σ " * 30,
+           "1 " + "m/" * 49, "1 km^12/km^12·km^12"]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:12])
+@pytest.mark.parametrize("dimension", ["length", "ratio", "angle random walk"])
+def test_hostile_units_are_refused_or_read_in_little_arithmetic(text, dimension):
+    try:
+        exact, _ = parse_exact(text, dimension)
+    except InputError:
+        return
+    assert exact.denominator.bit_length() < 10_000
+
+
+_KINDS = {"imu.angle_random_walk": "angle random walk", "imu.velocity_random_walk": "velocity random walk",
+          "imu.accelerometer_bias": "acceleration", "imu.gyro_bias": "angular rate", "gnss.position_noise": "length",
+          "flight.altitude": "length", "flight.speed": "speed", "gnss.velocity_noise": "speed",
+          "radar.frequency": "frequency", "flight.latitude": "angle"}  # fmt: skip
+
+
+def test_numbers_as_sheets_manuals_and_threads_print_them():
+    printed = Path(__file__).resolve().parents[4] / "shared" / "data" / "brought" / "units.txt"
+    if not printed.is_file():
+        pytest.skip(f"numbers as printed are not present at {printed}")
+    for line in printed.read_text(encoding="utf-8").splitlines():
+        if line.startswith("#"):
+            continue
+        key, text, value = (part.strip() for part in line.split(" | "))
+        letters = "NS" if key == "flight.latitude" else ""
+        if value == "ask":
+            with pytest.raises(InputError, match=r"may mean|base line"):
+                parse_exact(text, _KINDS[key])
+        else:
+            exact, _ = parse_exact(text, _KINDS[key], letters=letters)
+            assert float(exact) == pytest.approx(float(value), rel=1e-7), text

@@ -1,0 +1,185 @@
+"""The grammar of units: a text such as "deg/sqrt(hr)" as a product of powers of units that have a name.
+
+A product is written with / or "per", ·, *, a dot or a space, brackets of any kind, powers as ², ^2, **2, s-1 or s⁻¹,
+roots as √, sqrt, rt, root, ^0.5 or ^1/2; a name has its prefix as a letter or a word, and may be a plural. The names
+are in `dimensions.toml`. Whether a product fits the quantity asked for, `nav_model.base.dimensions` decides.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from decimal import Context, Decimal
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+from nav_model.base.constants import STANDARD_GRAVITY
+from nav_model.base.errors import InputError
+from nav_model.base.toml_text import shipped
+
+Product = Mapping[str, Fraction]
+"""Symbol of a unit -> its power; also base unit -> power."""
+
+LONGEST = 100
+"""Characters of a quantity; what a text takes grows with its length alone."""
+_MOST_POWER = 12
+_POWERS = {"n": (-9, "nano"), "µ": (-6, "micro"), "m": (-3, "milli"), "c": (-2, "centi"), "k": (3, "kilo"),
+           "M": (6, "mega"), "G": (9, "giga")}  # fmt: skip
+_PREFIXES: dict[str, tuple[Any, ...]] = {"": (1, "")} | {
+    letter: (Fraction(10) ** power, letter, word, f"{word}-", *("u" if letter == "µ" else ""))
+    for letter, (power, word) in _POWERS.items()
+}
+"""Letter -> factor, and how it is written."""
+_SIGNS = str.maketrans("μº˚−–‐‑′’‘´″”“×⋅∙•⁄∕", "µ°°----''''\"\"\"····//")
+_RAISED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
+_NUMBER = r"([+-]?\d{1,2}(?:\.\d{1,2}|/[1-9])?)"
+_TOKEN = re.compile(
+    rf"""\s*(?:
+    (?P<root>√|(?i:sqrt|root|rt)(?=[\s(\[{{a-zA-Z-]))[\s-]*
+    |(?P<open>[(\[{{])|(?P<close>[)\]}}])
+    |(?P<per>/|per\b)|(?P<times>[·*.])
+    |(?P<name>(?:[a-z]+-(?=[a-z]))?[^\W\d_]*[°'"%]|[^\W\d_]+(?:-(?=[a-z])[^\W\d_]+)?₀?)
+    )(?:\s*(?:\^|\*\*)\s*(?:\(\s*{_NUMBER}\s*\)|{_NUMBER})|([+-]?\d(?!\d|\.\d)))?""",
+    re.VERBOSE,
+)
+_CLOSING = {"(": ")", "[": "]", "{": "}"}
+
+UNITS: dict[str, tuple[Fraction, Product]] = {
+    "π": (Fraction(math.pi), {}),
+    "g₀": (Fraction(str(STANDARD_GRAVITY)), {"m": Fraction(1), "s": Fraction(-2)}),
+}
+"""Symbol -> size in SI and base units."""
+_NAMES: dict[str, Product] = {symbol: {symbol: Fraction(1)} for symbol in UNITS}
+_FOLDED: dict[str, Product] = {}  # names in small letters, which are read in others too but for these
+_TWO_MEANINGS = {"mhz": "mHz or MHz", "nm": "NM (nautical miles) or 0.001 µm"}
+
+
+def plain_signs(text: str) -> str:
+    """The signs that look alike as one of them."""
+    return text.translate(_SIGNS).replace("''", '"')
+
+
+@lru_cache(maxsize=4096)
+def product_of(text: str) -> Product:
+    """The product that a text is; its powers are whole or half numbers.
+
+    Raises
+    ------
+    InputError
+        If a name in it has two meanings.
+    ValueError
+        If it is none.
+    """
+    text = re.sub("[⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda m: f"^{m[0].translate(_RAISED)}", plain_signs(text).strip())
+    product: dict[str, Fraction] = {}
+    sign, root = 1, Fraction(1)  # of the factor that comes next
+    outer: list[
+        tuple[dict[str, Fraction], int, Fraction, str]
+    ] = []  # what is before a bracket, and how the bracket ends
+    place = 0
+    while place < len(text):
+        token = _TOKEN.match(text, place)
+        if token is None or place > LONGEST:
+            raise ValueError(f"{text[place:]!r} is no part of a unit")
+        place = token.end()
+        power = token[7] or token[8] or token[9]
+        if token["root"]:
+            root /= 2
+        elif token["per"]:
+            sign = -1
+        elif token["open"]:
+            outer.append((product, sign, root, _CLOSING[token["open"]]))
+            product, sign, root = {}, 1, Fraction(1)
+        elif not token["times"]:  # a factor: a name, or a bracket that ends here
+            factor: Product = product
+            if token["name"]:
+                factor = _named(token["name"])
+            elif not outer or outer[-1][3] != token["close"]:
+                raise ValueError("a bracket is not closed")
+            else:
+                product, sign, root, _ = outer.pop()
+            for symbol, of_one in factor.items():
+                raised = product.get(symbol, 0) + of_one * sign * root * Fraction(power or 1)
+                if abs(raised) > _MOST_POWER or raised.denominator > 2:
+                    raise ValueError(f"{raised} is no power of {symbol}")
+                product[symbol] = raised
+            sign, root, power = 1, Fraction(1), None
+        if power:
+            raise ValueError("a power of nothing")
+    if outer or sign < 0 or root < 1:
+        raise ValueError("the unit is not complete")
+    return {symbol: power for symbol, power in product.items() if power}
+
+
+def spelled(product: Product) -> str:
+    """A product as `product_of` reads it: "m°/s/√Hz".
+
+    >>> spelled(product_of("mdeg/(s*sqrt(Hz))"))
+    'm°/s/√Hz'
+    """
+
+    def raised(symbol: str, power: Fraction) -> str:
+        if power == Fraction(1, 2):
+            return f"√{symbol}"
+        return symbol if power == 1 else f"{symbol}²" if power == 2 else f"{symbol}^{float(power):g}"
+
+    above = "·".join(raised(symbol, power) for symbol, power in product.items() if power > 0)
+    return above + "".join(f"/{raised(symbol, -power)}" for symbol, power in product.items() if power < 0)
+
+
+def _named(name: str) -> Product:
+    product = _NAMES.get(name)
+    if product is None and len(name) > 1:
+        if name.lower() in _TWO_MEANINGS:
+            raise InputError("quantity", f"{name!r} has two meanings. Write {_TWO_MEANINGS[name.lower()]}.", name)
+        product = _FOLDED.get(name.lower())
+    if product is None:
+        raise ValueError(f"{name!r} is not the name of a unit")
+    return product
+
+
+def size_of(product: Product) -> tuple[Fraction, Product]:
+    """One of a product in SI, and its base units: exact but for roots that are not rational, which have 40 digits."""
+    size, squared = Fraction(1), Fraction(1)
+    base: dict[str, Fraction] = {}
+    for symbol, power in product.items():
+        one, of = UNITS[symbol]
+        if power.denominator == 1:
+            size *= one ** int(power)
+        else:
+            squared *= one ** int(2 * power)
+        for each, inner in of.items():
+            base[each] = base.get(each, Fraction(0)) + inner * power
+    return size * root_of(squared), {each: power for each, power in base.items() if power}
+
+
+def root_of(squared: Fraction) -> Fraction:
+    """The square root of a number, exact where it is rational, else to 40 digits."""
+    root = Fraction(math.isqrt(squared.numerator), math.isqrt(squared.denominator))
+    if root * root == squared:
+        return root
+    fine = Context(prec=40)
+    return Fraction(fine.sqrt(fine.divide(Decimal(squared.numerator), Decimal(squared.denominator))))
+
+
+def _define(symbol: str, names: str, letters: str, size: Fraction, base: Product, product: Product) -> None:
+    """A unit, or the product that it abbreviates, under each of its names with each prefix."""
+    for letter in ("", *letters):
+        factor, *prefixes = _PREFIXES[letter]
+        UNITS[letter + symbol] = size * factor, base
+        for name in (symbol, *names.split()):
+            for prefix in prefixes:
+                for ending in ("", "s") if len(name) > 2 and name.isalpha() else ("",):
+                    whole = prefix + name + ending
+                    _NAMES.setdefault(whole, {letter + symbol: Fraction(1)} if letter else product)
+                    _FOLDED.setdefault(whole.lower(), _NAMES[whole])
+
+
+TABLES = shipped("nav_model.base", "dimensions")
+"""Of `dimensions.toml`: the kinds of quantity."""
+for _symbol, (_text, _letters, _names) in TABLES.pop("units").items():
+    _number, _, _unit = _text.partition(" ")
+    _size, _base = size_of(product_of(_unit)) if _text else (Fraction(1), {_symbol: Fraction(1)})
+    _define(_symbol, _names, _letters, _size * Fraction(_number or 1), _base, {_symbol: Fraction(1)})
+for _symbol, (_text, _letters) in TABLES.pop("abbreviations").items():
+    _define(_symbol, "", _letters, *size_of(product_of(_text)), product_of(_text))

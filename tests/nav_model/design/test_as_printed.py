@@ -1,0 +1,100 @@
+"""Numbers as data sheets print them, in a design: what is written stays in the file, what counts is 1σ per axis."""
+
+import math
+
+import pytest
+
+from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.file import format_design, parse_design
+from nav_model.design.link import from_query, to_query
+from nav_model.design.parts import declaration_of
+
+_CEP = math.sqrt(2 * math.log(2))  # of a circular normal distribution, in sigmas
+
+
+def _conversion(design: Design, key: str) -> str:
+    declaration = declaration_of(key)
+    assert isinstance(declaration, BaseQuantity)
+    return declaration.conversion(design[key], design.written[key], design.baseline)
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "value", "said"),
+    [
+        ("gnss.position_noise", "0.2 m CEP", 0.2 / _CEP, "0.2 m CEP = 0.170 m, 1σ per axis"),
+        ("gnss.position_noise", "20 cm (CEP)", 0.2 / _CEP, "20 cm CEP = 17.0 cm, 1σ per axis"),
+        ("gnss.position_noise", "2 m 95 %", 2 / 1.959964, "2 m 95 % = 1.02 m, 1σ per axis, taken as of one axis"),
+        ("imu.velocity_random_walk", "3 mg rms @ 100 Hz", 0.3e-3 * 9.80665,
+         "3 mg @ 100 Hz = 0.177 m/s/√h over √(100 Hz)"),
+        ("imu.accelerometer_bias", "250 mGal", 2.5e-3, "250 mGal = 0.255 mg"),
+    ],
+)  # fmt: skip
+def test_a_file_keeps_what_was_written_and_says_what_was_made_of_it(key, text, value, said):
+    section, _, name = key.partition(".")
+    design = parse_design(f'[{section}]\n{name} = "{text}"\n')
+    assert design[key] == pytest.approx(value, rel=1e-6)
+    assert _conversion(design, key) == said
+    kept = format_design(design)
+    assert f'{name} = "{said.partition(" = ")[0]}"' in kept
+    assert parse_design(kept) == design
+    assert from_query(to_query(design)) == design
+
+
+def test_set_takes_what_a_file_takes():
+    design = parse_design('[gnss]\nposition_noise = "1 m"\n', changes=["gnss.position_noise=1.5 m R95"])
+    assert design.gnss.position_noise == pytest.approx(1.5 / 2.447747, rel=1e-6)
+
+
+def test_noise_written_with_ppm_follows_the_base_line():
+    """1 cm + 1 ppm is 2 cm at 10 km, and 4 cm at 30 km, in whatever order a file has the keys."""
+    text = '[gnss]\nposition_noise = "1 cm + 1 ppm"\nbaseline = "10 km"\n'
+    design = parse_design(text)
+    assert design.gnss.position_noise == 0.02
+    assert _conversion(design, "gnss.position_noise") == "1 cm + 1 ppm = 2.00 cm, 1σ per axis"
+    assert 'position_noise = "1 cm + 1 ppm"' in format_design(design)
+    farther = design.replace({"gnss.baseline": 30e3})
+    assert farther.gnss.position_noise == pytest.approx(0.04, rel=1e-15)
+    assert parse_design(format_design(farther)) == farther
+    assert parse_design(text, changes=["gnss.baseline=30 km"]) == farther
+    slid = farther.replace({"gnss.position_noise": 0.005})  # a value is a value, below what the base line adds too
+    assert parse_design(format_design(slid)) == slid
+    with pytest.raises(InputError, match=r"gnss.position_noise: '1 cm \+ 1 ppm' grows with the base line. Give gnss"):
+        parse_design('[gnss]\nposition_noise = "1 cm + 1 ppm"\n')
+    with pytest.raises(InputError, match="grows with the base line"):
+        farther.replace({"gnss.baseline": None})
+
+
+def test_a_limit_is_no_accuracy():
+    with pytest.raises(
+        InputError, match=r"requirements.horizontal_position: .* a limit has no accuracy. Write m alone"
+    ):
+        parse_design('[requirements]\nhorizontal_position = "10 m CEP"\n')
+    limit = '[[limits]]\nname = "near"\non = "coast_horizontal_velocity"\nlimit = "1 m/s 95 %"\n'
+    with pytest.raises(InputError, match="states an accuracy"):
+        parse_design(limit)
+    added = '[[contributors]]\nname = "arm"\nvalue = "{}"\nenters = "{}"\n'
+    design = parse_design(added.format("3 mm 3σ", "horizontal_position"))
+    assert design.contributors[0].value == pytest.approx(1e-3)
+    assert parse_design(format_design(design)) == design
+    with pytest.raises(InputError, match="states an accuracy"):
+        parse_design(added.format("3 m CE90", "ce90"))
+
+
+def test_places_have_points_of_the_compass():
+    design = parse_design('[flight]\nlatitude = "N 48°12\'30\\""\n')
+    assert math.degrees(design.flight.latitude) == pytest.approx(48 + 12.5 / 60, rel=1e-14)
+    assert parse_design(format_design(design)) == design
+    points = declaration_of("trajectory.waypoints").read("48°12'30\" N, 11°30' W, 3000; S 1°, 11.5 E, 10000 ft MSL")
+    degrees = [[math.degrees(angle) for angle in row[:2]] for row in points]
+    assert degrees[0] == pytest.approx([48 + 12.5 / 60, -11.5])
+    assert degrees[1] == pytest.approx([-1, 11.5])
+    assert points[1][2] == pytest.approx(3048)
+    with pytest.raises(InputError, match="Write it with N or S"):
+        parse_design('[flight]\nlatitude = "48° E"\n')
+
+
+def test_a_drift_is_no_random_walk():
+    with pytest.raises(InputError, match=r"no angle random walk\. Write °/√h or °/h/√Hz"):
+        parse_design('[imu]\nangle_random_walk = "0.3 °/h"\n')
