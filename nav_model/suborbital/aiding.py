@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nav_model.base.errors import InputError
 from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import Triple
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
@@ -34,19 +34,17 @@ class Aiding:
 
 
 def frame_stride(aiding: Aiding, step_s: float) -> int:
-    """Steps from frame to frame. ValueError if frames fall between steps."""
+    """Steps from frame to frame. InputError if frames fall between steps."""
     ratio = aiding.frame_interval_s / step_s
     stride = round(ratio)
-    require(
-        stride >= 1 and abs(ratio - stride) < 1e-6,
-        f"frame_interval_s = {aiding.frame_interval_s!r}: must be a whole number of steps of {step_s!r} s",
-        *("frame_interval_s", "step_s"),
-    )
+    if stride < 1 or abs(ratio - stride) >= 1e-6:
+        reason = f"{aiding.frame_interval_s:g} s is not a whole number of steps of {step_s:g} s"
+        raise InputError("frame_interval_s", reason, aiding.frame_interval_s)
     return stride
 
 
 def frame_steps(flight: TrueFlight, aiding: Aiding) -> np.ndarray:
-    """Steps at which a frame reaches the INS, (n+1,) bool. ValueError if frames fall between steps."""
+    """Steps at which a frame reaches the INS, (n+1,) bool. InputError if frames fall between steps."""
     stride = frame_stride(aiding, flight.step_s)
     used = np.zeros(flight.steps + 1, dtype=np.bool_)
     used[::stride] = True
@@ -82,7 +80,7 @@ def camera_frames(
     unused.
 
     Latency takes the attitude of t - latency for that of t. With measured frames it must be a whole number of
-    steps, because an image exists only at a step.
+    steps, because an image exists only at a step; otherwise InputError.
     """
     used, covariance = frame_steps(flight, aiding), None
     if measured is None:
@@ -91,11 +89,9 @@ def camera_frames(
             attitude = attitude_at(flight, flight.time_s - aiding.latency_s)
     else:
         late = round(aiding.latency_s / flight.step_s)
-        require(
-            abs(late * flight.step_s - aiding.latency_s) < 1e-6,
-            f"latency_s = {aiding.latency_s!r}: with star images it must be a whole number of steps of "
-            f"{flight.step_s!r} s",
-        )
+        if abs(late * flight.step_s - aiding.latency_s) >= 1e-6:
+            reason = f"with star images {aiding.latency_s:g} s is not a whole number of steps of {flight.step_s:g} s"
+            raise InputError("latency_s", reason, aiding.latency_s)
         source = np.maximum(np.arange(flight.steps + 1) - late, 0)
         attitude, used = measured.attitude_bi[source], used & measured.used[source]
         covariance = None if measured.covariance is None else measured.covariance[source]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nav_model.base.errors import InputError
 from nav_model.earth.rotation import FloatArray, skew, vector_from_matrix
 
 COLLINEAR = 1e-10
@@ -100,12 +101,12 @@ def estimate(
 
     Raises
     ------
-    ValueError
+    InputError
         For a scene that the method cannot solve (`solvable`).
     """
     weight = np.ones(body.shape[:-1]) if weight is None else weight
     if not np.all(solvable(method, body, weight)):
-        raise ValueError(f"{method}: the stars of a scene are too few, or they are in one line or plane")
+        raise InputError(method, "the stars of a scene are too few, or they are in one line or plane")
     return METHODS[method](body, reference, sigma, weight)
 
 

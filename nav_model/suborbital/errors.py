@@ -13,9 +13,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from nav_model.base.errors import InputError
 from nav_model.base.units import to_si
 from nav_model.earth.rotation import FloatArray
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.layout import (
     ACCELEROMETERS,
     ATTITUDE,
@@ -149,8 +149,9 @@ def parameter_vector(
 
 
 def require_parameters(parameters: FloatArray) -> None:
-    """ValueError unless parameter vectors are (cases, 61)."""
-    require(parameters.shape[1] == COUNT, f"parameters has shape {parameters.shape}: must be (cases, {COUNT})")
+    """InputError unless parameter vectors are (cases, 61)."""
+    if parameters.shape[1] != COUNT:
+        raise InputError("parameters", f"has shape {parameters.shape}; it must be (cases, {COUNT})")
 
 
 def _of(sensor: int, kind: int) -> slice:

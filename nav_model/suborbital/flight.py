@@ -13,11 +13,11 @@ import numpy as np
 
 from nav_model.base.compiled import kernel
 from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.errors import InputError
 from nav_model.base.units import to_si
 from nav_model.earth.gravity import field_kernel, zonals
 from nav_model.earth.rotation import FloatArray, matrix_from_euler
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.runge_kutta import after_step, node_of, state_at
 
 MAX_STEPS = 100_000
@@ -50,28 +50,28 @@ class FlightParameters:
     gravity: str = "spherical"
 
     def __post_init__(self) -> None:
-        require(
-            0.0 <= self.pitch_start_s < self.pitch_end_s <= self.burn_time_s < self.duration_s,
-            f"pitch_start_s = {self.pitch_start_s!r}, pitch_end_s = "
-            f"{self.pitch_end_s!r}, burn_time_s = {self.burn_time_s!r}, duration_s = "
-            f"{self.duration_s!r}: must rise in this order",
-            *("pitch_start_s", "pitch_end_s", "burn_time_s", "duration_s"),
-        )
+        rising = {
+            "pitch_start_s": self.pitch_start_s >= 0.0,
+            "pitch_end_s": self.pitch_start_s < self.pitch_end_s,
+            "burn_time_s": self.pitch_end_s <= self.burn_time_s,
+            "duration_s": self.burn_time_s < self.duration_s,
+        }
+        for name, later in rising.items():
+            if not later:
+                values = ", ".join(f"{each} = {getattr(self, each):g}" for each in rising)
+                raise InputError(name, f"{values} must rise in this order", getattr(self, name))
         for name in ("burn_time_s", "duration_s"):
-            steps = getattr(self, name) / self.step_s
-            require(
-                abs(steps - round(steps)) < 1e-6,
-                f"{name} = {getattr(self, name)!r}: must be a whole number of steps of {self.step_s!r} s "
-                "(burn-out inside a step would be smeared over it)",
-                *(name, "step_s"),
-            )
+            value = getattr(self, name)
+            steps = value / self.step_s
+            if abs(steps - round(steps)) >= 1e-6:
+                reason = f"{value:g} s is not a whole number of steps of {self.step_s:g} s"
+                raise InputError(name, f"{reason} (burn-out inside a step would be smeared over it)", value)
         steps = self.duration_s / self.step_s
-        require(
-            steps <= MAX_STEPS,
-            f"duration_s = {self.duration_s!r}, step_s = {self.step_s!r}: {steps:.0f} steps; at most {MAX_STEPS} "
-            "are flown",
-            *("duration_s", "step_s"),
-        )
+        if steps > MAX_STEPS:
+            reason = (
+                f"{self.duration_s:g} s are {steps:.0f} steps of {self.step_s:g} s; at most {MAX_STEPS} are flown"
+            )
+            raise InputError("duration_s", reason, self.duration_s)
         zonals(self.gravity)
 
 
@@ -102,9 +102,9 @@ class TrueFlight:
         return len(self.time_s) - 1
 
     def require_spacing(self, every: int) -> None:
-        """ValueError unless points of a history, `every` steps apart, divide the flight."""
-        fits = every >= 1 and self.steps % every == 0
-        require(fits, f"every = {every!r}: must divide the flight's {self.steps} steps")
+        """InputError unless points of a history, `every` steps apart, divide the flight."""
+        if every < 1 or self.steps % every:
+            raise InputError("every", f"{every} does not divide the flight's {self.steps} steps", every)
 
     @property
     def from_file(self) -> bool:
@@ -226,7 +226,7 @@ def attitude_program(parameters: FlightParameters, time_s: FloatArray) -> tuple[
 
 
 def reference_flight(parameters: FlightParameters | None = None) -> TrueFlight:
-    """Fly the reference trajectory with RK4 at `step_s`. Raises ValueError when it hits the ground on the
+    """Fly the reference trajectory with RK4 at `step_s`. Raises InputError when it hits the ground on the
     way."""
     p = parameters or FlightParameters()
     n = round(p.duration_s / p.step_s)
@@ -269,7 +269,7 @@ def reference_flight(parameters: FlightParameters | None = None) -> TrueFlight:
 def in_gravity(flight: TrueFlight, gravity: str) -> TrueFlight:
     """The flight in another gravity field: same start, attitudes and specific forces, so another path.
 
-    InputError for another model than those of `ZONALS`; ValueError when it reaches the ground.
+    InputError for another model than those of `ZONALS`, and when it reaches the ground.
     """
     if gravity == flight.gravity:
         return flight
@@ -287,7 +287,7 @@ def fly(
     """time_s, position_i and velocity_i of a `TrueFlight`, integrated from its start (inertial axes),
     attitude at half steps (2n+1, 3, 3) and body specific force at the nodes (n, 3, 3).
 
-    ValueError when it reaches the ground before its end.
+    InputError when it reaches the ground before its end.
     """
     force_i = np.einsum("tnij,tnj->tni", step_nodes(attitude), force)
     r, v = _integrate(position, velocity, force_i, zonals(gravity), step_s)
@@ -295,8 +295,8 @@ def fly(
     height = np.linalg.norm(r, axis=-1) - SPHERE_RADIUS
     ground = np.flatnonzero(height < height[0] - 1.0) if height[0] < 1.0 else np.flatnonzero(height < -1.0)
     if ground.size:
-        raise ValueError(
-            f"duration_s = {time[-1]:g}: the flight reaches the ground at {time[ground[0]]:.1f} s; it must end "
-            "before that"
+        reason = (
+            f"the flight of {time[-1]:g} s reaches the ground at {time[ground[0]]:.1f} s; it must end before that"
         )
+        raise InputError("duration_s", reason, time[-1])
     return time, r, v

@@ -8,7 +8,6 @@ from nav_model.earth.gravity import gravitation
 from nav_model.earth.rotation import matrix_from_euler
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.flight import MAX_STEPS, TrueFlight, fly, step_nodes
 
 BOUNDS = FileBounds(
@@ -42,7 +41,8 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
 
     samples = read_trajectory_table(content, name, BOUNDS).samples
     time, lat, lon, height, roll, pitch, yaw = samples.T
-    require(step_s > 0.0, f"step_s = {step_s!r}: must be positive")
+    if step_s <= 0.0:
+        raise InputError("step_s", f"{step_s:g} s is not positive", step_s)
     if time[-1] > MAX_STEPS * step_s:
         most = f"at most {MAX_STEPS * step_s:g} s are flown in steps of {step_s:g} s"
         raise InputError(name, f"lasts {time[-1]:g} s; {most}")

@@ -209,7 +209,7 @@ def mechanise(
     they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
     per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
     step; gravity: the model the INS believes in, of all cases or one each; every: output spacing in steps, which
-    must divide the flight. Raises ValueError where it does not.
+    must divide the flight. Raises InputError where it does not.
     """
     parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
     count, n = len(parameters), flight.steps

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from nav_model.base.errors import InputError
 from nav_model.earth.rotation import FloatArray, matrix_from_vector
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
 from nav_model.suborbital.navigation_errors import navigation_errors
 from nav_model.suborbital.study import Study
@@ -63,10 +63,11 @@ def noise_ensemble(
 
     Each step holds one draw of density white_noise per axis. aided: with the study's star frames, each with a
     draw of star_covariance (n+1, 3, 3), body axes, rad² (None: a perfect camera). Compare with
-    `Study.pure_noise` and `aided_noise`, its prediction. Raises ValueError for a number of runs that is not
+    `Study.pure_noise` and `aided_noise`, its prediction. Raises InputError for a number of runs that is not
     allowed.
     """
-    require(1 <= runs <= MOST_RUNS, f"runs = {runs!r}: must be 1 to {MOST_RUNS}")
+    if not 1 <= runs <= MOST_RUNS:
+        raise InputError("runs", f"{runs} is not allowed; it must be 1 to {MOST_RUNS}", runs)
     flight, errors = study.flight, study.inputs.errors
     sigma = np.repeat([errors.accelerometers.white_noise, errors.gyros.white_noise], 3)
     generator = np.random.default_rng(seed)

@@ -25,7 +25,7 @@ def sensor_history(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet,
     """df and domega [B-1] of the parameter vectors (c, 61) or (61,), in the order of `layout`.
 
     errors supplies the periods of the oscillating terms; every: spacing in steps, a divisor of their number.
-    At burn-out the specific force is that of the step which begins there. Raises ValueError for a wrong
+    At burn-out the specific force is that of the step which begins there. Raises InputError for a wrong
     shape or spacing.
     """
     p = np.atleast_2d(parameters)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,6 @@ from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.several import Axes, with_unit
 from nav_model.suborbital.aiding import Aiding
-from nav_model.suborbital.checks import Misfit, require
 from nav_model.suborbital.errors import ErrorSet, InitialErrors, SensorErrors, Triple, scale_matrix
 from nav_model.suborbital.flight import FlightParameters
 from nav_model.suborbital.input_table import INPUTS, Input
@@ -56,15 +56,13 @@ class Settings:
         for key, value in changes.items():
             declared(key)._validate(value)
         changed = Settings({**self.values, **changes}, {**self.origin, **dict.fromkeys(changes, origin)})
-        try:
+        with inputs_named(changes):
             changed.study_inputs()
             changed.camera()
-        except Misfit as error:
-            raise InputError(_blamed(error.fields, changes), str(error)) from error
         return changed
 
     def study_inputs(self) -> SuborbitalInputs:
-        """The inputs of `run_study`. Misfit for values that do not fit together."""
+        """The inputs of `run_study`. InputError for values that do not fit together."""
         return SuborbitalInputs(
             flight=FlightParameters(**{name: self[key] for name, key in _FLIGHT.items()}),
             errors=ErrorSet(
@@ -90,7 +88,7 @@ class Settings:
         )
 
     def camera(self) -> StarCamera:
-        """The star camera [B-8]. Misfit for a focal length whose field of view is too wide or too narrow."""
+        """The star camera [B-8]. InputError for a focal length whose field of view is too wide or too narrow."""
         pixels, pitch = int(self["camera.pixels"]), self["camera.pixel_pitch"]
         given = self["camera.focal_length"]
         camera = StarCamera(
@@ -105,12 +103,10 @@ class Settings:
         field = INPUTS["camera.field_of_view"]
         assert isinstance(field, BaseQuantity)
         low, high = field.limits
-        require(
-            low <= camera.field_of_view_rad <= high,
-            f"A focal length of {1000 * camera.focal_length_m:g} mm gives a field of view of "
-            f"{field.show(camera.field_of_view_rad, 4)}. {field.allowed()}",
-            "focal_length_m",
-        )
+        if not low <= camera.field_of_view_rad <= high:
+            width = field.show(camera.field_of_view_rad, 4)
+            reason = f"A focal length of {1000 * camera.focal_length_m:g} mm gives a field of view of {width}."
+            raise InputError("focal_length_m", f"{reason} {field.allowed()}", camera.focal_length_m)
         return camera
 
     def sky(self) -> Sky:
@@ -131,14 +127,16 @@ def _keys(model: type, section: str) -> dict[str, str]:
 
 _FLIGHT, _AIDING = _keys(FlightParameters, "flight"), _keys(Aiding, "tracker")
 _MODELS = _FLIGHT | _AIDING | _keys(StarCamera, "camera")
-"""Where several inputs must fit together, the first one named is blamed."""
 
 
-def _blamed(fields: tuple[str, ...], changes: Mapping[str, Value]) -> str:
-    """The input to name in an error: one that the model rejects and that was changed, else the only one changed."""
-    named = [key for name, key in _MODELS.items() if name in fields]
-    blamed = [key for key in named if key in changes]
-    return (blamed or (list(changes) if len(changes) == 1 else named) or [*changes, "study"])[0]
+@contextmanager
+def inputs_named(changes: Collection[str] = ()) -> Iterator[None]:
+    """A value that a model refuses is refused under its key in `INPUTS`; where one input alone was changed, under
+    that."""
+    try:
+        yield
+    except InputError as error:
+        raise error.under(*changes if len(changes) == 1 else [_MODELS.get(error.key, error.key)]) from error
 
 
 DEFAULTS = Settings({key: declared.default for key, declared in INPUTS.items()}, dict.fromkeys(INPUTS, GP1))
@@ -222,11 +220,10 @@ def read_value(key: str, content: Any, unit: str = "") -> Value:
 
 def output_every(steps: int) -> int:
     """Steps between two points of the error histories: a divisor that leaves at most 320 points, or up to
-    2000 where that would mean fewer than 100. ValueError when the number of steps has no such divisor."""
+    2000 where that would mean fewer than 100. InputError when the number of steps has no such divisor."""
     for most in (320, 1000, 2000):
         every = next(d for d in range(1, steps + 1) if steps % d == 0 and steps // d <= most)
         if steps // every >= 100 or steps <= most:
             return every
-    raise ValueError(
-        f"the flight has {steps} steps, which no round interval divides; give it a duration that is a multiple of 5 s"
-    )
+    reason = f"the flight has {steps} steps, which no round interval divides. Give it a multiple of 5 s."
+    raise InputError("flight.duration", reason)

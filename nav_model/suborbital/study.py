@@ -6,11 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
+from nav_model.base.errors import InputError, not_a_choice
 from nav_model.earth.gravity import ZONALS
 from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import Aiding, camera_frames, frame_stride, perfect_frames
 from nav_model.suborbital.channels import decoupled_response
-from nav_model.suborbital.checks import require
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
 from nav_model.suborbital.flight import FlightParameters, TrueFlight, in_gravity, reference_flight
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
@@ -33,10 +33,8 @@ class SuborbitalInputs:
     ins_gravity: str = "spherical"
 
     def __post_init__(self) -> None:
-        require(
-            self.ins_gravity in ZONALS,
-            f"ins_gravity = {self.ins_gravity!r}: must be one of {', '.join(ZONALS)}",
-        )
+        if self.ins_gravity not in ZONALS:
+            raise InputError("ins_gravity", not_a_choice(self.ins_gravity, ZONALS), self.ins_gravity)
         frame_stride(self.aiding, self.flight.step_s)
 
 
@@ -76,8 +74,9 @@ class Study:
     every: int
 
     def case(self, name: str) -> int:
-        """Index of a case; ValueError naming it when there is none."""
-        require(name in self.names, f"case {name!r}: must be one of {', '.join(self.names)}")
+        """Index of a case; InputError naming it when there is none."""
+        if name not in self.names:
+            raise InputError("case", not_a_choice(name, self.names), name)
         return self.names.index(name)
 
     def final_m(self, name: str) -> tuple[FloatArray, FloatArray]:
@@ -129,7 +128,7 @@ def run_study(
     points of the histories, a divisor of the flight's. The row "gravity model"
     is an INS without any other error whose gravity is not the true one; when both are the same it asks what
     a truth with J2 would cost, flying the reference flight again in that field (for a loaded trajectory it is
-    then zero). Raises ValueError for bad input.
+    then zero). Raises InputError for bad input.
     """
     given = inputs or SuborbitalInputs()
     truth = flight or reference_flight(given.flight)

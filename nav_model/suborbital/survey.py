@@ -13,7 +13,7 @@ from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.flight import TrueFlight, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
-from nav_model.suborbital.settings import Settings, output_every
+from nav_model.suborbital.settings import Settings, inputs_named, output_every
 from nav_model.suborbital.sky import Sky
 from nav_model.suborbital.star_camera import (
     StarCamera,
@@ -49,6 +49,7 @@ class Survey:
     trajectory: str
 
 
+@inputs_named()
 def run_survey(
     settings: Settings,
     trajectory: tuple[str, bytes] | None = None,
@@ -59,7 +60,7 @@ def run_survey(
 
     trajectory: name and content of a file (`flight_file.parse_flight`), flown instead of the reference
     flight; the true gravity stays that of the settings. progress takes the share done and what is being done.
-    ValueError for values that do not fit together.
+    InputError for values that do not fit together.
     """
 
     def say(share: float, what: str) -> None:

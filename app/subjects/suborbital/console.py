@@ -65,14 +65,9 @@ def run(options: argparse.Namespace) -> int:
 
 @contextmanager
 def told_progress(of: str = "") -> Iterator[Callable[[float, str], None]]:
-    """What a study tells of its progress, on standard error after ``of``; what it refuses is an `InputError`."""
-    try:
-        with show_progress() as show:
-            yield lambda share, what: show(f"{of}{what}", share)
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError("suborbital", str(error)) from error
+    """What a study tells of its progress, on standard error after ``of``."""
+    with show_progress() as show:
+        yield lambda share, what: show(f"{of}{what}", share)
 
 
 def _asked(options: argparse.Namespace) -> tuple[Settings, Design | None, tuple[str, bytes] | None]:

@@ -29,6 +29,7 @@ from app.ui.view import View
 from app.work.alone import RunLost
 from app.work.pool import elsewhere
 from app.work.run import Run
+from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.suborbital.moving import moved, needs_other_matrices, renewed
 from nav_model.suborbital.study import LinearParts, Study
@@ -136,7 +137,7 @@ class SuborbitalPage(View):
         settings, trajectory = self.inputs.settings, self.inputs.trajectory
         try:
             survey = await fly_study(settings, trajectory, lambda share, what: run.tell(what, share))
-        except (ValueError, RunLost) as error:
+        except (InputError, RunLost) as error:
             if trajectory is None or trajectory == self._flown:
                 raise
             self.inputs.refuse(self._flown, str(error))

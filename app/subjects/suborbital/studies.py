@@ -6,6 +6,7 @@ from contextlib import suppress
 from app.subjects.suborbital.inputs import Trajectory
 from app.work.alone import RunLost, run_alone
 from app.work.kept import keep, kept
+from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
 from nav_model.suborbital.survey import Survey, run_survey
@@ -24,7 +25,7 @@ async def fly_study(settings: Settings, trajectory: Trajectory, progress: Callab
 
     Raises
     ------
-    ValueError, RunLost
+    InputError, RunLost
         As `run_alone`.
     """
     survey: Survey = await run_alone(run_survey, settings, trajectory, progress=progress)
@@ -37,7 +38,7 @@ async def fly_ahead(design: Design) -> None:
     """Have the usual study of a design, and a process that has loaded what the next needs."""
     settings = from_design(DEFAULTS, design)
     if kept_study(settings) is None:
-        with suppress(ValueError, RunLost):  # whoever asks runs it again, and is told
+        with suppress(InputError, RunLost):  # whoever asks runs it again, and is told
             await fly_study(settings, None, lambda *_: None)
 
 

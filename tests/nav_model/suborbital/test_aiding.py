@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.earth.rotation import matrix_from_euler, vector_from_matrix
 from nav_model.earth.sphere import ned_to_inertial
 from nav_model.suborbital.aiding import (
@@ -107,11 +108,11 @@ def test_measured_frames_keep_their_gate_and_are_late_by_whole_steps(flight):
     assert late.used[1002]
     assert late.used[1103]
     np.testing.assert_array_equal(late.attitude_bi[500], flight.attitude_bi[497])
-    with pytest.raises(ValueError, match="latency_s"):
+    with pytest.raises(InputError, match="latency_s"):
         camera_frames(flight, Aiding(latency_s=0.25), measured)
 
 
 def test_frames_between_steps_are_refused(flight):
-    with pytest.raises(ValueError, match="frame_interval_s"):
+    with pytest.raises(InputError, match="frame_interval_s"):
         frame_steps(flight, replace(Aiding(), frame_interval_s=0.25))
     assert perfect_frames(flight, Aiding()).used.all()

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from nav_model.base.constants import ARCSECOND
+from nav_model.base.errors import InputError
 from nav_model.suborbital.attitude import (
     METHODS,
     attitude_error,
@@ -115,16 +116,16 @@ def test_two_stars_are_enough(name):
 
 def test_singular_scenes_are_refused_by_name():
     body, reference, _ = scenes(3, 2, 8)
-    with pytest.raises(ValueError, match="N-vector: the stars of a scene are too few"):
+    with pytest.raises(InputError, match="N-vector: the stars of a scene are too few"):
         estimate("N-vector", body, reference, SIGMA)
     plane = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.8, 0.0]])
-    with pytest.raises(ValueError, match="line or plane"):
+    with pytest.raises(InputError, match="line or plane"):
         estimate("N-vector", plane, plane, SIGMA)
     line = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
     for name in METHODS:
-        with pytest.raises(ValueError, match=f"{name}: the stars of a scene .* in one line"):
+        with pytest.raises(InputError, match=f"{name}: the stars of a scene .* in one line"):
             estimate(name, line, line, SIGMA)
-        with pytest.raises(ValueError, match=name):
+        with pytest.raises(InputError, match=name):
             estimate(name, line[:1], line[:1], SIGMA)
 
 

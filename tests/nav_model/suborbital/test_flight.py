@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from flight_files import format_flight
 
+from nav_model.base.errors import InputError
 from nav_model.suborbital.flight import FlightParameters, in_gravity, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
 
@@ -55,14 +56,14 @@ def test_angular_rate_is_the_derivative_of_the_attitude(flight):
     ],
 )
 def test_bad_parameters_are_refused_by_name(change, words):
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(InputError, match=words):
         FlightParameters(**change)
 
 
 def test_a_flight_into_the_ground_is_refused():
-    with pytest.raises(ValueError, match="reaches the ground"):
+    with pytest.raises(InputError, match="reaches the ground"):
         reference_flight(FlightParameters(duration_s=1700.0))
-    with pytest.raises(ValueError, match="reaches the ground"):
+    with pytest.raises(InputError, match="reaches the ground"):
         reference_flight(FlightParameters(initial_thrust_m_s2=5.0))
 
 

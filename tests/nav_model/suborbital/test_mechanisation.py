@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
+from nav_model.base.errors import InputError
 from nav_model.earth.gravity import gravitation
 from nav_model.earth.rotation import matrix_from_vector, skew
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
@@ -214,7 +215,7 @@ def test_full_case_against_dop853(study, compared):
 
 def test_refusals(flight):
     p, errors = np.zeros(COUNT), ErrorSet()
-    with pytest.raises(ValueError, match="every"):
+    with pytest.raises(InputError, match="every"):
         mechanise(flight, p, errors, every=7)
-    with pytest.raises(ValueError, match="parameters"):
+    with pytest.raises(InputError, match="parameters"):
         mechanise(flight, p[:5], errors)

@@ -5,6 +5,7 @@ import pytest
 from scipy.stats import chi2
 
 from nav_model.base.constants import ARCSECOND
+from nav_model.base.errors import InputError
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.aiding import Aiding, frame_steps
 from nav_model.suborbital.errors import CLASSES, ErrorSet, InitialErrors
@@ -100,7 +101,7 @@ def test_star_noise_enters_the_spread(flight):
 
 
 def test_refusals(flight):
-    with pytest.raises(ValueError, match="every"):
+    with pytest.raises(InputError, match="every"):
         sensitivity(flight, ErrorSet(), every=7)
 
 
@@ -125,7 +126,7 @@ def test_flown_noise_says_what_it_compares(study):
     assert (flown.low, flown.high) == pytest.approx(tuple(np.sqrt(chi2.ppf([0.025, 0.975], 40) / 40)))
     assert [row[1] for row in flown.final] == ["north", "east", "height"] * 2
     for runs in (0, 10_001):
-        with pytest.raises(ValueError, match="runs"):
+        with pytest.raises(InputError, match="runs"):
             noise_ensemble(study, runs)
 
 

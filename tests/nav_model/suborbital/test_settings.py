@@ -84,7 +84,7 @@ def test_output_spacing_divides_the_flight(tens):
 
 
 def test_a_prime_number_of_steps_is_refused():
-    with pytest.raises(ValueError, match="multiple of 5 s"):
+    with pytest.raises(InputError, match="multiple of 5 s"):
         output_every(15013)
 
 

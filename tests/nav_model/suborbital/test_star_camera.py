@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from nav_model.base.constants import ARCSECOND
+from nav_model.base.errors import InputError
 from nav_model.suborbital.attitude import METHODS, estimate
 from nav_model.suborbital.sky import hipparcos_sky, synthetic_sky
 from nav_model.suborbital.star_camera import (
@@ -123,7 +124,7 @@ def test_what_a_method_would_refuse_is_gated_for_it_alone():
         if good:
             estimate(name, apart, apart, 1e-5, weight)
         else:
-            with pytest.raises(ValueError, match="plane"):
+            with pytest.raises(InputError, match="plane"):
                 estimate(name, apart, apart, 1e-5, weight)
 
 
@@ -159,11 +160,11 @@ def test_synthetic_sky_is_seeded_and_even():
 
 
 def test_refusals(flight, sky):
-    with pytest.raises(ValueError, match="magnitude_limit"):
+    with pytest.raises(InputError, match="magnitude_limit"):
         hipparcos_sky(-5.0)
-    with pytest.raises(ValueError, match="count"):
+    with pytest.raises(InputError, match="count"):
         synthetic_sky(0)
-    with pytest.raises(ValueError, match="least_stars"):
+    with pytest.raises(InputError, match="least_stars"):
         track_stars(flight, replace(StarCamera(), least_stars=2), sky, method="N-vector")
-    with pytest.raises(ValueError, match="brightest"):
+    with pytest.raises(InputError, match="brightest"):
         StarCamera(brightest=2)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nav_model.base.errors import InputError
 from nav_model.suborbital.aiding import Aiding
 from nav_model.suborbital.flight import FlightParameters
 from nav_model.suborbital.star_camera import StarCamera, track_stars
@@ -75,11 +76,11 @@ def test_progress_rises_to_one():
 
 
 def test_bad_inputs_are_refused(study):
-    with pytest.raises(ValueError, match="ins_gravity"):
+    with pytest.raises(InputError, match="ins_gravity"):
         SuborbitalInputs(ins_gravity="flat")
-    with pytest.raises(ValueError, match="every"):
+    with pytest.raises(InputError, match="every"):
         run_study(every=7)
-    with pytest.raises(ValueError, match="case 'nothing'"):
+    with pytest.raises(InputError, match="case: 'nothing'"):
         study.case("nothing")
 
 
