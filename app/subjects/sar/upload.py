@@ -1,7 +1,9 @@
 """Images of the user's phase history, with and without the design's navigation error."""
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import panel as pn
@@ -19,7 +21,7 @@ from app.subjects.sar.run import SarResult
 from app.ui.fields import number
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.upload import upload
+from app.ui.upload import UploadedFile, upload
 from app.ui.view import View
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -41,7 +43,7 @@ class UploadedPicture(View):
     """Upload, choice of strategy and extent, and the two pictures, formed anew whenever one of them changes."""
 
     run = held(Run)
-    file: tuple[str, bytes] | None = declared(param.Parameter(default=None, doc="Name and content of the file."))
+    file: tuple[str, Path] | None = declared(param.Parameter(default=None, doc="The file's name, and where it is."))
     strategy = chosen("2", {NAMES[key]: key for key in STRATEGY_KEYS[1:]}, "Navigation error of")
     half_width = param.String(default="50", label="Half width [m]")
 
@@ -49,6 +51,7 @@ class UploadedPicture(View):
         super().__init__(run=session.new_run())
         self._session = session
         self._result = result
+        self._on_disk = UploadedFile()
         self._input = upload("Open a phase history", ".npz", MOST_BYTES, self._opened, self._refused, **_LOOK)
         self._bar = RunBar(
             self.run,
@@ -73,9 +76,10 @@ class UploadedPicture(View):
         if result is None:
             raise InputError("Phase history", "run the strategies first: the image needs their navigation error")
         half = number("Half width [m]", self.half_width, 1.0, 5000.0)
-        name, data = self.file
+        name, path = self.file
         run.tell(f"Forming {name}")
         residual = result.study.typical[[STRATEGY_KEYS.index(self.strategy)]]
+        data = await asyncio.to_thread(path.read_bytes)
         pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, half)
         chart = uploaded_picture(pictures, name, self.strategy)
         self._session.keep("sar", replace(result, uploaded=chart))
@@ -90,8 +94,11 @@ class UploadedPicture(View):
         if self.file is not None:
             self.form()
 
-    def _opened(self, name: str, content: bytes) -> None:
-        self.file = (name, content)
+    async def _opened(self, name: str, content: bytes) -> None:
+        try:
+            self.file = (name, await self._on_disk.put(content))
+        except InputError as error:
+            self._refused(f"{error}.")
 
     def _refused(self, why: str) -> None:
         self._bar.message = f"Not formed. {why}"

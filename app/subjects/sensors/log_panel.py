@@ -1,8 +1,6 @@
 """A log on the Sensors page: uploaded, analysed in a worker, shown, and offered to the design."""
 
-import asyncio
 import html
-import tempfile
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -33,7 +31,7 @@ from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.theme import FULL_HEIGHT
-from app.ui.upload import upload
+from app.ui.upload import UploadedFile, upload
 from app.ui.view import View
 from app.work.alone import run_alone
 from app.work.run import Run
@@ -87,7 +85,8 @@ class LogPanel(pn.viewable.Viewer):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._log = UploadedFile()
+        self._path: Path | None = None
         self.boxes = {key: _unit_box(key) if key in _OF else pmui.TextInput(**_look(*_BOXES[key])) for key in _BOXES}
         self.counts = {
             key: pmui.TextInput(**_look(f"{of.capitalize()} count", "its size, if in counts", 185))
@@ -101,7 +100,7 @@ class LogPanel(pn.viewable.Viewer):
         )  # fmt: skip
         self.file = upload(
             "Choose a log", ".csv,.txt,.tsv,.dat,.log,.npz", UPLOAD_LIMITS.file_bytes, self.take,
-            lambda reason: self._say(f"Not uploaded: {reason}."), forget=True, uploaded_label="Choose another log",
+            lambda reason: self._say(f"Not uploaded: {reason}."), uploaded_label="Choose another log",
             icon=None, variant="contained", margin=(12, 6, 8, 6), disabled=self.run.param.running,
         )  # fmt: skip
         self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14), styles=_IN_SIGHT)
@@ -126,15 +125,13 @@ class LogPanel(pn.viewable.Viewer):
 
     async def take(self, name: str, content: bytes) -> None:
         """Keep an uploaded log for as long as the session lasts, and analyse it."""
-        if self._folder is None:
-            self._folder = tempfile.TemporaryDirectory(prefix="navbudget-")
-        await asyncio.to_thread(self._path().write_bytes, content)
+        try:
+            self._path = await self._log.put(content)
+        except InputError as error:
+            self._say(f"Not uploaded: {error.reason}.")
+            return
         self.name_of_log = name
         await self.analyse()
-
-    def _path(self) -> Path:
-        assert self._folder is not None
-        return Path(self._folder.name) / "log"
 
     @param.depends("name_of_log", "run.running", watch=True)
     def _offer(self) -> None:
@@ -157,7 +154,7 @@ class LogPanel(pn.viewable.Viewer):
         async def study(run: Run) -> Study:
             try:
                 return await run_alone(
-                    study_log, self._path(), options, name, UPLOAD_LIMITS, bench,
+                    study_log, self._path, options, name, UPLOAD_LIMITS, bench,
                     progress=lambda share, what: run.tell(f"{name}: {what}", share),
                 )  # fmt: skip
             except InputError as error:
@@ -202,10 +199,8 @@ class LogPanel(pn.viewable.Viewer):
     def close(self) -> None:
         """End all work and delete the log when the user has left."""
         self.run.cancel()
-        if self._folder is not None:
-            self._folder.cleanup()
-            self._folder = None
-            self.name_of_log = ""
+        self._log.delete()
+        self.name_of_log = ""
 
     def _say(self, text: str, severity: str = "error") -> None:
         self.message.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)

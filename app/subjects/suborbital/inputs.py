@@ -98,7 +98,7 @@ class InputPanel(View):
     def _sources(self) -> list[pn.viewable.Viewable]:
         self.file = upload(
             "Open study", ".toml", MAX_STUDY, self.open, lambda reason: self.say(f"Not opened: {reason}."),
-            forget=True, icon="folder_open", **_LOOK,
+            icon="folder_open", **_LOOK,
         )  # fmt: skip
         name, now = "suborbital-study.toml", lambda: format_study(self.settings, self.trajectory)
         save = download("Save study", name, now, icon="save", **_LOOK)
@@ -119,7 +119,7 @@ class InputPanel(View):
     def _flight_file(self) -> pn.viewable.Viewable:
         self.trajectory_file = upload(
             "Trajectory from a file", ".csv", BOUNDS.most_bytes, lambda *flown: setattr(self, "trajectory", flown),
-            lambda reason: self.say(f"Trajectory not taken: {reason}."), forget=True, **_LOOK,
+            lambda reason: self.say(f"Trajectory not taken: {reason}."), **_LOOK,
         )  # fmt: skip
         reset = pmui.Button(
             label="Reset to reference flight", visible=self.param.trajectory.rx.is_not(None),

@@ -33,7 +33,7 @@ from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
-from app.ui.upload import upload
+from app.ui.upload import UploadedFile, upload
 from app.ui.view import View
 from app.work.alone import run_alone
 from app.work.kept import keep, kept
@@ -75,6 +75,7 @@ class TrajectoryPage(View):
         super().__init__(run=session.new_run(), flight=session.design.trajectory.flight)
         self._session = session
         self._file: File | None = None
+        self._on_disk = UploadedFile()
         self._plan = PlanFields(session, self._typed)
         self._details = details = Follower(lambda: self._result, _COMING)
         self._strip = AnswerStrip(_WAITING)
@@ -293,6 +294,8 @@ class TrajectoryPage(View):
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files")
         try:
             places = await elsewhere(waypoints_in, content, name, self._session.design.flight.altitude)
+            if not 0 < len(places) <= MOST_WAYPOINTS:
+                self._file = File(name, await self._on_disk.put(content))
         except InputError as error:
             self._say(f"Not used. {error}")
             return
@@ -302,7 +305,6 @@ class TrajectoryPage(View):
             lacking = "Where the file has no height, it is that of the flight."
             self._say(f"{name}: {len(places)} waypoints, which are in the design now. {lacking}")
         else:
-            self._file = File(name, content)
             self.start()
 
 

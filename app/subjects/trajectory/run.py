@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,10 +30,10 @@ Rows = tuple[tuple[float, float, float, str], ...]
 
 @dataclass(frozen=True)
 class File:
-    """A file with a flight."""
+    """A file with a flight, as the person calls it and on the disk of the server."""
 
     name: str
-    content: bytes
+    path: Path
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +90,7 @@ def follow(
     if file is None:
         flight = planned(design)
     else:
-        flight = parse_flight(file.content, file.name, plan_like(design), design.flight.altitude)
+        flight = parse_flight(file.path.read_bytes(), file.name, plan_like(design), design.flight.altitude)
     if flight.duration > _MOST_STEPS * design.gnss.interval:
         said = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
         raise InputError("Flight", said + "use the command `navbudget trajectory`")

@@ -208,11 +208,16 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
         when_done(lambda: upload.param.update(**changes), upload.run)
         return upload._bar.state.object
 
-    assert "run the strategies first" in form(file=("mine.npz", b"junk"))
+    def opened(name: str, content: bytes) -> str:
+        when_done(lambda: upload._opened(name, content), upload.run)
+        return upload._bar.state.object
+
+    assert "run the strategies first" in opened("mine.npz", b"junk")
     upload.file = None
     run(sar)
-    assert "&lt;b&gt;.npz: not a readable NPZ" in form(file=("<b>.npz", b"junk"))
-    assert form(file=("point.npz", _point_file())) == ""
+    assert "&lt;b&gt;.npz: not a readable NPZ" in opened("<b>.npz", b"junk")
+    assert opened("<b>.npz", _point_file()) == ""
+    assert opened("point.npz", _point_file()) == ""
     pictures = upload._pictures
     assert pictures._pictures.object.count("<figure") == 2
     assert "without navigation error" in pictures._pictures.object
@@ -230,6 +235,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     assert session.findings["sar"].uploaded is pictures.chart
     upload._refused("larger than 34 MB")
     assert "Not formed. larger than 34 MB" in upload._bar.state.object
+    upload._on_disk.delete()
 
 
 def _point_file() -> bytes:

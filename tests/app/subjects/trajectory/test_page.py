@@ -130,7 +130,10 @@ def test_every_figure_can_be_chosen_and_exported(followed: Followed) -> None:
     assert json.loads(as_json(followed))["lines"][1]["name"] == "line 2"
 
 
-def test_the_page_follows_design_flight_and_file(session: Session) -> None:
+def test_the_page_follows_design_flight_and_file(session: Session, tmp_path: Path) -> None:
+    flight, not_one = tmp_path / "a", tmp_path / "b"
+    flight.write_text(_PLAN, encoding="utf-8")
+    not_one.write_text("<gpx>", encoding="utf-8")
     page = TrajectoryPage(session)
     assert "Working" in page._strip._text.object
     assert "of the flight within" in after(page, page.start)
@@ -139,10 +142,10 @@ def test_the_page_follows_design_flight_and_file(session: Session) -> None:
     session.change({"requirements.detrended_phase": 1e3, "requirements.quadratic_phase": 1e3})
     assert "of 4 lines within" in after(page, lambda: page.show(session.budget))
     assert page._result.design == session.design
-    page._file = File("plan.gpx", _PLAN.encode())
+    page._file = File("plan.gpx", flight)
     assert "of 1 line within" in after(page, lambda: setattr(page, "flight", "file"))
     assert session.design.trajectory.flight == "lines"
-    page._file = File("plan.gpx", b"<gpx>")
+    page._file = File("plan.gpx", not_one)
     assert "plan.gpx: is not XML" in after(page, page.start)
     assert "This is the result before it." in page._strip._text.object
     session.change({"trajectory.flight": "straight", "trajectory.duration": 60.0})
