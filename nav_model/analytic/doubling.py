@@ -8,9 +8,13 @@ A segment of flight with fixes in it says how its last state x1 follows from its
 
     x1 = Phi x0 + (what the fixes say) + w,    w of covariance Q,
 
-and how much information Y the fixes have about x0. Two segments in a row are a segment again, so n equal ones take as
-many steps as n has binary digits, and a filter settles in about fifteen steps. Matrices are on the last two axes, the
-designs on those before; everything takes complex steps.
+and how much information Y the fixes have about x0. With information Y1 about x1 besides, and K = (1 + Q Y1)⁻¹, it is
+
+    Phi -> K Phi,    Q -> K Q,    Y -> Y + Phiᵀ Y1 K Phi
+
+Two segments in a row are a segment again, so n equal ones take as many steps as n has binary digits, and a filter
+settles in about fifteen steps. Matrices are on the last two axes, the designs on those before; everything takes
+complex steps.
 
 Source: the doubling algorithm, Anderson and Moore, *Optimal Filtering*, 1979, section 6.7; Chu, Fan, Lin and Wang,
 Int. J. Control 77(8), 2004.
@@ -36,7 +40,7 @@ class Segment(NamedTuple):
     """Information Y about the first state, transition Phi to the last one, covariance Q of the noise: (..., n, n)."""
 
     info: Array
-    through: Array
+    transition: Array
     noise: Array
 
 
@@ -55,13 +59,15 @@ def drift(
     slow : pair of array_like, optional
         Variance of the slow error [m²], its correlation time [s].
     """
-    step, accelerometer, gyro, *more = map(as_numbers, (step, accelerometer, gyro, *(slow or ())))
-    size, every = 3 if slow is None else 4, (step, accelerometer, gyro, *more)
-    shape = np.broadcast_shapes(*(value.shape for value in every))
-    phi, noise = np.zeros((2, *shape, size, size), np.result_type(*every))
+    step, accelerometer, gyro, *markov = map(as_numbers, (step, accelerometer, gyro, *(slow or ())))
+    size, inputs = 3 if slow is None else 4, (step, accelerometer, gyro, *markov)
+    shape = np.broadcast_shapes(*(value.shape for value in inputs))
+    phi, noise = np.zeros((2, *shape, size, size), np.result_type(*inputs))
+    # Acceleration by tilt is constant but for the gyro's noise, and is integrated twice.
     phi[..., range(size), range(size)] = 1
     phi[..., 0, 1] = phi[..., 1, 2] = step
     phi[..., 0, 2] = step * step / 2
+    # White noise integrated once, twice and three times: Phi(t) diag(0, S_a, S_g) Phi(t)ᵀ over the step.
     a, w = accelerometer * step, gyro * step
     noise[..., 0, 0] = a * step**2 / 3 + w * step**4 / 20
     noise[..., 0, 1] = noise[..., 1, 0] = a * step / 2 + w * step**3 / 8
@@ -69,8 +75,9 @@ def drift(
     noise[..., 1, 1] = a + w * step**2 / 3
     noise[..., 1, 2] = noise[..., 2, 1] = w * step / 2
     noise[..., 2, 2] = w
-    if more:
-        variance, time = more
+    # A slow error of the fixes decays; the first state has it too, hence the decay's difference from one in its row.
+    if markov:
+        variance, time = markov
         phi[..., 3, 3] = np.exp(-step / time)
         phi[..., 0, 3] = np.expm1(-step / time)
         fresh = -variance * np.expm1(-2 * step / time)
@@ -79,34 +86,27 @@ def drift(
     return Segment(np.zeros_like(noise), phi, noise)
 
 
-def turned(matrix: Array) -> Array:
-    """Transposes."""
-    return matrix.swapaxes(-1, -2)
-
-
-def even(matrix: Array) -> Array:
+def symmetric(matrix: Array) -> Array:
     """The symmetric part, to remove rounding from matrices that should be symmetric."""
-    return (matrix + turned(matrix)) * 0.5
+    return (matrix + matrix.mT) * 0.5
 
 
-def left(covariance: Array, info: Array, sides: Array) -> Array:
-    """(1 + Q Y)⁻¹ times `sides`: of Q itself, what information Y leaves of it; NaN where there is no inverse.
+def solve_update(covariance: Array, info: Array, b: Array) -> Array:
+    """(1 + Q Y)⁻¹ B for a covariance Q and information Y, (..., n, n); with B = Q the covariance that Y leaves of Q.
 
-    States are scaled so that Y has ones on its diagonal. Without that, elimination loses up to all digits where times
-    of very different length count: a slow error of 30 m under fixes of 3 mm.
+    NaN where there is no inverse. States are scaled so that Y has ones on its diagonal. Without that, elimination
+    loses up to all digits where times of very different length count: a slow error of 30 m under fixes of 3 mm.
     """
-    size = np.sqrt(np.maximum(np.diagonal(info, axis1=-1, axis2=-2).real, 0))[..., None]
-    size = np.where(size > 0, size, 1.0)
-    whole = _identity(info.shape[-1]) + size * (covariance @ info) / turned(size)
+    scale = np.sqrt(np.maximum(np.diagonal(info, axis1=-1, axis2=-2).real, 0))[..., None]
+    scale = np.where(scale > 0, scale, 1.0)
+    matrix = _identity(info.shape[-1]) + scale * (covariance @ info) / scale.mT
     try:
-        return np.asarray(np.linalg.solve(whole, size * sides) / size)
+        return np.asarray(np.linalg.solve(matrix, scale * b) / scale)
     except np.linalg.LinAlgError:  # one row beyond double precision must not fail the others
-        found = np.full(
-            np.broadcast_shapes(whole.shape[:-2], sides.shape[:-2]) + sides.shape[-2:], np.nan, whole.dtype
-        )
-        some = np.linalg.det(whole) != 0
-        found[some] = np.linalg.solve(whole[some], (size * sides)[some]) / size[some]
-        return found
+        solution = np.full(np.broadcast_shapes(matrix.shape[:-2], b.shape[:-2]) + b.shape[-2:], np.nan, matrix.dtype)
+        regular = np.linalg.det(matrix) != 0
+        solution[regular] = np.linalg.solve(matrix[regular], (scale * b)[regular]) / scale[regular]
+        return solution
 
 
 @cache
@@ -116,19 +116,19 @@ def _identity(size: int) -> Array:
 
 def updated(covariance: Array, info: Array) -> Array:
     """Covariance of a state with this information more."""
-    return even(left(covariance, info, covariance))
+    return symmetric(solve_update(covariance, info, covariance))
 
 
-def kept(one: Segment, info: Array) -> Array:
-    """(1 + Q Y)⁻¹ where information Y about the last state is added: what remains of its noise, (..., n, n)."""
-    return left(one.noise, info, _identity(info.shape[-1]))
+def update_factor(segment: Segment, info: Array) -> Array:
+    """K = (1 + Q Y1)⁻¹, with Y1 information about the segment's last state, (..., n, n)."""
+    return solve_update(segment.noise, info, _identity(info.shape[-1]))
 
 
-def measured(one: Segment, info: Array, keep: Array | None = None) -> Segment:
-    """The segment with information about its last state; `keep` is that of `kept`, where it is known."""
-    keep = kept(one, info) if keep is None else keep
-    through = keep @ one.through
-    return Segment(one.info + even(turned(one.through) @ info @ through), through, even(keep @ one.noise))
+def measured(segment: Segment, info: Array, k: Array | None = None) -> Segment:
+    """The segment with information about its last state; `k` is that of `update_factor`, where it is known."""
+    k = update_factor(segment, info) if k is None else k
+    phi = k @ segment.transition
+    return Segment(segment.info + symmetric(segment.transition.mT @ info @ phi), phi, symmetric(k @ segment.noise))
 
 
 def joined(first: Segment, second: Segment) -> Segment:
@@ -136,25 +136,25 @@ def joined(first: Segment, second: Segment) -> Segment:
     return continued(measured(first, second.info), second)
 
 
-def continued(met: Segment, second: Segment) -> Segment:
-    """The second after a segment that has the information of the second's fixes."""
-    phi = second.through
-    return Segment(met.info, phi @ met.through, second.noise + even(phi @ met.noise @ turned(phi)))
+def continued(first: Segment, second: Segment) -> Segment:
+    """The second after a first that has the information of the second's fixes."""
+    phi = second.transition
+    return Segment(first.info, phi @ first.transition, second.noise + symmetric(phi @ first.noise @ phi.mT))
 
 
 def without_slow_error(covariance: Array) -> Array:
     """From states with position and slow error together to states with position alone, (..., n, n)."""
     if covariance.shape[-1] == 3:
         return covariance
-    of = np.eye(4)
-    of[0, 3] = -1
-    return np.asarray(of @ covariance @ of.T)
+    change = np.eye(4)
+    change[0, 3] = -1
+    return np.asarray(change @ covariance @ change.T)
 
 
-def carried(covariance: Array, one: Segment) -> Array:
+def carried(covariance: Array, segment: Segment) -> Array:
     """Covariance of the last state, from that of the first."""
-    phi = one.through
-    return one.noise + even(phi @ updated(covariance, one.info) @ turned(phi))
+    phi = segment.transition
+    return segment.noise + symmetric(phi @ updated(covariance, segment.info) @ phi.mT)
 
 
 def take(rows: Rows, which: Counts) -> Rows:
@@ -166,40 +166,40 @@ def put(rows: Rows, which: Counts, new: Rows) -> Rows:
     """The rows with these replaced by new ones."""
     if len(which) == len(rows[0]):
         return new
-    found = type(rows)(*(part.astype(np.result_type(part, more)) for part, more in zip(rows, new, strict=True)))
-    for part, more in zip(found, new, strict=True):
+    merged = type(rows)(*(part.astype(np.result_type(part, more)) for part, more in zip(rows, new, strict=True)))
+    for part, more in zip(merged, new, strict=True):
         part[which] = more
-    return found
+    return merged
 
 
-class Doubles(Generic[Rows]):
+class Powers(Generic[Rows]):
     """A unit, two of them in a row, four and so on, each worked out once: `units[3]` is eight of them.
 
     Designs may share a unit: `which` is the row of each design's, by default its own.
     """
 
     def __init__(self, unit: Rows, joined: Callable[[Rows, Rows], Rows], which: Counts | None = None) -> None:
-        self._found, self._joined = [unit], joined
+        self._powers, self._joined = [unit], joined
         self._which = np.arange(len(unit[0])) if which is None else which
 
     def __getitem__(self, power: int) -> Rows:
-        while len(self._found) <= power:
-            self._found.append(self._joined(self._found[-1], self._found[-1]))
-        return self._found[power]
+        while len(self._powers) <= power:
+            self._powers.append(self._joined(self._powers[-1], self._powers[-1]))
+        return self._powers[power]
 
-    def before(self, counts: Counts, row: Rows) -> Rows:
-        """So many units in a row, and `row` after them; (rows, ...), `counts` of (rows).
+    def prepend(self, counts: Counts, rows: Rows) -> Rows:
+        """So many units in a row, and `rows` after them; (rows, ...), `counts` of (rows).
 
-        As in binary: of 5 units, the single one is put before `row` first, then the four before both.
+        As in binary: of 5 units, the single one is put before `rows` first, then the four before both.
         """
         for power in range(int(counts.max(initial=0)).bit_length()):
             odd = np.flatnonzero((counts >> power) % 2)
             if len(odd):
-                row = put(row, odd, self._joined(take(self[power], self._which[odd]), take(row, odd)))
-        return row
+                rows = put(rows, odd, self._joined(take(self[power], self._which[odd]), take(rows, odd)))
+        return rows
 
 
-def settled(units: Doubles[Segment]) -> Array:
+def settled(units: Powers[Segment]) -> Array:
     """Covariance of the last state after endlessly many such units: of the filter in steady state.
 
     A design that has settled stays as it is while others go on; one beyond double precision gives no number.
@@ -208,7 +208,7 @@ def settled(units: Doubles[Segment]) -> Array:
     --------
     >>> fix = np.diag([1.0, 0.0, 0.0])  # 1 m
     >>> unit = measured(drift(1.0, (0.05 / 60) ** 2, (9.80665 * np.radians(0.5) / 60) ** 2), fix)
-    >>> f"{settled(Doubles(unit, joined))[0, 0] ** 0.5:.4f} m just after a fix"
+    >>> f"{settled(Powers(unit, joined))[0, 0] ** 0.5:.4f} m just after a fix"
     '0.4489 m just after a fix'
     """
     variances = _variances(units[0].noise)

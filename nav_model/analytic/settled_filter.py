@@ -7,7 +7,7 @@ takes complex steps.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.doubling import Doubles, carried, drift, joined, measured, settled, without_slow_error
+from nav_model.analytic.doubling import Powers, carried, drift, joined, measured, settled, without_slow_error
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.base.arrays import Array, as_numbers
 
@@ -57,7 +57,7 @@ def settled_cycle(
     fix = np.zeros((*r.shape, size, size), np.result_type(r, v, h))
     fix[..., 0, 0] = 1
     fix[..., 1, 1] = (r / h / v) ** 2
-    after = settled(Doubles(measured(step, fix), joined))
+    after = settled(Powers(measured(step, fix), joined))
     unit = np.stack([r, r / h, r / h**2, r][:size], axis=-1)
     before, after = (
         without_slow_error(p) * unit[..., :, None] * unit[..., None, :] for p in (carried(after, step), after)

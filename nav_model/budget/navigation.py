@@ -135,11 +135,13 @@ def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Arra
     flight = Flight({name: np.broadcast_to(value, rows.shape) for name, value in values_of(channel).items()})
     axis = flight.axis
     now, none, gone = rows / axis.step, 0 * rows, float(outage / axis.step[-1])
-    start, again = flight.start(none), flight.ahead(none, after / axis.step)
+    start, again = flight.start(none), flight.information_after(none, after / axis.step)
     # Before the outage: from the last fix that both kinds share on, and with the fixes up to time 0.
     periods = as_numbers(np.ceil(-now / axis.parts) * axis.parts)
     back = measured(drift(none + gone, *axis.noise), again).info
-    smoothed = updated(carried(start, flight.to(now + periods)), flight.ahead(now + periods, periods, back))
+    smoothed = updated(
+        carried(start, flight.segment_to(now + periods)), flight.information_after(now + periods, periods, back)
+    )
     # In it: from the last fix on, and back from the first one after it.
     late = time[inside] / axis.step[-1]
     a, w, slow = axis.noise

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.analytic import doubling
-from nav_model.analytic.doubling import Counts, Doubles, Segment, carried, drift, settled, take, updated
+from nav_model.analytic.doubling import Counts, Powers, Segment, carried, drift, settled, take, updated
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
 from nav_model.processing.stretch import Stretch
@@ -66,25 +66,27 @@ def axis_of(x: Mapping[str, Array]) -> Axis:
     """Noise and fixes in their own units. Where one interval holds no whole number of the other, the nearest."""
     interval = x["interval"]
     other = x.get("velocity_interval", interval)
-    positions_often = interval.real <= other.real
-    often, seldom = np.where(positions_often, interval, other), np.where(positions_often, other, interval)
-    parts = np.rint((seldom / often).real).astype(np.int64)
-    step, length = seldom / parts, x["fix"]
+    # The denser kind of fixes sets the step, the other comes every `parts` of them.
+    position_is_dense = interval.real <= other.real
+    short, long = np.where(position_is_dense, interval, other), np.where(position_is_dense, other, interval)
+    parts = np.rint((long / short).real).astype(np.int64)
+    step, length = long / parts, x["fix"]
     slow = None
     if "slow" in x:
         slow = (x["slow"] / length) ** 2, x["slow_time"] / step
     size = 3 if slow is None else 4
+    # Densities [m²/s³] and [m²/s⁵] where the step is the unit of time and the noise of a fix that of length.
     noise = (x["accelerometer"] / length) ** 2 * step**3, (x["gyro"] / length) ** 2 * step**5, slow
     position, velocity = np.zeros((2, len(step), size, size), np.result_type(*x.values()))
     position[:, 0, 0] = 1
     if "velocity" in x:
         velocity[:, 1, 1] = (length / (x["velocity"] * step)) ** 2
-    first = positions_often[:, None, None]
+    choice = position_is_dense[:, None, None]
     # Steps that were rounded change the number of fixes, not what they say in all.
-    dense = np.where(first, position, velocity) * (step / often)[:, None, None]
-    sparse = np.where(first, velocity, position)
-    alone = (parts == 1)[:, None, None]
-    return Axis(length, step, parts, np.where(alone, dense + sparse, dense), np.where(alone, 0, sparse), noise)
+    dense = np.where(choice, position, velocity) * (step / short)[:, None, None]
+    sparse = np.where(choice, velocity, position)
+    together = (parts == 1)[:, None, None]
+    return Axis(length, step, parts, np.where(together, dense + sparse, dense), np.where(together, 0, sparse), noise)
 
 
 class Flight:
@@ -92,7 +94,13 @@ class Flight:
     kinds to the next of both. Each has the fix at its end, not the one at its beginning.
 
     Either is there twice: as a segment (``step``, ``period``), for what a filter needs, and as a stretch
-    (``step_along``, ``period_along``), which costs more, for what becomes of the error along the aperture.
+    (``step_stretch``, ``period_stretch``), which costs more, for the error along the aperture.
+
+    The time line of ``parts`` = 3, with fixes of both kinds ``#`` and of the dense kind ``|``::
+
+        ---#---|---|---#---|---|---#---
+           0   1   2   3   4   5   6      time in steps
+           <---------->                   a period, without the fixes at 0 and with those at 3
     """
 
     def __init__(self, x: Mapping[str, Array]) -> None:
@@ -100,62 +108,68 @@ class Flight:
         # Designs with the same noise and fixes, such as those of a map that differ in the radar, share their units.
         inputs = np.stack([x[name] for name in Channel.__dataclass_fields__ if name in x])
         _, first, self._which = np.unique(inputs, axis=1, return_index=True, return_inverse=True)
-        one = stretch.measured(stretch.free(np.ones_like(axis.step), *axis.noise), axis.dense)
-        self.step_along, self.step = self.period_along, self.period = self._doubles(take(one, first))
+        step = stretch.measured(stretch.free(np.ones_like(axis.step), *axis.noise), axis.dense)
+        self.step_stretch, self.step = self.period_stretch, self.period = self._powers(take(step, first))
         if np.any(axis.parts > 1):
-            many = stretch.measured(self.step_along.before(axis.parts - 1, one), axis.sparse)
-            self.period_along, self.period = self._doubles(take(many, first))
+            period = stretch.measured(self.step_stretch.prepend(axis.parts - 1, step), axis.sparse)
+            self.period_stretch, self.period = self._powers(take(period, first))
 
-    def _doubles(self, unit: Stretch) -> tuple[Doubles[Stretch], Doubles[Segment]]:
-        along = Doubles(unit, stretch.joined, self._which)
-        return along, Doubles(unit.segment, doubling.joined, self._which)
+    def _powers(self, unit: Stretch) -> tuple[Powers[Stretch], Powers[Segment]]:
+        stretches = Powers(unit, stretch.joined, self._which)
+        return stretches, Powers(unit.segment, doubling.joined, self._which)
 
     def start(self, gap: Array) -> Array:
-        """Covariance just after the fixes at time 0, without those of a gap before it."""
-        found, axis = settled(self.period)[self._which], self.axis
+        """Covariance P [(rows, n, n)] just after the fixes at time 0, without those of a gap [steps] before it."""
+        covariance, axis = settled(self.period)[self._which], self.axis
         if np.any(gap):
             # Of the fixes since the last time that both kinds shared, those within the gap are missing; a gap longer
             # than that begins where both kinds come.
             count = np.maximum(axis.parts - np.maximum(_first(np.minimum(gap.real, axis.parts)), 1), 0)
-            row = drift(np.where(gap.real > axis.parts, gap, axis.parts) - count, *axis.noise)
-            found = updated(carried(found, self.step.before(count, row)), axis.dense + axis.sparse)
-        return found
+            without_fixes = drift(np.where(gap.real > axis.parts, gap, axis.parts) - count, *axis.noise)
+            covariance = carried(covariance, self.step.prepend(count, without_fixes))
+            covariance = updated(covariance, axis.dense + axis.sparse)
+        return covariance
 
-    def along(self, until: Array) -> Stretch:
-        """From time 0, without the fixes there, to a time that may be at a fix, without it."""
-        fixes = _first(until) - 1
-        # Whole periods, then whole steps, then what is left without a fix.
-        row = self.step_along.before(fixes % self.axis.parts, stretch.free(until - fixes, *self.axis.noise))
-        return self.period_along.before(fixes // self.axis.parts, row)
+    def stretch_to(self, end: Array) -> Stretch:
+        """From time 0, without the fixes there, to a time [steps] that may be at a fix, without it."""
+        fixes = _first(end) - 1
+        # Whole periods, then whole steps, then the time after the last fix.
+        tail = stretch.free(end - fixes, *self.axis.noise)
+        tail = self.step_stretch.prepend(fixes % self.axis.parts, tail)
+        return self.period_stretch.prepend(fixes // self.axis.parts, tail)
 
-    def to(self, until: Array) -> Segment:
-        """The same without what becomes of the error along the way."""
-        fixes = _first(until) - 1
-        row = self.step.before(fixes % self.axis.parts, drift(until - fixes, *self.axis.noise))
-        return self.period.before(fixes // self.axis.parts, row)
+    def segment_to(self, end: Array) -> Segment:
+        """The segment of `stretch_to`, at less cost."""
+        fixes = _first(end) - 1
+        tail = self.step.prepend(fixes % self.axis.parts, drift(end - fixes, *self.axis.noise))
+        return self.period.prepend(fixes // self.axis.parts, tail)
 
-    def ahead(self, time: Array, until: Array, beyond: Array | None = None) -> Array:
-        """Information about the state at a time, from the fixes from then on up to a later time: (rows, n, n).
+    def information_after(self, time: Array, until: Array, end: Array | None = None) -> Array:
+        """Information Y about the state at a time, from the fixes from then on until a later time: (rows, n, n).
 
-        `beyond` is what is known about the state at the last of them besides.
+        Times are in steps; `end` is information about the state at the last of these fixes from elsewhere.
         """
         axis = self.axis
+        # Fixes from the first to the last, and among them the first that both kinds share, `to_shared` steps later.
         first, last = _first(time), np.asarray(np.floor(np.minimum(until.real, _FOREVER) + _ROUNDING), np.int64)
-        count = last - first  # steps between fixes; negative without one
-        lead = -first % axis.parts  # steps to the next fix that both kinds share
-        shared = count >= lead
-        rest = np.where(shared, count - lead, 0)
-        # From the last fix back to the first: `row` is what is after a moment, and grows at its front. It begins with
-        # nothing but what is known beyond, then come steps, whole periods, and the steps to the first shared fix.
-        row = drift(0 * time, *axis.noise)
-        if beyond is not None:
-            row = row._replace(info=row.info + beyond)
-        row = self.period.before(rest // axis.parts, self.step.before(rest % axis.parts, row))
-        row = row._replace(info=row.info + axis.sparse * shared[:, None, None])
-        row = self.step.before(np.where(shared, lead, np.maximum(count, 0)), row)
-        # Units do not have the fix at their beginning: here it is the first of all. Then back from it to the time.
-        known = row.info + axis.dense * (count >= 0)[:, None, None]
-        return doubling.measured(drift(first - time, *axis.noise), known).info
+        count = last - first  # steps from the first fix to the last; negative without one
+        to_shared = -first % axis.parts
+        has_shared = count >= to_shared
+        after_shared = np.where(has_shared, count - to_shared, 0)
+        # From the last fix back to the first: `tail` is the flight after a moment, and grows at its front. It begins
+        # with no time and the information from elsewhere; then come the steps after the last shared fix.
+        tail = drift(0 * time, *axis.noise)
+        if end is not None:
+            tail = tail._replace(info=tail.info + end)
+        tail = self.step.prepend(after_shared % axis.parts, tail)
+        # Whole periods, between shared fixes; then the sparse part of the first of these: no period begins with it.
+        tail = self.period.prepend(after_shared // axis.parts, tail)
+        tail = tail._replace(info=tail.info + axis.sparse * has_shared[:, None, None])
+        # Steps from the first fix to that one, or to the last where no fix is shared.
+        tail = self.step.prepend(np.where(has_shared, to_shared, np.maximum(count, 0)), tail)
+        # The dense part of the first fix: no step begins with it. Then back from it to the time itself.
+        info = tail.info + axis.dense * (count >= 0)[:, None, None]
+        return doubling.measured(drift(first - time, *axis.noise), info).info
 
 
 def _first(time: Array) -> Counts:

@@ -3,8 +3,8 @@
 A flight's filter has run since take-off, and its smoother has every fix of the flight. So:
 
 - before the aperture, the covariance of the settled filter just after the fix at its start (`Flight.start`);
-- after it, the information of the fixes of `after` seconds about the state at its end (`Flight.ahead`);
-- between the two, a stretch of flight with the Legendre coefficients of its position error (`Flight.along`).
+- after it, the information of the fixes of `after` seconds about the state at its end (`Flight.information_after`);
+- between the two, a stretch of flight with the Legendre coefficients of its position error (`Flight.stretch_to`).
 
 Everything broadcasts and takes complex steps, and every design is solved by this one method.
 """
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from nav_model.analytic.doubling import carried, turned, updated, without_slow_error
+from nav_model.analytic.doubling import carried, updated, without_slow_error
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
 from nav_model.processing.flight import Channel, Flight, values_of
@@ -96,12 +96,13 @@ def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]
     found: dict[str, Array] = {}
     if not _IN_THE_MIDDLE.issuperset(names):
         # The aperture with its fixes and those after it; given these, its coefficients are lines x0 + noise.
-        whole = stretch.measured(flight.along(aperture), flight.ahead(aperture, aperture + after))
-        at_start = updated(start, whole.info)  # the state at the aperture's start, with every fix
-        size = start.shape[-1]
-        along = whole.lines[..., :size]
-        spread = whole.spread + along @ at_start @ turned(along)
-        rest = whole.rest + np.einsum("nij,nij->n", at_start, whole.gram[:, :size, :size])
+        whole = stretch.measured(flight.stretch_to(aperture), flight.information_after(aperture, aperture + after))
+        # P' = (1 + P Y)⁻¹ P, of the state at the aperture's start with every fix; then S + L P' Lᵀ.
+        p = updated(start, whole.info)
+        n = start.shape[-1]
+        lines = whole.lines[..., :n]
+        spread = whole.spread + lines @ p @ lines.mT
+        rest = whole.rest + np.einsum("nij,nij->n", p, whole.gram[:, :n, :n])
         # From orthonormal polynomials to those of Legendre, and from the axis's units to metres.
         root = np.sqrt(2 * np.arange(ORDERS) + 1)
         square = axis.length**2
@@ -110,8 +111,9 @@ def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]
         found |= _of_the_aperture(named, left_3, x["aperture"])
     if not _IN_THE_MIDDLE.isdisjoint(names):
         middle = aperture / 2  # forward to it with the fixes before, then the information of those after
-        now = updated(carried(start, flight.to(middle)), flight.ahead(middle, aperture + after))
-        variance = np.einsum("nii->ni", without_slow_error(now))
+        forward = carried(start, flight.segment_to(middle))
+        smoothed = updated(forward, flight.information_after(middle, aperture + after))
+        variance = np.einsum("nii->ni", without_slow_error(smoothed))
         for n, name in enumerate(("position", "velocity", "tilt")):
             found[name] = variance[:, n] * (axis.length / axis.step**n) ** 2
     return {name: found[name] for name in names}

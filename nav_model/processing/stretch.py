@@ -1,15 +1,15 @@
 """A stretch of flight: a segment, and what becomes of the position error along it.
 
 The position error p(t) along a stretch follows from the stretch's first state x0 and from noise, given the fixes in
-it. Of it are kept the coefficients c of the first six Legendre polynomials, and the mean square of what these leave:
+it. A stretch has the coefficients c of its first six Legendre polynomials,
 
-    c = L x0 + noise of covariance S,   C = cov(c, w) with the noise w of the last state
+    c = L x0 + n,   n of covariance S,   C = cov(n, w) with the noise w of the last state, x1 = Phi x0 + w
 
-and the same of what is left, r(t) = R(t) x0 + noise with D(t) = cov(r(t), w), as means over the stretch: `gram` is
-that of [R D]ᵀ [R D], `rest` that of var r. Information Y about the last state changes them as in every Gaussian
-update, with T = Y (1 + Q Y)⁻¹:
+and of the remainder r(t) = R(t) x0 + noise, D(t) = cov(r(t), w), two means over the stretch: `gram` is that of
+[R D]ᵀ [R D], `rest` that of var r. Information Y about the last state changes them as in every Gaussian update, with
+K = (1 + Q Y)⁻¹ and T = Y K:
 
-    L - C T Phi,   C (1 + Y Q)⁻¹,   S - C T Cᵀ
+    L - C T Phi,   C Kᵀ,   S - C T Cᵀ
 
 Two stretches in a row are one, so an aperture of n fixes takes as many steps as n has binary digits. The doubling is
 that of `nav_model.analytic.doubling`; the coefficients along the way are our own addition.
@@ -24,7 +24,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from nav_model.analytic import doubling
-from nav_model.analytic.doubling import Segment, drift, turned
+from nav_model.analytic.doubling import Segment, drift
 from nav_model.base.arrays import Array
 
 ORDERS = 6
@@ -36,13 +36,13 @@ _MODES = 9  # of white noise: orders above add nothing to the first six of its s
 class Stretch(NamedTuple):
     """One stretch of every design, rows first.
 
-    `info`, `through` and `noise` of the segment are (rows, n, n), its length ``span`` (rows); ``lines`` = [L C],
+    `info`, `transition` and `noise` of the segment are (rows, n, n), its length ``span`` (rows); ``lines`` = [L C],
     (rows, 6, 2 n); ``spread`` = S, (rows, 6, 6); ``gram``, (rows, 2 n, 2 n); ``rest`` (rows). Coefficients are of
     polynomials that are orthonormal over the stretch.
     """
 
     info: Array
-    through: Array
+    transition: Array
     noise: Array
     span: Array
     lines: Array
@@ -59,39 +59,41 @@ class Stretch(NamedTuple):
 def free(span: Array, accelerometer: Array, gyro: Array, slow: tuple[ArrayLike, ArrayLike] | None) -> Stretch:
     """A stretch without fixes; arguments as `nav_model.analytic.doubling.drift`, of (rows)."""
     segment = drift(span, accelerometer, gyro, slow)
-    size, one = segment.noise.shape[-1], _drift_of_one()
+    n, unit = segment.noise.shape[-1], _drift_of_one()
     a, w = accelerometer * span**3, gyro * span**5
-    lines = np.zeros((len(span), ORDERS, 2 * size), segment.noise.dtype)
-    lines[:, :, :3] = one.state * np.stack([0 * span + 1, span, span**2], axis=-1)[:, None, :]
-    if size == 4:  # position is the first state less the slow error
+    # L: position, velocity and acceleration at the start move the position as 1, t and t²/2.
+    lines = np.zeros((len(span), ORDERS, 2 * n), segment.noise.dtype)
+    lines[:, :, :3] = unit.state * np.stack([0 * span + 1, span, span**2], axis=-1)[:, None, :]
+    if n == 4:  # position is the first state less the slow error
         lines[:, :, 3] = -lines[:, :, 0]
-    # Position, velocity and acceleration at the end have powers of the span less than position along it.
+    # C: position, velocity and acceleration at the end have powers of the span less than position along it.
     powers = span[:, None] ** np.arange(5, 0, -1)
     by_a, by_w = accelerometer[:, None] * powers[:, 2:], gyro[:, None] * powers[:, :3]
-    lines[:, :, size : size + 3] = one.with_end[0] * by_a[:, None, :] + one.with_end[1] * by_w[:, None, :]
-    spread = one.spread[0] * a[:, None, None] + one.spread[1] * w[:, None, None]
-    # What the coefficients leave depends neither on the first state nor on the last: these are polynomials in time.
-    gram = np.zeros((len(span), 2 * size, 2 * size), segment.noise.dtype)
-    return Stretch(*segment, span, lines, spread, gram, one.rest[0] * a + one.rest[1] * w)
+    lines[:, :, n : n + 3] = unit.with_end[0] * by_a[:, None, :] + unit.with_end[1] * by_w[:, None, :]
+    spread = unit.spread[0] * a[:, None, None] + unit.spread[1] * w[:, None, None]
+    # The remainder depends neither on the first state nor on the last: these are polynomials in time.
+    gram = np.zeros((len(span), 2 * n, 2 * n), segment.noise.dtype)
+    return Stretch(*segment, span, lines, spread, gram, unit.rest[0] * a + unit.rest[1] * w)
 
 
-def measured(one: Stretch, info: Array) -> Stretch:
+def measured(stretch: Stretch, info: Array) -> Stretch:
     """The stretch with information about its last state, (rows, n, n)."""
-    size = info.shape[-1]
-    keep = doubling.kept(one.segment, info)
-    taken = info @ keep
-    into: Array = np.zeros((len(taken), 2 * size, 2 * size), taken.dtype)  # what [L C] is multiplied by
-    into[:, range(size), range(size)] = 1
-    into[:, size:, :size] = -taken @ one.through
-    into[:, size:, size:] = turned(keep)
-    covered = one.lines[..., size:]
+    n = info.shape[-1]
+    k = doubling.update_factor(stretch.segment, info)
+    t = info @ k
+    # [L C] and [R D] change by the same matrix: [L C] M = [L - C T Phi, C Kᵀ].
+    m: Array = np.zeros((len(t), 2 * n, 2 * n), t.dtype)
+    m[:, range(n), range(n)] = 1
+    m[:, n:, :n] = -t @ stretch.transition
+    m[:, n:, n:] = k.mT
+    c = stretch.lines[..., n:]
     return Stretch(
-        *doubling.measured(one.segment, info, keep),
-        one.span,
-        one.lines @ into,
-        one.spread - covered @ taken @ turned(covered),
-        turned(into) @ one.gram @ into,
-        one.rest - _trace(taken, one.gram[:, size:, size:]),
+        *doubling.measured(stretch.segment, info, k),
+        stretch.span,
+        stretch.lines @ m,
+        stretch.spread - c @ t @ c.mT,
+        m.mT @ stretch.gram @ m,
+        stretch.rest - _trace(t, stretch.gram[:, n:, n:]),  # the mean of D T Dᵀ
     )
 
 
@@ -105,54 +107,59 @@ def joined(first: Stretch, second: Stretch) -> Stretch:
     >>> bool(np.allclose(joined(one, one).spread, two.spread, rtol=1e-12))
     True
     """
-    met = measured(first, second.info)  # the first, with what the second's fixes say about where they meet
-    size, phi, along = met.noise.shape[-1], second.through, second.lines[..., : met.noise.shape[-1]]
-    span = met.span + second.span
-    share = np.stack([met.span, second.span], axis=-1) / np.where(span == 0, 1.0, span)[:, None]
-    root = np.sqrt(share)[..., None, None]
-    # Both parts' coefficients by the first state of all, and by the noise of the last: x1 = Phi x0 + w is where they
-    # meet, and what is after it adds to both.
-    onward = np.concatenate([met.lines[..., :size], met.lines[..., size:] @ turned(phi)], axis=-1)
-    out = np.concatenate([along @ met.through, second.lines[..., size:] + along @ met.noise @ turned(phi)], axis=-1)
-    lines = np.concatenate([onward * root[:, 0], out * root[:, 1]], axis=1)
-    across = met.lines[..., size:] @ turned(along)  # covariance of both parts' coefficients
-    spread: Array = np.zeros((len(span), 2 * ORDERS, 2 * ORDERS), across.dtype)
-    spread[:, :ORDERS, :ORDERS] = met.spread * root[:, 0] ** 2
-    spread[:, :ORDERS, ORDERS:] = across * root[:, 0] * root[:, 1]
-    spread[:, ORDERS:, :ORDERS] = turned(spread[:, :ORDERS, ORDERS:])
-    spread[:, ORDERS:, ORDERS:] = (second.spread + along @ met.noise @ turned(along)) * root[:, 1] ** 2
+    # The first stretch learns what the second's fixes say about x1, the state between the two.
+    first = measured(first, second.info)
+    n, q1, phi2 = first.noise.shape[-1], first.noise, second.transition
+    l1, c1 = first.lines[..., :n], first.lines[..., n:]
+    l2, c2 = second.lines[..., :n], second.lines[..., n:]
+    span = first.span + second.span
+    share = np.stack([first.span, second.span], axis=-1) / np.where(span == 0, 1.0, span)[:, None]
+    # Polynomials are orthonormal over their own span, so a part's coefficients count the root of its share of both.
+    root1, root2 = np.moveaxis(np.sqrt(share)[..., None, None], 1, 0)
+    # [L C] of both parts, by x0 and w = Phi2 w1 + w2: x1 = Phi1 x0 + w1 enters the second part, and w1 enters w.
+    lines1 = np.concatenate([l1, c1 @ phi2.mT], axis=-1)
+    lines2 = np.concatenate([l2 @ first.transition, c2 + l2 @ q1 @ phi2.mT], axis=-1)
+    lines = np.concatenate([lines1 * root1, lines2 * root2], axis=1)
+    # S of both: the noise of the second part is n2 + L2 w1, whose covariance with that of the first, n1, is C1 L2ᵀ.
+    spread: Array = np.zeros((len(span), 2 * ORDERS, 2 * ORDERS), lines.dtype)
+    spread[:, :ORDERS, :ORDERS] = first.spread * root1**2
+    spread[:, :ORDERS, ORDERS:] = c1 @ l2.mT * root1 * root2
+    spread[:, ORDERS:, :ORDERS] = spread[:, :ORDERS, ORDERS:].mT
+    spread[:, ORDERS:, ORDERS:] = (second.spread + l2 @ q1 @ l2.mT) * root2**2
+    # From twelve coefficients to six of the whole; the other six directions join the remainder.
     merge = _merge(share)
-    merged, both = merge @ lines, merge @ spread @ turned(merge)
-    lost = lines - turned(merge) @ merged  # of the parts' coefficients, what those of the whole leave
+    lines_merged, spread_merged = merge @ lines, merge @ spread @ merge.mT
+    rejected = lines - merge.mT @ lines_merged
     return Stretch(
-        *doubling.continued(met.segment, second.segment),
+        *doubling.continued(first.segment, second.segment),
         span,
-        merged,
-        both,
-        _gram(met, second, share) + turned(lost) @ lost,
-        met.rest * share[:, 0]
-        + (second.rest + _trace(met.noise, second.gram[:, :size, :size])) * share[:, 1]
+        lines_merged,
+        spread_merged,
+        _gram(first, second, share) + rejected.mT @ rejected,
+        first.rest * share[:, 0]
+        + (second.rest + _trace(q1, second.gram[:, :n, :n])) * share[:, 1]
         + spread.trace(axis1=-1, axis2=-2)
-        - both.trace(axis1=-1, axis2=-2),
+        - spread_merged.trace(axis1=-1, axis2=-2),
     )
 
 
-def _gram(met: Stretch, second: Stretch, share: Array) -> Array:
-    """Mean of [R D]ᵀ [R D] over both, by the first state of all and the noise of the last."""
-    size, phi = met.noise.shape[-1], second.through
-    into, out = np.zeros((2, len(phi), 2 * size, 2 * size), np.result_type(met.noise, phi))
-    into[:, range(size), range(size)] = 1
-    into[:, size:, size:] = turned(phi)
-    out[:, :size, :size] = met.through
-    out[:, :size, size:] = met.noise @ turned(phi)
-    out[:, range(size, 2 * size), range(size, 2 * size)] = 1
-    one, other = turned(into) @ met.gram @ into, turned(out) @ second.gram @ out
-    return np.asarray(one * share[:, 0, None, None] + other * share[:, 1, None, None])
+def _gram(first: Stretch, second: Stretch, share: Array) -> Array:
+    """Mean of [R D]ᵀ [R D] over both, by x0 and w of the whole; `first` knows what the second's fixes say."""
+    n, phi2 = first.noise.shape[-1], second.transition
+    # As for [L C]: [R1, D1 Phi2ᵀ] = [R1 D1] M1 and [R2 Phi1, D2 + R2 Q1 Phi2ᵀ] = [R2 D2] M2.
+    m1, m2 = np.zeros((2, len(phi2), 2 * n, 2 * n), np.result_type(first.noise, phi2))
+    m1[:, range(n), range(n)] = 1
+    m1[:, n:, n:] = phi2.mT
+    m2[:, :n, :n] = first.transition
+    m2[:, :n, n:] = first.noise @ phi2.mT
+    m2[:, range(n, 2 * n), range(n, 2 * n)] = 1
+    gram1, gram2 = m1.mT @ first.gram @ m1, m2.mT @ second.gram @ m2
+    return np.asarray(gram1 * share[:, 0, None, None] + gram2 * share[:, 1, None, None])
 
 
-def _trace(one: Array, other: Array) -> Array:
-    """That of each row's product of two symmetric matrices."""
-    return np.asarray(np.einsum("nij,nij->n", one, other))
+def _trace(a: Array, b: Array) -> Array:
+    """Trace of each row's product of two symmetric matrices, (rows)."""
+    return np.asarray(np.einsum("nij,nij->n", a, b))
 
 
 class _Drift(NamedTuple):
@@ -171,10 +178,11 @@ class _Drift(NamedTuple):
 
 @cache
 def _drift_of_one() -> _Drift:
+    # White noise in orthonormal polynomials, a column each; its first, second and third integral in Legendre ones.
     noise = np.eye(_MODES + 3)[:, :_MODES] * np.sqrt(2 * np.arange(_MODES) + 1)
     once, twice, thrice = (legendre.legint(noise, m, lbnd=-1, scl=0.5) for m in (1, 2, 3))
-    unit = np.sqrt(2 * np.arange(ORDERS) + 1)[:, None]  # to orthonormal polynomials
-    lines = [integral[:ORDERS] / unit for integral in (twice, thrice)]
+    norm = np.sqrt(2 * np.arange(ORDERS) + 1)[:, None]  # to orthonormal polynomials
+    lines = [integral[:ORDERS] / norm for integral in (twice, thrice)]
     # Every Legendre polynomial is one at the end.
     ends = [
         np.stack([twice.sum(axis=0), once.sum(axis=0), np.zeros(_MODES)]),
@@ -184,7 +192,8 @@ def _drift_of_one() -> _Drift:
     state[:3] = [[1, 1 / 2, 1 / 6], [0, 1 / 2, 1 / 4], [0, 0, 1 / 12]]  # 1, t, t²/2
     spread = np.stack([part @ part.T for part in lines])
     with_end = np.stack([part @ end.T for part, end in zip(lines, ends, strict=True)])
-    return _Drift(state / unit, spread, with_end, np.array([1 / 12, 1 / 120]) - spread.trace(axis1=1, axis2=2))
+    # The mean squares over a unit of time, S_a/12 and S_g/120, less what the six orders have.
+    return _Drift(state / norm, spread, with_end, np.array([1 / 12, 1 / 120]) - spread.trace(axis1=1, axis2=2))
 
 
 @cache
@@ -206,6 +215,8 @@ def _merge(share: Array) -> Array:
     Rows are orthonormal; what they leave is orthogonal to polynomials of order 5 along both parts.
     """
     powers, back, sign = _powers()
-    one, other = (powers * part[:, None, None] ** np.arange(ORDERS) @ back for part in share.T)
+    # A power of the whole span is, on a part that begins with it, the part's power times its share to that power.
+    # The second part ends with the span: read backwards it begins with it, and odd orders change sign.
+    first, second = (powers * part[:, None, None] ** np.arange(ORDERS) @ back for part in share.T)
     root = np.sqrt(share)[..., None, None]
-    return np.concatenate([root[:, 0] * one, root[:, 1] * sign * other], axis=-1)
+    return np.concatenate([root[:, 0] * first, root[:, 1] * sign * second], axis=-1)

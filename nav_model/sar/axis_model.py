@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.doubling import (
-    Doubles,
+    Powers,
     Segment,
     drift,
     joined,
@@ -68,8 +68,8 @@ class AxisModel:
 
 def inertial_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
     """Transition of (p, v, a) over a step [s] of shape (...), and the covariance of its noise: both (..., 3, 3)."""
-    found = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2)
-    return found.through, found.noise
+    free = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2)
+    return free.transition, free.noise
 
 
 def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
@@ -108,7 +108,7 @@ def steady_covariance(model: AxisModel) -> _FloatArray:
     In the steady state of the sampled filter [T-8], by doubling (`nav_model.analytic.doubling`). Without gyro noise
     tilt is not excited and its variance is zero.
     """
-    return without_slow_error(settled(Doubles(measured(*_step_and_fix(model)), joined)))
+    return without_slow_error(settled(Powers(measured(*_step_and_fix(model)), joined)))
 
 
 def information_after(model: AxisModel, time: float) -> _FloatArray:
@@ -119,7 +119,7 @@ def information_after(model: AxisModel, time: float) -> _FloatArray:
         return np.zeros_like(fix)
     unit = Segment(*(part[None] for part in measured(step, fix)))
     nothing = Segment(*(part[None] for part in drift(0.0, 0.0, 0.0, _slow(model))))
-    known = Doubles(unit, joined).before(np.array([later]), nothing).info[0] + fix
+    known = Powers(unit, joined).prepend(np.array([later]), nothing).info[0] + fix
     of = np.eye(len(known))
     of[0, 3:] = 1.0  # as the doubling has it, the first state is position and slow error together
     return np.asarray(of.T @ known @ of)
