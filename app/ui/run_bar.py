@@ -19,14 +19,16 @@ _LOOK: dict[str, Any] = {"margin": (8, 6)}
 class RunBar(View):
     """Buttons and progress of one `Run`; `start` is called when the person presses its button.
 
-    fields: what the person chooses before a start, in front of the button.
+    fields: what the person chooses before a start, in front of the button. ``strip``: whether the page has a strip
+    that says why a run failed.
     """
 
     run = held(Run)
     message = param.String(default="", doc="What to say between runs, as text, until a run says more.")
 
-    def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any) -> None:
+    def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any, strip: bool = False) -> None:
         super().__init__(run=run)
+        self._strip = strip
         self.start = pmui.Button(label=label, icon="play_arrow", variant="contained", **_LOOK)
         self.cancel = pmui.Button(
             label="Cancel", icon="stop", variant="outlined", disabled=run.param.running.rx.not_(), **_LOOK
@@ -54,8 +56,8 @@ class RunBar(View):
         run = self.run
         if run.running:
             self.state.object = progress_html(run.progress or Progress("Starting"))
-        elif run.message:
-            look = "" if run.message.startswith("Cancelled") else ' class="strip bad"'
+        elif run.message and not (self._strip and not run.cancelled):
+            look = "" if run.cancelled else ' class="strip bad"'
             self.state.object = f'<p role="alert"{look}><b>{escape(run.message)}</b></p>'
         else:
             self._tell()

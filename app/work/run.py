@@ -112,6 +112,16 @@ class Run(param.Parameterized):
         self.cancel()
         self._task = None
 
+    def take(self, result: Any) -> None:
+        """Have a result that exists already; work under way is dropped."""
+        self.drop()
+        self.param.update(running=False, progress=None, message="", result=result)
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether the last run ended because somebody cancelled it."""
+        return self.message.startswith("Cancelled")
+
     @property
     def mine(self) -> bool:
         """Whether the task that asks is the newest of this run, whose result is wanted."""

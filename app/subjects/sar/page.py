@@ -1,4 +1,4 @@
-"""The Image page: the best navigation strategy, its image quality, and the pictures."""
+"""The SAR page: the best navigation strategy, its image quality, and the pictures."""
 
 import asyncio
 import json
@@ -13,7 +13,8 @@ import param
 from app.charts.kinds import AnyChart, Chart, DotChart, PictureChart
 from app.charts.legend import legend_html
 from app.charts.screen.pictures import picture_gallery
-from app.declared import chosen, held
+from app.declared import chosen
+from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.ranks_html import ranks_html
 from app.session import Session
@@ -33,8 +34,7 @@ from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult, run_strategies
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words
 from app.subjects.sar.upload import UploadedPicture
-from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import described, head_html, takes
+from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
 from app.ui.fields import whole_number
 from app.ui.first_screen import first_screen
@@ -42,9 +42,7 @@ from app.ui.folded import Folded
 from app.ui.follower import Follower
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
-from app.ui.study_settings import StudySettings
-from app.ui.view import View
-from app.work.kept import keep, kept
+from app.ui.study_page import StudyPage, exports
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.budget import Budget
@@ -61,33 +59,30 @@ _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _AS_HIGH_AS_IT_IS = "@media (max-width: 1000px) { :host { flex: none !important; height: auto !important; } }"
 """Sheet of the ranked strategies, whose names take more lines on a narrow window."""
 _EARLIER = "The runs belong to an earlier design. Run again."
-_COMING = "<p class='quiet'>Appears when the strategies have been run.</p>"
 
 
-class SarPage(View):
+class SarPage(StudyPage[SarResult]):
     """Everything below the bar.
 
     The first screen is made at once: formulas and the map follow the design, and a few runs are made for it. What is
     folded below is made when it is opened.
     """
 
-    run = held(Run)
+    kind = "sar"
+    settings = ("engine", "runs", "seed")
+    waiting = Answer("Formulas only so far", "open", ())
+    coming = "Appears when the strategies have been run."
     engine: Engine = chosen("fast", _ENGINES, "Engine")
     runs = chosen(_RUNS[0], _RUNS, "Runs")
     seed = param.String(default="0", label="Seed")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(run=session.new_run())
-        self._session = session
+        super().__init__(session)
         self._closed: ClosedForms = closed_forms(session.budget)
-        self._asked = False  # whether a person has started a run; the page starts the first by itself
         self._of_design = Follower(lambda: session.budget)
-        self._of_runs = Follower(lambda: self._result, _COMING)
-        self._settings = StudySettings(session, "sar", self, ("engine", "runs", "seed"), self._recall)
-        self._strip = AnswerStrip(answer(session.budget, self._closed, None)[0])
         self._bar = RunBar(
             self.run,
-            self._pressed,
+            self.begin,
             "Run the strategies",
             pmui.Select.from_param(self.param.engine, width=190, **_LOOK),
             pmui.Select.from_param(self.param.runs, width=80, **_LOOK),
@@ -100,7 +95,7 @@ class SarPage(View):
         self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))
         self._points: PictureChart | None = None
         self._upload = UploadedPicture(session, lambda: self._result)
-        design, runs = self._of_design, self._of_runs
+        design, runs = self._of_design, self._of_result
         self._details = Folded(
             (
                 ("Why, and what would change it", lambda: design.text(self._reasons)),
@@ -127,49 +122,36 @@ class SarPage(View):
             ),
             self._details,
         )
-        self._write()
-        self._recall()
-        if pn.state.curdoc:
-            pn.state.onload(lambda: None if self._result else self._begin())
+        self._open()
 
     def show(self, budget: Budget) -> None:
-        """Follow the current budget."""
+        """Follow the current budget: the formulas at once, the runs as every study."""
         self._closed = closed_forms(budget)
-        self._write()
-        if self._stale:
-            self._recall()
-        if self.run.running and not self._asked:  # the first run, of a design that is no longer there
-            self._begin()
+        super().show(budget)
 
     # --- what the page says -----------------------------------------------------------------------------
 
     @property
-    def _result(self) -> SarResult | None:
-        result: SarResult | None = self.run.result
-        return result
-
-    @property
-    def _study(self) -> SarStudy | None:
+    def _runs(self) -> SarStudy | None:
         return self._result.study if self._result else None
 
     @property
     def _stale(self) -> bool:
-        return self._result is not None and self._result.stale(self._session.budget)
+        return self._result is not None and bool(self._outdated(self._result))
 
     @property
     def _mark(self) -> str:
         return stale_mark(_EARLIER) if self._stale else ""
 
     def _write(self) -> None:
-        """Everything in view; a text that stays the same is not sent."""
+        super()._write()
         budget, stale = self._session.budget, self._stale
-        study = None if stale else self._study
-        self._strip.show(answer(budget, self._closed, study)[0], _EARLIER if stale else "")
-        if self._study is None:
+        study = None if stale else self._runs
+        if self._runs is None:
             self._bar.message = "Formulas only so far."
         else:
-            self._bar.message = _EARLIER if stale else f"The runs match the design. {runs_in_words(self._study)}."
-        chart = residual_chart(budget, self._closed, self._study)
+            self._bar.message = _EARLIER if stale else f"The runs match the design. {runs_in_words(self._runs)}."
+        chart = residual_chart(budget, self._closed, self._runs)
         best = NAMES[self._closed.advice.strategy] if study is None else study.best().name
         coming = "The images appear after the runs: one point target, all images on one scale."
         told = head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart))
@@ -177,20 +159,25 @@ class SarPage(View):
         self._ranks.say(ranks_html(chart, best))
         self._image_head.say(head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark))
         self._of_design.follow()
-        self._of_runs.follow()
+        self._of_result.follow()
+
+    def _answer(self) -> tuple[Answer, str]:
+        """The formulas answer at once; runs only confirm them, so that the strip never waits for any."""
+        current = None if self._stale else self._runs
+        return answer(self._session.budget, self._closed, current)[0], _EARLIER if self._stale else ""
 
     def _reasons(self, budget: Budget) -> str:
-        valid = None if self._stale else self._study
-        return html_of(*answer(budget, self._closed, valid)[1], cautions(budget, self._study))
+        valid = None if self._stale else self._runs
+        return html_of(*answer(budget, self._closed, valid)[1], cautions(budget, self._runs))
 
     def _errors(self, budget: Budget) -> str:
-        return self._mark + html_of(error_table(budget, self._closed, self._study, "page"))
+        return self._mark + html_of(error_table(budget, self._closed, self._runs, "page"))
 
     def _tables(self, result: SarResult) -> str:
         return self._mark + html_of(*run_tables(result.study, result.beside, "page"))
 
     def _quadratic(self, budget: Budget) -> str:
-        chart: DotChart = quadratic_chart(budget, self._closed, self._study)
+        chart: DotChart = quadratic_chart(budget, self._closed, self._runs)
         return head_html(chart.title, chart.knowledge, self._mark, legend_html(chart)) + ranks_html(chart)
 
     def _scene(self) -> pn.Column:
@@ -211,60 +198,37 @@ class SarPage(View):
                 formed[:] = [result]
                 run.start(lambda _: elsewhere(scene_pictures, result.study.budget, result.study.typical))
 
-        self._of_runs.also(follow)
+        self._of_result.also(follow)
         return pn.Column(status, panel)
 
     def _exports(self) -> pn.FlexBox:
         def of_strategies(draw: Callable[..., AnyChart]) -> Callable[[SarResult], AnyChart]:
             return lambda result: draw(self._session.budget, self._closed, result.study)
 
-        points, result_of = PicturePanel("Point target", "sar-point"), self._of_runs.known
-        self._of_runs.also(lambda _: setattr(points, "chart", self._points))
-        drawn: list[list[Any]] = [
-            *(takes(of_strategies(draw), result_of) for draw in STRATEGY_CHARTS),
-            *(takes(draw, lambda: self._session.budget) for draw in WINNER_CHARTS),
-            *(takes(_of_study(draw), result_of) for draw in RUN_CHARTS),
+        points, result_of = PicturePanel("Point target", "sar-point"), self._of_result.known
+        self._of_result.also(lambda _: setattr(points, "chart", self._points))
+        draws = [
+            *map(of_strategies, STRATEGY_CHARTS),
+            *((lambda _, draw=draw: draw(self._session.budget)) for draw in WINNER_CHARTS),
+            *map(_of_study, RUN_CHARTS),
         ]
-        study = download("All of the study (JSON)", "sar-study.json", self._json)
-        return pn.FlexBox(study, *(take for pair in drawn for take in pair), points.links)
+        return exports(
+            [download("All of the study (JSON)", "sar-study.json", self._json), points.links], draws, result_of
+        )
 
     # --- the run ----------------------------------------------------------------------------------------
 
-    def _pressed(self) -> None:
-        self._asked = True
-        self._begin()
+    async def _study(self, run: Run) -> SarResult:
+        seed = whole_number("Seed", self.seed, 0, 2**31)
+        return await run_strategies(run, self._session.budget, self.runs, seed, self.engine)
 
-    def _begin(self) -> None:
-        async def work(run: Run) -> SarResult:
-            seed, asked = whole_number("Seed", self.seed, 0, 2**31), self._settings.asked
-            result = await run_strategies(run, self._session.budget, self.runs, seed, self.engine)
-            keep(result, *asked)
-            return result
+    def _outdated(self, result: SarResult) -> str:
+        return _EARLIER if result.stale(self._session.budget) else ""
 
-        self.run.start(work)
-
-    def _recall(self) -> None:
-        """Show what this server still has of this design with these settings."""
-        result = kept(*self._settings.asked)
-        if result is None or result is self._result:
-            return
-
-        async def found(_: Run) -> SarResult:
-            return result
-
-        if self.run.running:
-            self.run.start(found)
-        else:
-            self.run.result = result
-
-    @param.depends("run.result", watch=True)
-    def _take(self) -> None:
-        result: SarResult = self.run.result
-        self._session.keep("sar", result)
-        with pn.io.hold():
-            self._points = point_picture(result.points)
-            self._images.object = picture_gallery(self._points, row=True)
-            self._write()
+    def _receive(self, result: SarResult) -> None:
+        super()._receive(result)
+        self._points = point_picture(result.points)
+        self._images.object = picture_gallery(self._points, row=True)
         if self._upload.file is not None:
             self._upload.form()
 

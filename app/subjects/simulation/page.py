@@ -13,7 +13,7 @@ import param
 from app.charts.kinds import Chart
 from app.charts.legend import key_html, legend_html
 from app.charts.screen.timelines import Timelines
-from app.declared import chosen, held
+from app.declared import chosen
 from app.document.blocks import Answer, Block
 from app.document.numbers import number as shown
 from app.document.pane import html_of
@@ -31,25 +31,20 @@ from app.subjects.simulation.controls import StudyControls
 from app.subjects.simulation.files import FILES
 from app.subjects.simulation.run import Flown, fly, same_subject
 from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table, verdict
-from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import described, head_html, takes
+from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
 from app.ui.fields import number, whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
-from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.study_settings import StudySettings
-from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
+from app.ui.study_page import StudyPage, exports
+from app.ui.theme import STACK_ON_A_PHONE
 from app.ui.upload import upload
-from app.ui.view import View
-from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.base.errors import InputError
-from nav_model.budget import Budget
 from nav_model.design.parts import declaration_of
 from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
@@ -75,15 +70,17 @@ _UPLOAD = 20_000_000  # bytes
 _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _KEY = key_html(solid="simulated", dashed="filter", dotted="formula", span="outage")
-_START = Answer("Not run yet", "open", ("Press Start to compare simulated errors with the filter and the formulas.",))
-_COMING = "Appears with the first result."
 _STACKS = {"Errors and sigmas": TIMELINES, "Consistency and NEES": CONSISTENCY}
 
 
-class SimulatePage(View):
+class SimulatePage(StudyPage[Flown]):
     """Everything below the tab. The page flies its first settings by itself: an example of what it answers."""
 
-    run = held(Run)
+    kind = "simulation"
+    settings = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
+    waiting = Answer(
+        "Not run yet", "open", ("Press Start to compare simulated errors with the filter and the formulas.",)
+    )
     trajectory = chosen("wandering", _FLIGHTS, "Trajectory")
     runs = param.String(default="50", label="Runs")
     length = param.String(default="300", label="Length [s]")
@@ -94,26 +91,19 @@ class SimulatePage(View):
     axis = chosen("north", _AXES, "Axis of the ensemble")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(run=session.new_run())
-        self._session = session
+        super().__init__(session)
         self._file: TrajectorySpec | None = None
-        self._asked: tuple[str, ...] = ("simulation",)  # what the result follows from
-        self._earlier: Flown | None = None  # the result when the run under way began
-        self._example = False  # whether the page itself has started the last run
         self._more = StudyControls()
-        self._details = details = Follower(lambda: self._result.study if self._result else None, f"<p>{_COMING}</p>")
         self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
-        names = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
-        self._settings = StudySettings(session, "simulation", self, names, self._recall)
-        self._strip = AnswerStrip(_START)
-        self._bar = RunBar(self.run, self._begin, "Start", *self._fields())
+        self._bar = RunBar(self.run, self.begin, "Start", *self._fields(), strip=True)
         self._stacks: list[Timelines] = []  # made with the first result
-        coming = f'<span class="quiet fine">{_COMING}</span>'
-        self._heads = [html_pane(head_html(title, _COMING, coming), margin=_HEAD) for title in _STACKS]
+        coming = f'<span class="quiet fine">{self.coming}</span>'
+        self._heads = [html_pane(head_html(title, self.coming, coming), margin=_HEAD) for title in _STACKS]
         self._halves = [
             pn.Column(head, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE])
             for head in self._heads
         ]
+        details = self._of_result
         self._view = pn.Column(
             first_screen(
                 self._strip, pn.Column(self._bar, self._more.given), left=self._halves[:1], right=self._halves[1:],
@@ -132,26 +122,16 @@ class SimulatePage(View):
                 )
             ),
         )  # fmt: skip
-        self._write()
-        self._recall()
+        self._open()
         if pn.state.curdoc:
             prepare()
-            pn.state.onload(lambda: None if self._result or self._settings.text else self._begin(example=True))
-
-    def show(self, _: Budget) -> None:
-        """Follow the current budget: a result of other instruments or another flight is marked stale."""
-        if self._result is None or not same_subject(self._result.study, self._session.design):
-            self._recall()
-        if self.run.running and self._example:  # of a design that is no longer there
-            self._begin(example=True)
-        self._write()
 
     # --- the parts ------------------------------------------------------------------------------------
 
     def _fields(self) -> tuple[Any, ...]:
         choices, names = self.param, pmui.TextInput.from_param
         self._upload = upload(
-            "Trajectory file", ".csv", _UPLOAD, self._uploaded, lambda why: self._say(f"Not used. {why}"),
+            "Trajectory file", ".csv", _UPLOAD, self._uploaded, self._refuse,
             visible=choices.trajectory.rx() == "file",
         )  # fmt: skip
         own = choices.trajectory.rx() != _PLAN  # a plan has its length and outages
@@ -165,14 +145,8 @@ class SimulatePage(View):
             pmui.Select.from_param(choices.states, width=110, **_LOOK),
         )  # fmt: skip
 
-    @property
-    def _result(self) -> Flown | None:
-        result: Flown | None = self.run.result
-        return result
-
     def _write(self) -> None:
-        """Strip, charts and what was unfolded; a text that stays the same is not sent."""
-        self._strip.show(*self._answer())
+        super()._write()
         if self._result:
             drawn = [[draw(self._result.study) for draw in draws] for draws in _STACKS.values()]
             if not self._stacks:
@@ -184,7 +158,7 @@ class SimulatePage(View):
             ):
                 knowledge = " ".join(chart.knowledge for chart in charts)
                 head.say(head_html(title, knowledge, "".join(map(described, charts)), key))
-        self._details.follow()
+        self._of_result.follow()
 
     def _stack(self, drawn: list[list[Chart]]) -> None:
         """Make the figures, all on one time axis."""
@@ -192,42 +166,28 @@ class SimulatePage(View):
             self._stacks.append(Timelines(charts, *self._stacks[:1]))
             half.extend(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stacks[-1].plots)
 
-    def _answer(self) -> tuple[Answer, str]:
-        """What the strip says: the verdict, of which runs, and whether it is one of this design."""
-        if self.run.running and self._result is self._earlier:
-            told = (
-                "The last result is shown until the first runs are in."
-                if self._result
-                else "The charts follow with the first runs."
-            )
-            return Answer(
-                f"Running: {self.run.progress.what if self.run.progress else 'starting'}", "open", (told,)
-            ), ""
-        if self._result is None:
-            return _START, ""
-        flown, said = self._result, verdict(self._result.study)
-        notes = []
-        if flown.partial:
-            done = flown.study.result.spec.runs
-            word = "Running" if self.run.running else f"Partial: {done} of {flown.wanted} runs"
-            said = Answer(word, "open", (f"{said.word[2:]} after {done} runs.", *said.sentences))
-            if not self.run.running:
-                notes.append(f"The rest was not flown. Press Start to fly all {flown.wanted}.")
-        elif self.run.message.startswith("Cancelled"):
-            notes.append("The last run was cancelled. This is the result before it.")
-        if not same_subject(flown.study, self._session.design):
-            notes.append("Stale: the instruments or the flight have changed since.")
-        return said, " ".join(notes)
+    def _verdict(self, flown: Flown) -> Answer:
+        said = verdict(flown.study)
+        if not flown.partial:
+            return said
+        done = flown.study.result.spec.runs
+        rest = () if self.run.running else (f"The rest was not flown. Press Start to fly all {flown.wanted}.",)
+        word = "Running" if self.run.running else f"Partial: {done} of {flown.wanted} runs"
+        return Answer(word, "open", (*rest, f"{said.word[2:]} after {done} runs.", *said.sentences))
+
+    def _outdated(self, flown: Flown) -> str:
+        same = same_subject(flown.study, self._session.design)
+        return "" if same else "Stale: the instruments or the flight have changed since."
 
     def _flown(self) -> pn.Column:
-        details = self._details
-        charts = details.charts(path_chart, designed_attitude_chart, height=300)
+        details = self._of_result
+        charts = details.charts(_of_study(path_chart), _of_study(designed_attitude_chart), height=300)
         return pn.Column(details.text(_told(run_table)), charts)
 
     def _spread(self) -> pn.Column:
         axis = pmui.RadioButtonGroup.from_param(self.param.axis, margin=(4, 10))
-        charts = (outage_chart, lambda study: ensemble_chart(study, self.axis))
-        return self._details.later(lambda: pn.Column(axis, self._details.charts(*charts, height=300)))
+        charts = (_of_study(outage_chart), lambda flown: ensemble_chart(flown.study, self.axis))
+        return self._of_result.later(lambda: pn.Column(axis, self._of_result.charts(*charts, height=300)))
 
     @param.depends("axis", watch=True)
     def _look(self) -> None:
@@ -235,52 +195,41 @@ class SimulatePage(View):
             self._write()
 
     def _exports(self) -> pn.FlexBox:
-        study = self._details.known
-        return pn.FlexBox(
-            download("Everything (JSON)", "simulation.json", lambda: FILES[".json"](study())),
-            download("Statistics (NPZ)", "simulation.npz", lambda: FILES[".npz"](study())),
-            download("Sigmas (CSV)", "simulation.csv", lambda: FILES[".csv"](study())),
-            *(take for draw in CHARTS for take in takes(draw, study)),
-            stylesheets=[PRINT_NOTHING],
-        )
+        study = self._of_result.known
+        names = {".json": "Everything (JSON)", ".npz": "Statistics (NPZ)", ".csv": "Sigmas (CSV)"}
+
+        def file(kind: str) -> Any:
+            return download(names[kind], f"simulation{kind}", lambda: FILES[kind](study().study))
+
+        return exports([*map(file, names)], [_of_study(draw) for draw in CHARTS], study)
 
     # --- the run --------------------------------------------------------------------------------------
 
-    def _begin(self, *, example: bool = False) -> None:
-        self._example, self._earlier = example, self._result
+    async def _study(self, run: Run) -> Flown:
+        try:
+            return await fly(run, self._session.design, self._specification())
+        except InputError as error:
+            raise error.under(_FIELDS.get(error.key, error.key)) from error
 
-        async def work(run: Run) -> Flown:
-            self._asked = self._settings.asked
-            try:
-                return await fly(run, self._session.design, self._specification())
-            except InputError as error:
-                raise error.under(_FIELDS.get(error.key, error.key)) from error
+    @property
+    def _key(self) -> tuple[str, ...] | None:
+        return None if self.trajectory == "file" else super()._key
 
-        self.run.start(work)
+    def _begin_by_itself(self) -> None:
+        if not self._settings.text:  # a link's thousand runs are for a person to start
+            super()._begin_by_itself()
 
-    def _recall(self) -> None:
-        """Take what was added to the design, and show what this server still has of it with these settings."""
+    def _recall(self) -> bool:
         self._more.take(dict(parse_qsl(self.added)))
-        busy = self.run.running and not self._example
-        if self.trajectory != "file" and not busy and (found := kept(*self._settings.asked)):
-            self._asked = self._settings.asked
-            self.run.drop()  # the example
-            self.run.param.update(running=False, progress=None, result=found)
+        return super()._recall()
 
-    @param.depends("run.result", "run.running", watch=True)
-    def _found(self) -> None:
-        if flown := self._result:
-            done, wall_s = flown.study.result.spec, shown(flown.study.result.wall_s)
-            self._bar.message = f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}."
-            if not flown.partial:
-                self._session.keep("simulation", flown.study)
-            keep(flown, *self._asked)
-        with pn.io.hold():
-            self._write()
+    def _finding(self, flown: Flown) -> SimulationStudy | None:
+        return None if flown.partial else flown.study
 
-    @param.depends("run.progress", watch=True)
-    def _tell(self) -> None:
-        self._strip.show(*self._answer())
+    def _receive(self, flown: Flown) -> None:
+        super()._receive(flown)
+        done, wall_s = flown.study.result.spec, shown(flown.study.result.wall_s)
+        self._say(f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}.")
 
     def _specification(self) -> SimulationSpec:
         """What the fields ask for.
@@ -321,14 +270,11 @@ class SimulatePage(View):
             )
         return spec
 
-    def _say(self, text: str) -> None:
-        self._bar.message = text
-
     async def _uploaded(self, name: str, content: bytes) -> None:
         try:
             flight = await elsewhere(parse_trajectory, content, name)
         except InputError as error:
-            self._say(f"Not used. {error}")
+            self._refuse(error)
         else:
             self._file = flight
             length = file_duration(flight)
@@ -336,9 +282,13 @@ class SimulatePage(View):
             self.length = f"{math.floor(10 * length) / 10:.1f}"
 
 
-def _told(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[SimulationStudy], str]:
+def _told(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[Flown], str]:
     """Blocks of a study as HTML."""
-    return lambda study: html_of(*(one(study, "page") for one in tell))
+    return lambda flown: html_of(*(block(flown.study, "page") for block in tell))
+
+
+def _of_study(draw: Callable[[SimulationStudy], Chart]) -> Callable[[Flown], Chart]:
+    return lambda flown: draw(flown.study)
 
 
 def _names(chart: Chart) -> str:

@@ -3,7 +3,6 @@
 The inertial unit is the design's; the page adds flight, tracker, camera and initial errors.
 """
 
-import asyncio
 import json
 
 import panel as pn
@@ -18,14 +17,13 @@ from app.subjects.suborbital.camera import CameraNoisePanel
 from app.subjects.suborbital.charts.shown import Shown
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
 from app.subjects.suborbital.noise import NoisePanel
-from app.subjects.suborbital.studies import fly_study, kept_study
+from app.subjects.suborbital.studies import asked, fly_study
 from app.subjects.suborbital.views import CAMERA_NOISE, StudyViews
-from app.ui.answer_strip import AnswerStrip
 from app.ui.downloads import download
 from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.view import View
+from app.ui.study_page import StudyPage
 from app.work.alone import RunLost
 from app.work.pool import elsewhere
 from app.work.run import Run
@@ -39,13 +37,14 @@ from nav_model.suborbital.survey_json import noise_json, survey_json
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
 
 
-class SuborbitalPage(View):
+class SuborbitalPage(StudyPage[Survey]):
     """Everything below the tab. The first run starts when the page is opened, unless its result is in the cache.
 
-    The result of `exact` is the last exact run; `renewal` makes the matrices that other frames or periods need.
+    Its result is the last exact run; `renewal` makes the matrices that other frames or periods need.
     """
 
-    exact = held(Run)
+    kind = "suborbital"
+    waiting = WAITING
     renewal = held(Run)
     inputs = held(InputPanel)
     noise = held(NoisePanel)
@@ -59,40 +58,31 @@ class SuborbitalPage(View):
             InputPanel(session),
         )
         super().__init__(
-            exact=session.new_run(), renewal=session.new_run(), inputs=inputs, noise=noise, camera=camera,
+            session, renewal=session.new_run(), inputs=inputs, noise=noise, camera=camera,
             study=StudyViews(noise, camera, inputs),
         )  # fmt: skip
-        self._session = session
         self._flown: Trajectory = None  # the trajectory of the last exact run
-        self._strip = AnswerStrip(WAITING)
         self._tiles = html_pane("", margin=(8, 0, 0, 0))
-        self.bar = RunBar(self.exact, self.run, "Run full simulation")
+        self._bar = RunBar(self.run, self.begin, "Run full simulation", strip=True)
         self.study.views.param.watch(lambda _: self._sweep_camera(), "chosen")
-        tools = pn.Row(self.bar, download("Study (JSON)", "suborbital.json", self._json))
+        tools = pn.Row(self._bar, download("Study (JSON)", "suborbital.json", self._json))
         self._view = screen_of_views(pn.Column(self._strip, self.inputs.notice, self._tiles), self.study, tools)
-        if pn.state.curdoc and not self._recall():
-            self.run()
+        self._open()
 
     def show(self, budget: Budget) -> None:
         """Follow the design's inertial unit, where the study takes it."""
         self.inputs.follow(budget.design)
-
-    @property
-    def survey(self) -> Survey | None:
-        """The last exact run."""
-        survey: Survey | None = self.exact.result
-        return survey
 
     # --- following the inputs ----------------------------------------------------------------------------
 
     @param.depends("inputs.settings", "inputs.trajectory", watch=True)
     def follow(self) -> None:
         """Move the curves to the current settings, or start what they need first."""
-        survey, settings = self.survey, self.inputs.settings
+        survey, settings = self._result, self.inputs.settings
         if survey is None:
-            self.run()
+            self.begin()
         elif needs_run(survey, settings) or self.inputs.trajectory != self._flown:
-            self.run(_SETTLE_SECONDS)
+            self.begin(_SETTLE_SECONDS)
         elif needs_other_matrices(survey.study, settings.study_inputs()):
             self.renewal.start(lambda _: self._renew(survey))
         else:
@@ -107,33 +97,26 @@ class SuborbitalPage(View):
         """Matrices for other frames or periods; those of settings that are no longer in force are dropped."""
         settings = self.inputs.settings
         renewal = await elsewhere(renewed, survey.study, settings.study_inputs())
-        if survey is self.survey and settings is self.inputs.settings:
+        if survey is self._result and settings is self.inputs.settings:
             with pn.io.hold():
                 self._show_moved(survey, renewal)
 
-    @param.depends("exact.progress", "exact.message", watch=True)
-    def _say_progress(self) -> None:
-        """Before the first answer the view says how far it is, and the strip why there will be none."""
+    @param.depends("run.progress", watch=True)
+    def _tell_progress(self) -> None:
+        """Before the first answer the views say how far it is."""
+        super()._tell_progress()
         if self.study.shown is None:
-            message, progress = self.exact.message, self.exact.progress
-            self._strip.show(Answer("No result yet", "warn", (message,)) if message else WAITING)
-            self.study.say_coming(progress.words if progress else "")
+            self.study.say_coming(self.run.progress.words if self.run.progress else "")
 
     @param.depends("renewal.message", watch=True)
     def _say_renewal(self) -> None:
-        self.bar.message = self.renewal.message
+        self._say(self.renewal.message)
 
-    def run(self, settle: float = 0.0) -> asyncio.Task[None]:
-        """Start an exact run at the current settings, after `settle` seconds; one under way is cancelled."""
-        return self.exact.start(lambda run: self._run_survey(run, settle))
+    @property
+    def _key(self) -> tuple[str, ...] | None:
+        return asked(self.inputs.settings)
 
-    def _recall(self) -> bool:
-        """Take what this server still has of the same study."""
-        self.exact.result = kept_study(self.inputs.settings)
-        return self.survey is not None
-
-    async def _run_survey(self, run: Run, settle: float) -> Survey | None:
-        await asyncio.sleep(settle)
+    async def _study(self, run: Run) -> Survey:
         settings, trajectory = self.inputs.settings, self.inputs.trajectory
         try:
             survey = await fly_study(settings, trajectory, lambda share, what: run.tell(what, share))
@@ -141,35 +124,38 @@ class SuborbitalPage(View):
             if trajectory is None or trajectory == self._flown:
                 raise
             self.inputs.refuse(self._flown, str(error))
-            return self.survey
+            assert self._result is not None  # a trajectory is opened beside one
+            return self._result
         self._flown = trajectory
         return survey
 
-    @param.depends("exact.result", watch=True)
-    def _show_exact(self) -> None:
-        if self.survey is not None:
-            with pn.io.hold():
-                self.study.last_moment(int(self.survey.star_frames[-1].time_s))
-                self.follow()
+    def _receive(self, survey: Survey) -> None:
+        self.study.last_moment(int(survey.star_frames[-1].time_s))
+        self.follow()
+
+    def _outdated(self, survey: Survey) -> str:
+        return ""  # what a moved input needs is begun at once, and the curves move meanwhile
+
+    def _verdict(self, survey: Survey) -> Answer:
+        return answer(self.study.shown)[0] if self.study.shown else WAITING
 
     # --- on screen ---------------------------------------------------------------------------------------
 
     @param.depends("study.case", "study.channel", "study.aided_sources", "study.along_track", "study.moment",
                    "noise.run.result", watch=True)  # fmt: skip
     def _look(self) -> None:
-        if self.survey is not None and self.study.shown is not None:
-            self._put_on_screen(self.survey, self.study.shown.study)
+        if self._result is not None and self.study.shown is not None:
+            self._put_on_screen(self._result, self.study.shown.study)
 
     def _put_on_screen(self, survey: Survey, study: Study) -> None:
         ensemble = self.noise.ensemble_of(study)
         shown = Shown(survey, study, self.inputs.settings, **self.study.looks, ensemble=ensemble)
         self._session.keep("suborbital", shown)
         with pn.io.hold():
-            word, figures = answer(shown)
-            self._strip.show(word)
-            self._tiles.object = tiles_html(figures)
+            self._tiles.object = tiles_html(answer(shown)[1])
             self.noise.note(study)
             self.study.shown = shown
+            self._write()
             self._sweep_camera()
 
     def _sweep_camera(self) -> None:

@@ -14,10 +14,9 @@ from nav_model.suborbital.survey import Survey, run_survey
 _KEPT = 4  # studies of 12 MB each
 
 
-def kept_study(settings: Settings) -> Survey | None:
-    """What this server still has of the same study, of the reference flight."""
-    survey: Survey | None = kept("suborbital", _asked(settings))
-    return survey
+def asked(settings: Settings) -> tuple[str, str]:
+    """All that a study of the reference flight follows from: its key for `app.work.kept`."""
+    return "suborbital", repr(sorted(settings.values.items()))
 
 
 async def fly_study(settings: Settings, trajectory: Trajectory, progress: Callable[[float, str], None]) -> Survey:
@@ -30,18 +29,13 @@ async def fly_study(settings: Settings, trajectory: Trajectory, progress: Callab
     """
     survey: Survey = await run_alone(run_survey, settings, trajectory, progress=progress)
     if trajectory is None:
-        keep(survey, "suborbital", _asked(settings), most=_KEPT)
+        keep(survey, *asked(settings), most=_KEPT)
     return survey
 
 
 async def fly_ahead(design: Design) -> None:
     """Have the usual study of a design, and a process that has loaded what the next needs."""
     settings = from_design(DEFAULTS, design)
-    if kept_study(settings) is None:
+    if kept(*asked(settings)) is None:
         with suppress(InputError, RunLost):  # whoever asks runs it again, and is told
             await fly_study(settings, None, lambda *_: None)
-
-
-def _asked(settings: Settings) -> str:
-    """All that a study of the reference flight follows from."""
-    return repr(sorted(settings.values.items()))

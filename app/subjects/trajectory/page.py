@@ -13,7 +13,7 @@ from bokeh.events import DoubleTap
 
 from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
-from app.declared import chosen, held
+from app.declared import chosen
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.session import Session
@@ -23,20 +23,16 @@ from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.kml import as_kml
 from app.subjects.trajectory.run import File, Followed, Rows, follow, row_of, waypoints_in, waypoints_of_lines
 from app.subjects.trajectory.tables import line_table, verdict
-from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, described, head_html, takes
+from app.ui.chart_pane import ChartPane, described, head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
-from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.study_settings import StudySettings
-from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
+from app.ui.study_page import StudyPage, exports
+from app.ui.theme import NARROW, STACK_ON_A_PHONE
 from app.ui.upload import UploadedFile, upload
-from app.ui.view import View
 from app.work.alone import run_alone
-from app.work.kept import keep, kept
 from app.work.pool import elsewhere
 from app.work.run import Run
 from nav_model.base.csv_text import csv_text
@@ -58,28 +54,32 @@ _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
-_ADDED = " A double click on the map adds one at the end."
 _NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
-_WAITING = Answer("Working", "open", ("The covariance along the flight follows.",))
+_NO_FILE = "Open a file: GPX and KML are plans, flown at the design's speed; CSV and SBET were flown."
+_ADDED = " A double click on the map adds one at the end."
+_NOT_NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
+_NO_FILE = "Open a file: GPX and KML are plans, flown at the design's speed; CSV and SBET were flown."
+_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
 
 
-class TrajectoryPage(View):
+class TrajectoryPage(StudyPage[Followed]):
     """Everything below the tab. The flight is followed again whenever design or flight change."""
 
-    run = held(Run)
+    kind = "trajectory"
+    settings = ("states", "figure")
+    waiting = Answer("Working", "open", ("The covariance along the flight follows.",))
+    refusal = "Plan not flown"
     flight = chosen("wandering", _FLIGHTS, "Flight")
     states = chosen(9, {f"{count} states": count for count in FILTER_STATES}, "Filter")
     figure = chosen("detrended_phase", {one.label: name for name, one in FIGURES.items()}, "Quantity")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(run=session.new_run(), flight=session.design.trajectory.flight)
-        self._session = session
+        super().__init__(session, flight=session.design.trajectory.flight)
         self._file: File | None = None
         self._on_disk = UploadedFile()
         self._plan = PlanFields(session, self._typed)
-        self._details = details = Follower(lambda: self._result, _COMING)
-        self._strip = AnswerStrip(_WAITING)
-        self._bar = RunBar(self.run, self.start, "Compute", *self._fields())
+        details = self._of_result
+        self._bar = RunBar(self.run, self.begin, "Compute", *self._fields(), strip=True)
         self._stack = Timelines(timelines(None, self.figure))
         self._head = html_pane("", margin=(6, 10, 0, 10))
         curves = pn.Column(
@@ -103,17 +103,14 @@ class TrajectoryPage(View):
             ),
         )
         session.param.watch(self._flown, "findings")
-        self._settings = StudySettings(session, "trajectory", self, ("states", "figure"), lambda: None)
         self._follow_plan()
-        self._write()
-        if pn.state.curdoc:
-            self.start()
+        self._open()
 
     def show(self, _: Budget) -> None:
         """Follow the budget's design, also back from one that was refused."""
         self._follow_plan()
-        if self._result is None or self._result.design != self._session.design or self.run.message:
-            self.start(_SETTLE_SECONDS)
+        if (self._result is None or self._outdated(self._result) or self.run.message) and not self._recall():
+            self.begin(_SETTLE_SECONDS)
 
     def _follow_plan(self) -> None:
         self._plan.show()
@@ -121,37 +118,43 @@ class TrajectoryPage(View):
             self.flight = self._session.design.trajectory.flight
         self._places.visible = self.flight == WAYPOINTS
 
-    def start(self, settle: float = 0.0) -> asyncio.Task[None]:
+    def begin(self, settle: float = 0.0, *, by_itself: bool = True) -> asyncio.Task[None]:
         """Follow the flight of the design, or of the file, after `settle` seconds; one under way is cancelled."""
+        return super().begin(settle, by_itself=by_itself)
 
-        async def work(run: Run) -> Followed:
-            await asyncio.sleep(settle)
-            file = self._file if self.flight == _FILE else None
-            if self.flight == _FILE and file is None:
-                raise InputError("Flight", "open a GPX, KML, CSV or SBET file first")
-            # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-            await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
-            if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
-                self._take(await elsewhere(waypoints_of_lines, self._session.design))
-            design, wanted = self._session.design, self._settings.asked
-            known: Followed | None = None if file else kept(*wanted)
-            if known is not None:
-                return known
-            found: Followed = await run_alone(
-                follow, design, self.states, file, progress=lambda _, what: run.tell(what)
-            )
-            if file is None:
-                keep(found, *wanted)
-            return found
+    async def _study(self, run: Run) -> Followed:
+        file = self._file if self.flight == _FILE else None
+        # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
+        await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
+        if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
+            self._take(await elsewhere(waypoints_of_lines, self._session.design))
+            self._asked = self._key or ()
+        flown: Followed = await run_alone(
+            follow, self._session.design, self.states, file, progress=lambda _, what: run.tell(what)
+        )
+        return flown
 
-        return self.run.start(work)
+    @property
+    def _key(self) -> tuple[str, ...] | None:
+        return None if self.flight == _FILE else super()._key
+
+    @property
+    def _refused(self) -> str:
+        return self._plan.refused or (_NO_FILE if self.flight == _FILE and self._file is None else "")
+
+    def _verdict(self, followed: Followed) -> Answer:
+        return verdict(followed, self.figure)
+
+    def _outdated(self, followed: Followed) -> str:
+        same = followed.design == self._session.design and bool(followed.file) == (self.flight == _FILE)
+        return "" if same else "Of the plan and design before; the new result follows."
 
     def _typed(self) -> None:
         """Follow what was typed; what is refused changes nothing, and the strip says why."""
         if self._plan.refused:
-            self._show()
+            self._redraw()
         else:
-            self.start()
+            self.begin()
 
     # --- the parts ------------------------------------------------------------------------------------
 
@@ -159,7 +162,7 @@ class TrajectoryPage(View):
         choices, box, flies = self.param, self._plan.box, self.param.flight.rx
         self._upload = upload(
             "GPX, KML, CSV or SBET file", ",".join(_KINDS), _UPLOAD, self._uploaded,
-            lambda why: self._say(f"Not used. {why}"), visible=flies() == _FILE,
+            self._refuse, visible=flies() == _FILE,
         )  # fmt: skip
         lines, turns, named = (flies.in_(those) for those in ((LINES,), (LINES, WAYPOINTS), _HAVE_A_LENGTH))
         return (
@@ -181,8 +184,8 @@ class TrajectoryPage(View):
 
     def _map(self) -> pn.Column:
         """The map; a double click on it adds a waypoint."""
-        pane: ChartPane[Followed] = ChartPane(lambda found: map_chart(found, self.figure), self._details.known)
-        self._details.also(pane.show)
+        pane: ChartPane[Followed] = ChartPane(lambda found: map_chart(found, self.figure), self._of_result.known)
+        self._of_result.also(pane.show)
         pane.figure.plot.on_event(DoubleTap, self._placed)
         return pane.view
 
@@ -193,33 +196,22 @@ class TrajectoryPage(View):
         if self.flight != WAYPOINTS or not own:
             self._say(_NOT_ADDED)
             return
-        place = self._details.known().place(1000.0 * event.y, 1000.0 * event.x)
+        place = self._of_result.known().place(1000.0 * event.y, 1000.0 * event.x)
         self._take((*own, row_of(*place, own[-1][2])))
-
-    @property
-    def _result(self) -> Followed | None:
-        result: Followed | None = self.run.result
-        return result
 
     def _flown(self, event: Any) -> None:
         """Lay the runs of a new simulation over the curves."""
         if event.new.get("simulation") is not event.old.get("simulation"):
-            self._show()
+            self._redraw()
 
-    @param.depends("run.result", watch=True)
-    def _found(self) -> None:
-        if self._result is not None:
-            self._session.keep("trajectory", self._result)
-
-    @param.depends("run.result", "run.running", "run.message", "figure", watch=True)
-    def _show(self) -> None:
+    @param.depends("figure", watch=True)
+    def _redraw(self) -> None:
         with pn.io.hold():
             self._write()
 
     def _write(self) -> None:
-        """Strip, charts and what was unfolded."""
-        found, run = self._result, self.run
-        self._strip.show(*self._answer())
+        super()._write()
+        found = self._result
         study = self._session.findings.get("simulation")
         flown = study and study.result
         charts = timelines(found, self.figure, flown)
@@ -229,16 +221,8 @@ class TrajectoryPage(View):
         said, knowledge = "".join(map(described, charts)), charts[0].knowledge
         key = _COMING if found is None else key_html(**_KEY, **(_RUNS if simulated(found, flown) else {}))
         self._head.say(head_html("Along the flight", knowledge, said, key))
-        if not run.running:
-            self._details.follow()
-
-    def _answer(self) -> tuple[Answer, str]:
-        """The verdict, and whether it is one of what the fields and the design say now."""
-        found, message = self._result, self._plan.refused or self.run.message
-        if found is None:
-            return (Answer("No result yet", "warn", (message,)) if message else _WAITING), ""
-        stale = f"{message.removesuffix('.')}. This is the result before it." if message else ""
-        return verdict(found, self.figure), stale
+        if not self.run.running:
+            self._of_result.follow()
 
     def _show_shares(self, found: Followed) -> None:
         """Stacked shares: a chart for each set of sources, as their names are its structure."""
@@ -246,7 +230,7 @@ class TrajectoryPage(View):
         sources = (chart.title, *(band.label for band in chart.bands))
         if sources != self._sources:
             self._sources = sources
-            self._pane: ChartPane[Followed] = ChartPane(self._drawn_shares, self._details.known)
+            self._pane: ChartPane[Followed] = ChartPane(self._drawn_shares, self._of_result.known)
             self._shares.objects = [self._pane.view]
         else:
             self._pane.show(found)
@@ -255,15 +239,13 @@ class TrajectoryPage(View):
         return shares_chart(found, self.figure)
 
     def _exports(self) -> pn.FlexBox:
-        known = self._details.known
-        return pn.FlexBox(
+        known = self._of_result.known
+        files = [
             download("Everything (JSON)", "trajectory.json", lambda: as_json(known())),
             download("Figures (CSV)", "trajectory.csv", lambda: as_csv(known())),
             download("Lines with their verdict (KML)", "trajectory.kml", lambda: as_kml(known())),
-            *takes(lambda found: map_chart(found, self.figure), known),
-            *takes(self._drawn_shares, known),
-            stylesheets=[PRINT_NOTHING],
-        )
+        ]
+        return exports(files, [lambda found: map_chart(found, self.figure), self._drawn_shares], known)
 
     # --- the flight -----------------------------------------------------------------------------------
 
@@ -271,25 +253,22 @@ class TrajectoryPage(View):
     def _again(self) -> None:
         self._places.visible = self.flight == WAYPOINTS
         if self.flight == _FILE and self._file is None:
-            self._say("Open a file: GPX and KML are plans, flown at the design's speed; CSV and SBET were flown.")
+            self._redraw()
             return
         if self.flight != _FILE:
             self._session.change({"trajectory.flight": self.flight})
         self._say("")
-        self.start(_SETTLE_SECONDS)
+        self.begin(_SETTLE_SECONDS)
 
     def _take(self, waypoints: Rows) -> None:
         """Put a plan into the design."""
         problem = self._session.change({"trajectory.flight": WAYPOINTS, "trajectory.waypoints": waypoints})
         if problem is not None:
-            self._say(f"Not used. {problem}")
-
-    def _say(self, text: str) -> None:
-        self._bar.message = text
+            self._refuse(problem)
 
     async def _uploaded(self, name: str, content: bytes) -> None:
         if not name.lower().endswith(_KINDS):
-            self._say(f"Not used. {name} is not a GPX, KML, CSV or SBET (.out) file.")
+            self._refuse(f"{name} is not a GPX, KML, CSV or SBET (.out) file.")
             return
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files")
         try:
@@ -297,7 +276,7 @@ class TrajectoryPage(View):
             if not 0 < len(places) <= MOST_WAYPOINTS:
                 self._file = File(name, await self._on_disk.put(content))
         except InputError as error:
-            self._say(f"Not used. {error}")
+            self._refuse(error)
             return
         if 0 < len(places) <= MOST_WAYPOINTS:
             self._take(places)
@@ -305,7 +284,7 @@ class TrajectoryPage(View):
             lacking = "Where the file has no height, it is that of the flight."
             self._say(f"{name}: {len(places)} waypoints, which are in the design now. {lacking}")
         else:
-            self.start()
+            self.begin()
 
 
 def as_json(found: Followed) -> str:

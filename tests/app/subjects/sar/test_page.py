@@ -50,7 +50,7 @@ def sar(session: Session) -> SarPage:
 
 
 def run(sar: SarPage) -> None:
-    when_done(sar._begin, sar.run)
+    when_done(sar.begin, sar.run)
 
 
 def said(sar: SarPage) -> str:
@@ -230,7 +230,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     assert not pictures._view.visible
     form(half_width="60")
     assert pictures._view.visible
-    when_done(sar._begin, sar.run, upload.run)
+    when_done(sar.begin, sar.run, upload.run)
     assert pictures._view.visible  # formed with the new study's error
     assert session.findings["sar"].uploaded is pictures.chart
     upload._refused("larger than 34 MB")

@@ -145,10 +145,10 @@ def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPa
 def test_a_flight_that_cannot_be_flown_is_said_in_words() -> None:
     page = SimulatePage(Session(DESIGN))
     page.param.update(trajectory="turns", runs="2", length="60", outages="")
-    when_done(page._begin, page.run)
+    when_done(page.begin, page.run)
     assert page.run.message.startswith("Length: 60.0 cannot be simulated; the turns take")
     page.param.update(trajectory="straight", outages="20, 40; 60, 70")
-    when_done(page._begin, page.run)
+    when_done(page.begin, page.run)
     assert page.run.message == "Outages: 60 s is after the flight, which ends at 60 s."
 
 
@@ -316,10 +316,8 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert "Partial: 7 of 200 runs" in said_by(page)
     assert "✓" not in said_by(page)  # a part is no verdict
     assert session.findings["simulation"] is study  # of all its runs
-    page.run.result = Flown(study, 12)
+    page.run.result = page._earlier = Flown(study, 12)
     page.run.message = "Cancelled: 3 of 2000 runs."
-    page.param.trigger("run")
-    page._found()
     assert "This is the result before it" in said_by(page)
     down = np.abs(other.result.worst.error[1, :, 2])
     page.axis = "down"
@@ -329,9 +327,10 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert b'"consistent"' in FILES[".json"](other)
 
 
-def test_what_the_fields_refuse_is_said_at_the_bar() -> None:
+def test_what_the_fields_refuse_is_said_in_the_strip() -> None:
     page = SimulatePage(Session(DESIGN))
     page.outages = "later"
-    when_done(page._begin, page.run)
-    assert "Outages, row 1, start: &#x27;later&#x27; is not a time" in page._bar.state.object
+    when_done(page.begin, page.run)
+    assert "Outages, row 1, start: &#x27;later&#x27; is not a time" in said_by(page)
+    assert page._bar.state.object == ""  # once is enough
     assert page.run.result is None

@@ -46,13 +46,13 @@ def here(survey: Survey) -> SuborbitalPage:
     session = Session(first_design())
     session.study_link = to_link(DEFAULTS)
     here = SuborbitalPage(session)
-    here.exact.result = survey
+    here.run.result = survey
     return here
 
 
 def flown(page: SuborbitalPage, trajectory: tuple[str, bytes] | None) -> None:
     """Fly a file, up to its answer or its refusal."""
-    when_done(lambda: setattr(page.inputs, "trajectory", trajectory), page.exact)
+    when_done(lambda: setattr(page.inputs, "trajectory", trajectory), page.run)
 
 
 def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
@@ -148,7 +148,7 @@ def test_every_view_is_built_and_fed(here: SuborbitalPage) -> None:
 def test_the_inertial_unit_is_the_designs(survey: Survey) -> None:
     session = Session(first_design())
     page = SuborbitalPage(session)
-    page.exact.result = survey
+    page.run.result = survey
     session.param.watch(lambda event: page.show(event.new), "budget")
     imu = session.design.imu
     assert page.inputs.settings["gyros.white_noise"] == imu.angle_random_walk * imu.vibration_factor
@@ -172,10 +172,10 @@ def test_what_a_person_set_stays_while_the_design_moves(here: SuborbitalPage) ->
 def test_exact_run_in_a_process_shows_progress(here: SuborbitalPage) -> None:
     here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h"))
     told: list[tuple[bool, str]] = []
-    here.exact.param.watch(
+    here.run.param.watch(
         lambda event: told.append((here._session.running, event.new.words)) if event.new else None, "progress"
     )
-    when_done(here.run)
+    when_done(here.begin, here.run)
     assert any(running and "error sources" in words for running, words in told)
     assert here.study.shown.exact
     assert "From the full simulation" in here._strip._text.object
@@ -186,15 +186,15 @@ def test_who_asks_the_same_study_has_it_at_once(
     here: SuborbitalPage, nothing_kept: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def flies(*_: object, **__: object) -> Survey | None:
-        return here.survey
+        return here._result
 
     async def opened(link: str) -> tuple[SuborbitalPage, bool]:
         session = Session(first_design())
         session.study_link = link
         with set_curdoc(Document()):
             other = SuborbitalPage(session)
-        running = other.exact.running
-        other.exact.cancel()
+        running = other.run.running
+        other.run.cancel()
         return other, running
 
     monkeypatch.setattr(studies, "run_alone", flies)
@@ -203,7 +203,7 @@ def test_who_asks_the_same_study_has_it_at_once(
     flown(here, None)
     other, running = asyncio.run(opened(to_link(DEFAULTS)))
     assert not running
-    assert other.survey is here.survey
+    assert other._result is here._result
     assert other.study.shown.exact
     assert other._strip._text.object == here._strip._text.object
     assert asyncio.run(opened("study.gyros.bias=6,8,4deg/h"))[1]
@@ -214,7 +214,7 @@ def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
     flown(here, ("mine.csv", b"a,b\n1,2\n"))
     assert "mine.csv: line 1: columns time_s" in here.inputs.notice.object
     assert here.inputs.trajectory is None
-    assert here.survey is before.survey
+    assert here._result is before.survey
 
 
 def test_a_study_is_saved_opened_and_linked_without_loss(here: SuborbitalPage, survey: Survey) -> None:
@@ -229,8 +229,8 @@ def test_a_study_is_saved_opened_and_linked_without_loss(here: SuborbitalPage, s
 
     async def opened() -> bool:
         await other.inputs.open("mine.toml", text)
-        running = other.exact.running
-        other.exact.cancel()
+        running = other.run.running
+        other.run.cancel()
         return running
 
     assert asyncio.run(opened())
@@ -267,7 +267,7 @@ def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_s
     assert here.inputs.settings["tracker.frame_interval"] == pytest.approx(0.3)
     assert here.renewal.message == ""
     assert not here.study.shown.exact
-    assert here.study.shown.study.used.sum() < here.survey.study.used.sum()
+    assert here.study.shown.study.used.sum() < here._result.study.used.sum()
 
 
 def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move(here: SuborbitalPage) -> None:

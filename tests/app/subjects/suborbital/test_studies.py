@@ -6,8 +6,9 @@ import pytest
 
 from app.serving.server import first_design
 from app.subjects.suborbital import studies
-from app.subjects.suborbital.studies import fly_ahead, fly_study, kept_study
+from app.subjects.suborbital.studies import asked, fly_ahead, fly_study
 from app.work.alone import RunLost
+from app.work.kept import kept
 from nav_model.suborbital.settings import DEFAULTS, from_design
 
 _USUAL = from_design(DEFAULTS, first_design())
@@ -37,7 +38,7 @@ def flights(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> _Flights:
 
 async def test_the_usual_study_is_there_before_anybody_asks(flights: _Flights) -> None:
     await fly_ahead(first_design())
-    assert kept_study(_USUAL) == "the study"
+    assert kept(*asked(_USUAL)) == "the study"
     await fly_ahead(first_design())
     assert len(flights.flown) == 1
 
@@ -46,7 +47,7 @@ async def test_the_study_of_a_file_is_not_kept(flights: _Flights) -> None:
     said: list[str] = []
     await fly_study(_USUAL, ("mine.csv", b""), lambda _, what: said.append(what))
     assert said == ["gravity models"]
-    assert kept_study(_USUAL) is None
+    assert kept(*asked(_USUAL)) is None
 
 
 async def test_a_study_ahead_that_fails_is_flown_again_by_who_asks(flights: _Flights) -> None:
@@ -54,4 +55,4 @@ async def test_a_study_ahead_that_fails_is_flown_again_by_who_asks(flights: _Fli
     await fly_ahead(first_design())
     flights.fails = False
     assert await fly_study(_USUAL, None, lambda *_: None) == "the study"
-    assert kept_study(_USUAL) == "the study"
+    assert kept(*asked(_USUAL)) == "the study"

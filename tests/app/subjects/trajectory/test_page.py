@@ -136,7 +136,7 @@ def test_the_page_follows_design_flight_and_file(session: Session, tmp_path: Pat
     not_one.write_text("<gpx>", encoding="utf-8")
     page = TrajectoryPage(session)
     assert "Working" in page._strip._text.object
-    assert "of the flight within" in after(page, page.start)
+    assert "of the flight within" in after(page, page.begin)
     assert "of 4 lines within" in after(page, lambda: setattr(page, "flight", "lines"))
     assert session.design.trajectory.flight == "lines"
     session.change({"requirements.detrended_phase": 1e3, "requirements.quadratic_phase": 1e3})
@@ -146,8 +146,10 @@ def test_the_page_follows_design_flight_and_file(session: Session, tmp_path: Pat
     assert "of 1 line within" in after(page, lambda: setattr(page, "flight", "file"))
     assert session.design.trajectory.flight == "lines"
     page._file = File("plan.gpx", not_one)
-    assert "plan.gpx: is not XML" in after(page, page.start)
-    assert "This is the result before it." in page._strip._text.object
+    assert "plan.gpx: is not XML" in after(page, page.begin)
+    assert "<h2>Plan not flown</h2>" in page._strip._text.object
+    assert "The charts are of the result before it: 1 of 1 line within" in page._strip._text.object
+    assert page._strip._view.css_classes == ["open"]
     session.change({"trajectory.flight": "straight", "trajectory.duration": 60.0})
     assert "of the flight" in after(page, lambda: setattr(page, "flight", "straight"))
     assert page._result.result.spec.study.duration == 60.0
@@ -198,7 +200,7 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
 def test_a_double_click_on_the_map_adds_a_waypoint_there(session: Session) -> None:
     session.change({"trajectory.flight": "waypoints", "trajectory.waypoints": _places((48, 0), (48.2, 0))})
     page = TrajectoryPage(session)
-    after(page, page.start)
+    after(page, page.begin)
     after(page, lambda: setattr(page, "flight", "lines"))
     page._placed(DoubleTap(None, x=5.0, y=22.0))
     assert page._bar.message.startswith("A double click adds a waypoint where the flight is one of waypoints")
@@ -245,7 +247,7 @@ def test_simulated_runs_of_the_same_flight_are_laid_over_the_curves(session: Ses
     assert np.isnan(next(line.y for line in other[1].lines if line.key == "vertical runs")).all()
     session.change(TWO_LINES)
     page = TrajectoryPage(session)
-    after(page, page.start)
+    after(page, page.begin)
     assert "simulated on this flight" not in page._head.object
     session.keep("simulation", flown)
     assert "simulated on this flight" in page._head.object
@@ -277,7 +279,7 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     session: Session, followed: Followed, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = TrajectoryPage(session)
-    after(page, page.start)
+    after(page, page.begin)
     chosen = ReportChoice(session)
     assert chosen.offered() == [{"kind": "trajectory", "label": "Trajectory in the report", "ticked": True}]
     session.change({"trajectory.flight": "lines"})
@@ -309,7 +311,7 @@ def test_a_flight_ends_with_the_page_that_asked_for_it(monkeypatch: pytest.Monke
     others = set(multiprocessing.active_children())
 
     async def leave() -> None:
-        task = page.start()
+        task = page.begin()
         await soon(lambda: page.run.progress is not None and page.run.progress.what == "begun", "the flight")
         session.close()
         await asyncio.wait([task])

@@ -1,0 +1,196 @@
+"""The page of a study: one run, its settings in the link, its result, and a strip that says what it is of."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, ClassVar, Generic, TypeVar
+
+import panel as pn
+import param
+
+from app.charts.kinds import AnyChart
+from app.declared import held
+from app.document.blocks import Answer
+from app.session import Session
+from app.ui.answer_strip import AnswerStrip
+from app.ui.chart_pane import takes
+from app.ui.follower import Follower
+from app.ui.run_bar import RunBar
+from app.ui.study_settings import StudySettings
+from app.ui.theme import PRINT_NOTHING
+from app.ui.view import View
+from app.work.kept import keep, kept
+from app.work.run import Run
+from nav_model.budget import Budget
+
+_T = TypeVar("_T")
+
+
+class StudyPage(View, Generic[_T]):
+    """Begins, recalls, shows and keeps the result of one kind of study.
+
+    A subclass names its ``kind`` (in links, caches and reports) and ``settings`` (its parameters that a link holds),
+    makes its strip, bar and view, then calls `_open`. It says how a study is run (`_study`), what a result means
+    (`_verdict`), whether one is of other inputs (`_outdated`), and writes its charts (`_write`).
+    """
+
+    run = held(Run)
+    kind: ClassVar[str]
+    settings: ClassVar[tuple[str, ...]] = ()
+    waiting: ClassVar[Answer]
+    refusal: ClassVar[str] = "Not run"
+    coming: ClassVar[str] = "Appears with the first result."
+
+    _bar: RunBar
+    _settings: StudySettings
+
+    def __init__(self, session: Session, **params: Any) -> None:
+        super().__init__(run=session.new_run(), **params)
+        self._session = session
+        self._by_itself = False  # whether the page, not a person, has started the last run
+        self._earlier: _T | None = None  # the result when the last run began
+        self._seen: _T | None = None
+        self._asked: tuple[str, ...] = ()  # what the run under way follows from
+        self._strip = AnswerStrip(self.waiting)
+        self._of_result: Follower[_T] = Follower(lambda: self._result, f"<p class='quiet fine'>{self.coming}</p>")
+
+    def _open(self) -> None:
+        """Follow the link, and show what the server still has, or begin: when the page has been made."""
+        if self.settings:
+            self._settings = StudySettings(self._session, self.kind, self, self.settings, self._recall)
+        self._write()
+        if not self._recall() and pn.state.curdoc:
+            pn.state.onload(self._begin_by_itself)
+
+    def show(self, _: Budget) -> None:
+        """Follow the current budget: with a result that the server has, or with a mark on the one of before."""
+        if self._result is None or self._outdated(self._result):
+            self._recall()
+        if self.run.running and self._by_itself:  # of a design that is no longer there
+            self._begin_by_itself()
+        with pn.io.hold():
+            self._write()
+
+    # --- what a subclass says -----------------------------------------------------------------------------
+
+    async def _study(self, run: Run) -> _T:
+        """Run the study at the current settings; an InputError or ArithmeticError is told to the person."""
+        raise NotImplementedError
+
+    def _verdict(self, result: _T) -> Answer:
+        raise NotImplementedError
+
+    def _outdated(self, result: _T) -> str:
+        """Why a result is not one of the current inputs; empty if it is."""
+        raise NotImplementedError
+
+    def _write(self) -> None:
+        """Strip, charts and what was unfolded; a text that stays the same is not sent."""
+        self._strip.show(*self._answer())
+
+    def _finding(self, result: _T) -> Any:
+        """What a report may show of it; None for nothing."""
+        return result
+
+    @property
+    def _key(self) -> tuple[str, ...] | None:
+        """All that a result follows from, for the cache; None where it is of a file, which has no name there."""
+        return self._settings.asked
+
+    @property
+    def _refused(self) -> str:
+        """Why an input of the page is refused; empty if none is."""
+        return ""
+
+    # --- the run ------------------------------------------------------------------------------------------
+
+    @property
+    def _result(self) -> _T | None:
+        result: _T | None = self.run.result
+        return result
+
+    def begin(self, settle: float = 0.0, *, by_itself: bool = False) -> asyncio.Task[None]:
+        """Start the study at the current settings after `settle` seconds; one under way is cancelled.
+
+        ``by_itself``: no person asked for it, and it makes way for a result that the server has.
+        """
+        self._by_itself, self._earlier = by_itself, self._result
+
+        async def work(run: Run) -> _T:
+            await asyncio.sleep(settle)
+            self._asked = self._key or ()
+            return await self._study(run)
+
+        return self.run.start(work)
+
+    def _begin_by_itself(self) -> None:
+        self.begin(by_itself=True)
+
+    def _recall(self) -> bool:
+        """Show what this server still has of these settings, unless a person waits for a run. Whether it has any."""
+        result = kept(*self._key) if self._key and (self._by_itself or not self.run.running) else None
+        if result is None:
+            return False
+        self._asked = self._key or ()
+        self.run.take(result)
+        return True
+
+    @param.depends("run.result", "run.running", "run.message", watch=True)
+    def _follow_run(self) -> None:
+        with pn.io.hold():
+            result = self._result
+            if result is not None and result is not self._seen:
+                self._seen = result
+                self._receive(result)
+            self._write()
+
+    def _receive(self, result: _T) -> None:
+        """Have a new result known to reports and to whoever asks the same."""
+        if (finding := self._finding(result)) is not None:
+            self._session.keep(self.kind, finding)
+        if self._asked:
+            keep(result, *self._asked)
+
+    # --- what the strip says ------------------------------------------------------------------------------
+
+    @param.depends("run.progress", watch=True)
+    def _tell_progress(self) -> None:
+        self._strip.show(*self._answer())
+
+    def _answer(self) -> tuple[Answer, str]:
+        """The verdict; in grey, with a note, where it belongs to other inputs than the page has now."""
+        result, progress = self._result, self.run.progress
+        before = result is self._earlier
+        problem = self._refused or (self.run.message if before else "")
+        running = f"Running: {progress.words if progress else 'starting'}"
+        if result is None:
+            if self.run.running:
+                return Answer(running, "open", ("The charts follow with the first result.",)), ""
+            return (Answer(self.refusal, "warn", (problem,)) if problem else self.waiting), ""
+        verdict = self._verdict(result)
+        grey = replace(verdict, word=verdict.word.lstrip("✓✗ "), tone="open")
+        if self.run.running and before:
+            return grey, f"{running}. This is the result before it."
+        outdated = self._outdated(result)
+        if problem and (self._refused or outdated or not self.run.cancelled):
+            return Answer(
+                self.refusal, "open", (problem, f"The charts are of the result before it: {grey.word}.")
+            ), ""
+        if outdated:
+            return grey, outdated
+        return verdict, "The last run was cancelled. This is the result before it." if problem else ""
+
+    # --- parts --------------------------------------------------------------------------------------------
+
+    def _say(self, text: str) -> None:
+        self._bar.message = text
+
+    def _refuse(self, why: object) -> None:
+        self._say(f"Not used. {why}")
+
+
+def exports(
+    files: list[pn.viewable.Viewable], draws: list[Callable[[_T], AnyChart]], current: Callable[[], _T]
+) -> pn.FlexBox:
+    """Downloads of a result: files, then every chart's data (CSV) and drawing (SVG)."""
+    return pn.FlexBox(*files, *(take for draw in draws for take in takes(draw, current)), stylesheets=[PRINT_NOTHING])
