@@ -118,8 +118,8 @@ class Tab:
 
     async def turn(self, title: str) -> None:
         """Turn to the tab of this title."""
-        bar = next(model for model in self.objects if "titles" in model["attributes"])
-        await self.set(bar["id"], active=bar["attributes"]["titles"].index(title))
+        bar = next(model for model in self.objects if "tabs" in model["attributes"])
+        await self.set(bar["id"], active=[tab[1] for tab in bar["attributes"]["tabs"]].index(title))
 
     async def event(self, name: str, **values: Any) -> None:
         """Send an event such as a click."""

@@ -33,7 +33,8 @@ def test_sliders_of_others_during_a_monte_carlo(benchmark: Any, browser: Browser
     sliding.wait_for_timeout(1000)
     sliding.evaluate(_WATCH)
     before = _steps(sliding, _STEPS)
-    flying.get_by_text("Simulate", exact=True).click()
+    flying.get_by_role("tab", name="Flight", exact=True).click()
+    flying.get_by_role("tab", name="Simulate", exact=True).click()
     start = flying.get_by_role("button", name="Start", exact=True)
     expect(start).to_be_enabled(timeout=60_000)
     for label, text in (("Runs", "2000"), ("Length [s]", "1000")):

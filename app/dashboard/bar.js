@@ -82,9 +82,15 @@ export function render({ model }) {
   description.onchange = () => { model.description = description.value }
 
   // --- tabs ---
-  tabs.innerHTML = model.titles.map((title) => `<button type="button" role="tab">${title}</button>`).join("")
+  tabs.innerHTML = model.tabs.map(() => `<button type="button" role="tab"></button>`).join("")
   const buttons = [...tabs.children]
+  const inView = () => buttons.filter((tab) => !tab.hidden)
   const turned = () => buttons.forEach((tab, index) => {
+    const [group, title] = model.tabs[index], open = group === model.tabs[model.active][0]
+    const first = group !== model.tabs[index - 1]?.[0], several = group === model.tabs[index + 1]?.[0] || !first
+    tab.hidden = !open && !first
+    tab.textContent = open ? title : group
+    tab.classList.toggle("within", open && several)
     tab.setAttribute("aria-selected", index === model.active)
     tab.tabIndex = index === model.active ? 0 : -1
     if (index === model.active) tab.scrollIntoView?.({ block: "nearest", inline: "start" })
@@ -93,11 +99,11 @@ export function render({ model }) {
   new ResizeObserver(() => { first(); turned() }).observe(tabs)
   buttons.forEach((tab, index) => { tab.onclick = () => { model.active = index } })
   tabs.onkeydown = (event) => {
-    const here = buttons.indexOf(event.target)
-    const to = { ArrowRight: here + 1, ArrowLeft: here - 1, Home: 0, End: buttons.length - 1 }[event.key]
+    const row = inView(), here = row.indexOf(event.target)
+    const to = { ArrowRight: here + 1, ArrowLeft: here - 1, Home: 0, End: row.length - 1 }[event.key]
     if (to === undefined) return
     event.preventDefault()
-    buttons[(to + buttons.length) % buttons.length].focus()
+    row[(to + row.length) % row.length].focus()
   }
 
   // --- menus ---
@@ -148,8 +154,8 @@ export function render({ model }) {
     chooser.value = ""
   }
   const address = () => {
-    const tab = buttons[model.active].textContent.toLowerCase()
-    at("[data-for=share] input").value = `${location.origin}${location.pathname}?${model.link}#${tab}`
+    const page = model.tabs[model.active][2]
+    at("[data-for=share] input").value = `${location.origin}${location.pathname}?${model.link}#${page}`
   }
   model.on("link", address)  // a slider's last steps may still be on their way
   const share = () => {
@@ -220,7 +226,7 @@ export function render({ model }) {
   }
   const present = () => place.classList.toggle("presenting", model.presenting)
   const follow = {
-    named, description: described, active: turned, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown, presenting: present,
+    named, description: described, active: () => { turned(); find(".main-content")?.scrollTo(0, 0) }, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown, presenting: present,
   }
   for (const [property, change] of Object.entries(follow)) {
     model.on(property, change)

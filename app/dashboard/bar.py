@@ -25,7 +25,7 @@ class Bar(PlainScript):
 
     named = param.String(doc="Name of the design, which a person can change here.")
     description = param.String(doc="What its author says of the design, which a person can change here.")
-    titles = param.List(default=[], doc="Of the tabs.")
+    tabs = param.List(default=[], doc="Group, title and address of each tab.")
     active = param.Integer(default=0, doc="Index of the tab in view.")
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)

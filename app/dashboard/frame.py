@@ -11,13 +11,13 @@ import panel_material_ui as pmui
 import param
 
 from app.dashboard.lifeline import Lifeline
-from app.dashboard.opening import index_of, opening
+from app.dashboard.opening import opening
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.declared import held
 from app.document.display import ONE_SIGMA, display_of
 from app.session import Lineage, Session, link_parts
-from app.subjects import SUBJECTS
+from app.subjects import TABS, tab_index
 from app.ui.faults import tell_here
 from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
@@ -34,7 +34,7 @@ from nav_model.design.link import from_query
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
 """Sheet of what stands only where the sidebar is a drawer over the page."""
-_ONE_SIGMA_ONLY = {"simulation", "trajectory", "sar", "suborbital", "explore"}
+_ONE_SIGMA_ONLY = {"allocate", "close", "flight", "simulate", "image", "suborbital"}
 _SAID_OTHERWISE = "This page shows 1σ in the units of data sheets. Budget and report show {}."
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
@@ -64,7 +64,7 @@ class Frame(pn.viewable.Viewer):
         self._wanted = ""  # place on the page that the address asked for
         self._addressed = False  # the page is being turned because the address says so
         first = self._opening.page
-        self._places = [pn.Column(visible=i == first) for i in range(len(SUBJECTS))]
+        self._places = [pn.Column(visible=i == first) for i in range(len(TABS))]
         self._examples = pn.Column(visible=False, stylesheets=[PRINT_NOTHING])
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
@@ -161,8 +161,8 @@ class Frame(pn.viewable.Viewer):
 
     def _say_width(self) -> None:
         """Where figures do not follow the choice of how to show them, say so."""
-        page, display = SUBJECTS[self._toolbar.bar.active], display_of(self.session.shown)
-        self._told.visible = display != ONE_SIGMA and page.key in _ONE_SIGMA_ONLY
+        tab, display = TABS[self._toolbar.bar.active], display_of(self.session.shown)
+        self._told.visible = display != ONE_SIGMA and tab.address in _ONE_SIGMA_ONLY
         if self._told.visible:
             self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(display.said)}</p>'
 
@@ -178,10 +178,10 @@ class Frame(pn.viewable.Viewer):
             for index, place in enumerate(self._places):
                 place.visible = index == event.new
             if event.new not in self._pages:
-                self._places[event.new].objects = [html_pane(_SKELETON.format(SUBJECTS[event.new].title))]
-        name, location = SUBJECTS[event.new].title.lower(), pn.state.location
+                self._places[event.new].objects = [html_pane(_SKELETON.format(TABS[event.new].title))]
+        name, location = TABS[event.new].address, pn.state.location
         # The address that opened this page stays as it is: a new one would clear the browser's Forward history.
-        if location and not self._addressed and location.hash.lstrip("#").lower().partition("-")[0] != name:
+        if location and not self._addressed and tab_index(location.hash.lstrip("#").partition("-")[0]) != event.new:
             location.hash = f"#{name}"
         next_turn(functools.partial(self._fill, event.new))
 
@@ -217,8 +217,8 @@ class Frame(pn.viewable.Viewer):
     def _go_to(self, address: str) -> None:
         """Show the page that an address names, and the place on it that may follow a hyphen."""
         self._loaded = True
-        name, _, self._wanted = (address.lstrip("#") or SUBJECTS[self._opening.page].title).partition("-")
-        index = index_of(name)
+        name, _, self._wanted = (address.lstrip("#") or TABS[self._opening.page].address).partition("-")
+        index = tab_index(name)
         if index is None:
             return
         if index == self._toolbar.bar.active:
@@ -233,7 +233,7 @@ class Frame(pn.viewable.Viewer):
 
     def _open_page(self, index: int) -> None:
         if index not in self._pages:
-            page: Page = SUBJECTS[index].load("page")(self.session)
+            page: Page = TABS[index].load()(self.session)
             self._pages[index] = page
             self._places[index].objects = [page]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from app.dashboard.lifeline import THEME_COOKIE
-from app.subjects import SUBJECTS
+from app.subjects import tab_index
 from app.upstream.late_session import connecting_cookies
 
 _COOKIE = "navbudget-opening"
@@ -33,10 +33,4 @@ def opening() -> Opening:
     cookies = connecting_cookies()
     system, width, page = (*cookies.get(_COOKIE, "").split("."), "", "", "")[:3]
     chosen = cookies.get(THEME_COOKIE, system)
-    return Opening(index_of(page) or 0, chosen == "dark", width == "narrow")
-
-
-def index_of(name: str) -> int | None:
-    """Index of the page whose address has this name; None: there is none."""
-    names = [subject.title.lower() for subject in SUBJECTS]
-    return names.index(name.lower()) if name.lower() in names else None
+    return Opening(tab_index(page) or 0, chosen == "dark", width == "narrow")

@@ -24,7 +24,7 @@ class Sidebar(pn.viewable.Viewer):
     Parameters
     ----------
     lead_to : callable
-        Turns to the page of an address such as "explore-sensors".
+        Turns to the page of an address such as "close-sensors".
     empty : bool
         Whether the address names no design: the first question is asked then.
     """

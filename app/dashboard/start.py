@@ -18,7 +18,7 @@ class Start(NamedTuple):
 
 STARTS = {
     "My radar": Start(
-        "explore-sensors",
+        "close-sensors",
         "Type your radar, flight and receiver. The list ranks the IMUs that pass with this receiver.",
         ("radar.frequency", "radar.azimuth_resolution", "radar.slant_range", "radar.grazing_angle", "radar.window",
          "flight.speed", "gnss.position_noise", "gnss.vertical_position_noise", "gnss.velocity_noise",

@@ -16,7 +16,7 @@ from app.document.wording import chapter_key, slug
 from app.report import report_bytes
 from app.report.studies import study_sections
 from app.session import Session
-from app.subjects import SUBJECTS
+from app.subjects import TABS
 from app.ui.view import View
 from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
@@ -45,7 +45,7 @@ class Toolbar(View):
         self._report = session.new_run()
         self._view = self.bar = Bar(
             self._do,
-            titles=[subject.title for subject in SUBJECTS],
+            tabs=[[tab.group, tab.title, tab.address] for tab in TABS],
             most=MAX_BYTES,
             named=session.design.name,
             description=session.design.description,

@@ -1,32 +1,13 @@
 """Files of offers in the library: catalogue files of units with price, mass and power, by name."""
 
-from collections.abc import Mapping
-
 from sqlalchemy import text
 
 from app.library.store import Library, insert, now
 from nav_model.base.errors import InputError
-from nav_model.design.catalogue import Entry, Kind, read_catalogue
-
-KINDS: tuple[Kind, ...] = ("imu", "gnss")
+from nav_model.design.offers import read_offers
 
 _LONGEST_NAME = 100
-
-Offers = Mapping[Kind, Mapping[str, Entry]]
-
-
-def read_offers(content: str) -> Offers:
-    """The units and receivers of a file.
-
-    Raises
-    ------
-    InputError
-        Naming the entry and the key that is wrong, or if the file has no entry.
-    """
-    found = {kind: read_catalogue(content, kind) for kind in KINDS}
-    if not any(found.values()):
-        raise InputError("file", "has neither [[imu]] nor [[gnss]] entries; see the example file")
-    return found
+_MOST = 1_000_000  # characters of all files: who asks for the offers reads them all
 
 
 def keep_offers(library: Library, name: str, content: str) -> None:
@@ -35,24 +16,33 @@ def keep_offers(library: Library, name: str, content: str) -> None:
     Raises
     ------
     InputError
-        As `read_offers`, or if the library does not confirm it.
+        As `read_offers`, where the files become too many, or if the library does not confirm it.
     """
     read_offers(content)
+    name = name[:_LONGEST_NAME]
     with library.write() as connection:
-        connection.execute(text("DELETE FROM offers WHERE name = :name"), {"name": name[:_LONGEST_NAME]})
-        insert(connection, "offers", {"name": name[:_LONGEST_NAME], "kept": now(), "text": content})
+        connection.execute(text("DELETE FROM offers WHERE name = :name"), {"name": name})
+        others = connection.execute(text("SELECT SUM(LENGTH(text)) FROM offers")).scalar() or 0
+        if int(others) + len(content) > _MOST:
+            reason = f"keeps files of offers of {_MOST:,} characters together at most; remove one first"
+            raise InputError("library", reason)
+        insert(connection, "offers", {"name": name, "kept": now(), "text": content})
 
 
-def kept_offers(library: Library) -> tuple[Offers, tuple[str, ...]]:
-    """All that is kept, of one name the unit that was kept last; and the files that cannot be read any more."""
+def kept_files(library: Library) -> list[tuple[str, str]]:
+    """Name and content of each file, the one that was kept last at the end."""
     with library.read() as connection:
         rows = connection.execute(text("SELECT name, text FROM offers ORDER BY kept, name")).all()
-    found: dict[Kind, dict[str, Entry]] = {kind: {} for kind in KINDS}
-    damaged = []
-    for name, content in rows:
-        try:
-            for kind, entries in read_offers(content).items():
-                found[kind] |= entries
-        except InputError:
-            damaged.append(name)
-    return found, tuple(damaged)
+    return [(str(name), str(content)) for name, content in rows]
+
+
+def remove_offers(library: Library, name: str) -> None:
+    """Remove a file.
+
+    Raises
+    ------
+    InputError
+        If the library does not confirm it.
+    """
+    with library.write() as connection:
+        connection.execute(text("DELETE FROM offers WHERE name = :name"), {"name": name})

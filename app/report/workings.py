@@ -18,7 +18,7 @@ from nav_model.analytic.discrete import Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.aperture import geometry, phase
 from nav_model.base.traced import Traced, Workings
-from nav_model.budget.contributors import Part, entering, parts_of, random_and_systematic
+from nav_model.budget.contributors import NONE, Part, entering, parts_of, random_and_systematic
 from nav_model.budget.fast import LEVELS
 from nav_model.budget.figures import (
     FIGURES,
@@ -202,7 +202,7 @@ class Traces:
             saw["start"] = self._channels(start, "start", marks, taken=True)
         head("Steady state, 1σ")
         for state, when in MOMENTS.items():
-            for figure, sigma in sigmas(saw["start" if state == "closed" else state]).items():
+            for figure, sigma in sigmas(saw["start" if state == "closed" else state], x).items():
                 mark = "[T-8]" if state != "closed" else marks["vertical" in figure]
                 label = f"{label_of(figure)}, {when}"
                 self._sum(f"{state}_{figure}", sigma, label, limit_on(figure).dimension, mark)
@@ -284,7 +284,7 @@ class Traces:
         cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
         self._sum("cell_length", cell, "Azimuth cell", "length", "[S-3]")
         self._sum("aperture_length", x.aperture * x.speed, "Length of the aperture", "length", "[S-3]")
-        for figure, value in figures(self.plain, LEVELS).items():
+        for figure, value in figures(replace(self.plain, own=NONE), LEVELS).items():
             mark = {"paired_echo": "[P-9]", "islr": "[P-11]"}[figure]
             self._figure(figure, value, "level", mark, taken=bool(self.plain.fast))
 

@@ -29,7 +29,7 @@ from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
 from app.serving.rules import Rules
 from app.session import Session, link_parts
-from app.subjects import SUBJECTS
+from app.subjects import SUBJECTS, TABS
 from app.ui.defaults import set_defaults
 from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
@@ -222,7 +222,9 @@ async def _prepare(loaded: asyncio.Event) -> None:
     await asyncio.sleep(_REST)
     for subject in SUBJECTS:
         if subject.ahead:
-            await asyncio.to_thread(subject.load, "page")
+            for tab in TABS:
+                if tab.page.partition(".")[0] == subject.key:
+                    await asyncio.to_thread(tab.load)
             await subject.load("ahead")(first_design())
 
 

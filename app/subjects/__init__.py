@@ -17,10 +17,6 @@ class Subject:
     ----------
     key : str
         Name of its room, and of its finished study in a session and after ``navbudget report --with``.
-    title : str
-        Label of its tab; in lower case the page's address behind #.
-    page : str
-        ``module:Class`` of the page, made from a session when its tab is first opened.
     command : str
         Module whose ``add_to(commands)`` declares its commands.
     report : str
@@ -35,8 +31,6 @@ class Subject:
     """
 
     key: str
-    title: str
-    page: str
     command: str = ""
     report: str = ""
     study: str = ""
@@ -44,32 +38,77 @@ class Subject:
 
     def load(self, part: str) -> Any:
         """A part of the subject, such as "report", imported: a module, or what is in it behind a colon."""
-        module, _, attribute = getattr(self, part).partition(":")
-        loaded = import_module(f"{__name__}.{self.key}.{module}")
-        return getattr(loaded, attribute) if attribute else loaded
+        return _loaded(f"{self.key}.{getattr(self, part)}")
+
+
+@dataclass(frozen=True)
+class Tab:
+    """A page of the dashboard and its tab.
+
+    Attributes
+    ----------
+    group : str
+        The question it answers. Only the first tab of a group is in view until the group is opened; it bears the
+        group's name until then.
+    title : str
+    address : str
+        Name behind #, in small letters.
+    page : str
+        ``module:Class`` of the page, made from a session when its tab is first opened.
+    """
+
+    group: str
+    title: str
+    address: str
+    page: str
+
+    def load(self) -> Any:
+        """The page's class, imported."""
+        return _loaded(self.page)
+
+
+def _loaded(reference: str) -> Any:
+    module, _, attribute = reference.partition(":")
+    loaded = import_module(f"{__name__}.{module}")
+    return getattr(loaded, attribute) if attribute else loaded
 
 
 SUBJECTS: tuple[Subject, ...] = (
-    Subject("budget", "Budget", "page:BudgetPage", "command", "report"),
-    Subject("simulation", "Simulate", "page:SimulatePage", "command", "report", "Simulation"),
-    Subject("trajectory", "Trajectory", "page:TrajectoryPage", "command", "report", "Trajectory"),
-    Subject("sar", "SAR", "page:SarPage", "command", "report", "SAR"),
-    Subject(
-        "suborbital",
-        "Suborbital",
-        "page:SuborbitalPage",
-        "command",
-        "report",
-        "Suborbital flight",
-        ahead="studies:fly_ahead",
-    ),
-    Subject("explore", "Explore", "page:ExplorePage", "command"),
-    Subject("sensors", "Sensors", "page:SensorsPage", "command"),
-    Subject("review", "Review", "page:ReviewPage"),
-    Subject("theory", "Theory", "page:TheoryPage"),
+    Subject("budget", "command", "report"),
+    Subject("simulation", "command", "report", "Simulation"),
+    Subject("trajectory", "command", "report", "Trajectory"),
+    Subject("sar", "command", "report", "SAR"),
+    Subject("suborbital", "command", "report", "Suborbital flight", ahead="studies:fly_ahead"),
+    Subject("explore", "command"),
+    Subject("sensors", "command"),
+    Subject("review"),
+    Subject("theory"),
 )
-"""Every subject, in the order of the tabs, of the commands and of a report's sections."""
+"""Every subject, in the order of the commands and of a report's sections."""
+
+TABS: tuple[Tab, ...] = (
+    Tab("Budget", "Budget", "budget", "budget.page:BudgetPage"),
+    Tab("Budget", "Allocate", "allocate", "budget.allocate:AllocatePage"),
+    Tab("Close it", "Close it", "close", "explore.page:ExplorePage"),
+    Tab("Flight", "Flight", "flight", "trajectory.page:TrajectoryPage"),
+    Tab("Flight", "Simulate", "simulate", "simulation.page:SimulatePage"),
+    Tab("Image", "Image", "image", "sar.page:SarPage"),
+    Tab("Sensors", "Sensors", "sensors", "sensors.page:SensorsPage"),
+    Tab("Review", "Review", "review", "review.page:ReviewPage"),
+    Tab("More", "Theory", "theory", "theory.page:TheoryPage"),
+    Tab("More", "Suborbital", "suborbital", "suborbital.page:SuborbitalPage"),
+)
+"""Every page, in the order of the tabs: by the question that a visitor has."""
+
+MOVED = {"explore": "close", "trajectory": "flight", "sar": "image"}
+"""Earlier name of a page in an address -> its name now."""
 
 BY_KEY: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS}
 STUDIES: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS if subject.study}
 """The subjects with a study to run."""
+
+
+def tab_index(address: str) -> int | None:
+    """Index of the tab with this address, of now or of before; None: there is none."""
+    name = MOVED.get(address.lower(), address.lower())
+    return next((index for index, tab in enumerate(TABS) if tab.address == name), None)

@@ -4,7 +4,8 @@ The covariance is largest just before a fix (prior) and smallest just after (pos
 cycle rms. Both solve the discrete algebraic Riccati equation of one channel with exact transition and process noise:
 in closed form (`nav_model.analytic.sampled_filter`) for white position fixes, by doubling
 (`nav_model.analytic.settled_filter`) where fixes have velocity too, or a slow GNSS error, a first-order Gauss-Markov
-state that the filter estimates.
+state that the filter estimates. Doubling would serve white fixes as well, to nine digits and at a hundred times the
+cost: a map of one design would take 0.3 s in place of 8 ms.
 """
 
 from typing import NamedTuple

@@ -14,12 +14,10 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nav_model.analytic.doubling import drift
-from nav_model.base.arrays import as_numbers
-
-_FloatArray = NDArray[np.float64]
+from nav_model.base.arrays import Array, as_numbers
 
 # Covariance of the three functionals under white accelerometer noise (times S_a T³) and gyro noise (g² S_g T⁵).
 _ACCELEROMETER = np.array(
@@ -40,9 +38,9 @@ TURNING = ("turned", "curved", "with_turned", "with_curved", "turned_curved")
 class Turn(NamedTuple):
     """Weights (..., 3) of the three functionals, for each axis: along the track, across, down."""
 
-    along: _FloatArray
-    across: _FloatArray
-    down: _FloatArray
+    along: Array
+    across: Array
+    down: Array
 
 
 def turn_weights(
@@ -62,14 +60,14 @@ def turn_weights(
 
 
 def free_quadratic_variance(
-    weights: _FloatArray,
-    start: _FloatArray,
+    weights: Array,
+    start: Array,
     accelerometer_noise: ArrayLike,
     tilt_noise: ArrayLike,
     aperture_time: ArrayLike,
     coast_time: ArrayLike = 0.0,
     jerk: ArrayLike = 0.0,
-) -> _FloatArray:
+) -> Array:
     """Variance [m²] of the weighted sum of one axis's functionals under a free INS.
 
     Parameters
@@ -100,7 +98,7 @@ def free_quadratic_variance(
     return np.asarray(np.einsum("...i,...ij,...j", by_state, carried, by_state) + noise + (j * by_jerk) ** 2)
 
 
-def bent_variance(weights: _FloatArray, start: _FloatArray, *free: ArrayLike) -> _FloatArray:
+def bent_variance(weights: Array, start: Array, *free: ArrayLike) -> Array:
     """What the turn adds to the variance [m²] of the quadratic: the variance with all weights minus that with the
     first.
 
@@ -110,7 +108,7 @@ def bent_variance(weights: _FloatArray, start: _FloatArray, *free: ArrayLike) ->
     return np.asarray(free_quadratic_variance(weights, start, *free) - free_quadratic_variance(still, start, *free))
 
 
-def smoothed_bent_variance(weights: _FloatArray, found: Mapping[str, _FloatArray], of: str = "") -> _FloatArray:
+def smoothed_bent_variance(weights: Array, found: Mapping[str, Array], of: str = "") -> Array:
     """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis, of "cubic_" for the cubic."""
     q, v, p = (weights[..., k] for k in range(3))
     turned, curved, with_turned, with_curved, both = (found[of + name] for name in TURNING)

@@ -25,11 +25,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.aperture.lobe_measures import measure_periodic
 from nav_model.aperture.window import Window, ideal_null_cells, weights_of
+from nav_model.base.arrays import Array
 
 MINIMUM_SAMPLES = 1024
 ZERO_PADDING = 64
 
-_FloatArray = NDArray[np.float64]
 _ComplexArray = NDArray[np.complex128]
 
 
@@ -60,7 +60,7 @@ class ImpulseResponse:
 _MEASURES = tuple(ImpulseResponse.__dataclass_fields__)[:-1]
 
 
-def aperture_positions(samples: int) -> _FloatArray:
+def aperture_positions(samples: int) -> Array:
     """Mid-interval positions of the samples along the aperture, x in (-1, 1)."""
     return (2 * np.arange(samples) + 1 - samples) / samples
 
@@ -119,7 +119,7 @@ def response_curve(
     window: Window = "uniform",
     extent_cells: float = 20.0,
     zero_padding: int = 16,
-) -> tuple[_FloatArray, _FloatArray]:
+) -> tuple[Array, Array]:
     """The response itself: cells from the true position, and power [dB over the error-free peak].
 
     ``aperture`` (..., N); returns cells (m,) from -extent to +extent and power (..., m).
@@ -129,9 +129,7 @@ def response_curve(
         return cells, 10 * np.log10(power)
 
 
-def near_power(
-    aperture: ArrayLike, window: Window, extent_cells: float, zero_padding: int
-) -> tuple[_FloatArray, _FloatArray]:
+def near_power(aperture: ArrayLike, window: Window, extent_cells: float, zero_padding: int) -> tuple[Array, Array]:
     """`response_curve`, its power as a ratio; fast where extents are few, as what depends on one alone is kept."""
     aperture = np.asarray(aperture, complex)
     samples = aperture.shape[-1]
@@ -192,7 +190,7 @@ def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near
     )
 
 
-def gathered(measured: _FloatArray, shape: tuple[int, ...], null: float) -> ImpulseResponse:
+def gathered(measured: Array, shape: tuple[int, ...], null: float) -> ImpulseResponse:
     """Rows of measures, in the order of the fields, as a response of this shape; `null` [cells]."""
     columns = {
         name: float(measured[0, i]) if shape == () else measured[:, i].reshape(shape)

@@ -4,16 +4,15 @@ A response is sampled `padding` times to a cell; places are fractional indices, 
 """
 
 import numpy as np
-from numpy.typing import NDArray
+
+from nav_model.base.arrays import Array
 
 ISLR_NULL_DISTANCES = 10
 # Two halves of a split lobe are equally high to rounding; samples this close to the top are ties.
 TIE = 1 - 1e-9
 
-_FloatArray = NDArray[np.float64]
 
-
-def measure_periodic(power: _FloatArray, padding: int, null: float, samples: int) -> tuple[float, ...]:
+def measure_periodic(power: Array, padding: int, null: float, samples: int) -> tuple[float, ...]:
     length = len(power)
     highest = float(power.max())
     if highest == 0.0:
@@ -27,7 +26,7 @@ def measure_periodic(power: _FloatArray, padding: int, null: float, samples: int
 
 
 def measure_line(
-    power: _FloatArray, peak: int, padding: int, null: float, total_energy: float, origin: int
+    power: Array, peak: int, padding: int, null: float, total_energy: float, origin: int
 ) -> tuple[float, ...]:
     """Measures of a sampled power response about index `peak`; `origin` is the index of zero shift."""
     offset, top = _vertex(power, peak)
@@ -71,7 +70,7 @@ def _decibels(ratio: float) -> float:
     return float(10 * np.log10(ratio)) if ratio > 0 else -np.inf
 
 
-def _vertex(power: _FloatArray, index: int) -> tuple[float, float]:
+def _vertex(power: Array, index: int) -> tuple[float, float]:
     """Offset and height of the parabola through a sampled maximum and its neighbours."""
     if not 0 < index < len(power) - 1:
         return 0.0, float(power[index])
@@ -83,7 +82,7 @@ def _vertex(power: _FloatArray, index: int) -> tuple[float, float]:
     return offset, here - (before - after) * offset / 4
 
 
-def _lowest(power: _FloatArray, index: int) -> float:
+def _lowest(power: Array, index: int) -> float:
     """Offset of the true minimum from a sampled one: where the fourth-order slope vanishes."""
     if not 3 <= index < len(power) - 3:
         return 0.0
@@ -96,7 +95,7 @@ def _lowest(power: _FloatArray, index: int) -> float:
     return max(-1.0, min(1.0, last - first))
 
 
-def _crossings(power: _FloatArray, peak: int, half: float) -> tuple[float, float]:
+def _crossings(power: Array, peak: int, half: float) -> tuple[float, float]:
     below_right = np.flatnonzero(power[peak:] < half)
     below_left = np.flatnonzero(power[: peak + 1] < half)
     right = _cross(power, peak + int(below_right[0]), -1, half) if len(below_right) else float(len(power))
@@ -104,12 +103,12 @@ def _crossings(power: _FloatArray, peak: int, half: float) -> tuple[float, float
     return left, right
 
 
-def half_power_places(power: _FloatArray, peak: int) -> tuple[float, float]:
+def half_power_places(power: Array, peak: int) -> tuple[float, float]:
     """Indices of the outermost crossings of half the peak."""
     return _outermost(power, _vertex(power, peak)[1] / 2)
 
 
-def _outermost(power: _FloatArray, half: float) -> tuple[float, float]:
+def _outermost(power: Array, half: float) -> tuple[float, float]:
     above = np.flatnonzero(power > half)
     first, last = int(above[0]), int(above[-1])
     left = _cross(power, first - 1, 1, half) if first > 0 else 0.0
@@ -117,7 +116,7 @@ def _outermost(power: _FloatArray, half: float) -> tuple[float, float]:
     return left, right
 
 
-def _cross(power: _FloatArray, below: int, step: int, half: float) -> float:
+def _cross(power: Array, below: int, step: int, half: float) -> float:
     """Index where the response crosses `half` between sample `below` and the next one in direction `step`.
 
     Cubic inverse interpolation through four samples where they are monotone, linear where they are not.
@@ -139,7 +138,7 @@ def _cross(power: _FloatArray, below: int, step: int, half: float) -> float:
     return below + step * (half - low) / (high - low)
 
 
-def _energy(power: _FloatArray, low: float, high: float) -> float:
+def _energy(power: Array, low: float, high: float) -> float:
     """Integral between two fractional indices, clipped to the line.
 
     Trapezoids with the Euler-Maclaurin end correction between whole samples, local parabolas for the rest.
@@ -155,20 +154,20 @@ def _energy(power: _FloatArray, low: float, high: float) -> float:
     return total + end * after + end_slope * after**2 / 2 + end_bend * after**3 / 6
 
 
-def _parabola(power: _FloatArray, index: int) -> tuple[float, float, float]:
+def _parabola(power: Array, index: int) -> tuple[float, float, float]:
     """Value, slope and second difference at a sample, per sample."""
     inner = min(max(index, 1), len(power) - 2)
     before, here, after = float(power[inner - 1]), float(power[inner]), float(power[inner + 1])
     return float(power[index]), (after - before) / 2, before - 2 * here + after
 
 
-def _between(power: _FloatArray, place: float) -> float:
+def _between(power: Array, place: float) -> float:
     index = round(min(max(place, 0.0), len(power) - 1.0))
     value, slope, bend = _parabola(power, index)
     return value + slope * (place - index) + bend * (place - index) ** 2 / 2
 
 
-def _highest_outside(power: _FloatArray, low: float, high: float) -> float:
+def _highest_outside(power: Array, low: float, high: float) -> float:
     """The largest power at or outside the interval: a shoulder cut by the interval counts at the cut."""
     best = 0.0
     if low > 0:

@@ -21,13 +21,12 @@ from nav_model.aperture.impulse_response import (
 )
 from nav_model.aperture.lobe_measures import ISLR_NULL_DISTANCES, TIE, half_power_places, measure_line
 from nav_model.aperture.window import Window, ideal_null_cells, weights_of
+from nav_model.base.arrays import Array
 
 _FAST_PADDING = ZERO_PADDING  # the same grid, so that both routes find the same shallow minima
 _CURVE_PADDING = 16  # samples to a cell of a curve
 _FAST_SPREADS = (1.0, 3.0, 8.0)  # cells of spread for which a prepared line is kept
 _WIDEST = 3.0  # cells beyond half the spread, farther than half the peak reaches under any window
-
-_FloatArray = NDArray[np.float64]
 
 
 def quadratic_response(quadratic_rad: float, window: Window = "uniform", cubic_rad: float = 0.0) -> ImpulseResponse:
@@ -67,7 +66,7 @@ def half_power_extent(quadratic_rad: float, window: Window = "uniform") -> float
 
 def polynomial_curve(
     quadratic_rad: float, cubic_rad: float, window: Window, extent_cells: float
-) -> tuple[_FloatArray, _FloatArray]:
+) -> tuple[Array, Array]:
     """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power [dB] is (2, m).
 
     By quadrature where that is fast, otherwise from the samples of `response_curve`.
@@ -92,7 +91,7 @@ def _spread(quadratic_rad: float, cubic_rad: float = 0.0) -> float:
     return float(2 * abs(quadratic_rad) + 3 * abs(cubic_rad)) / np.pi
 
 
-def _power(line: _FastLine, quadratic_rad: float, cubic_rad: float, columns: slice = slice(None)) -> _FloatArray:
+def _power(line: _FastLine, quadratic_rad: float, cubic_rad: float, columns: slice = slice(None)) -> Array:
     """Power on both sides of the target, at the columns of the right half line."""
     turn = quadratic_rad * line.x**2
     even = line.weights * np.stack([np.cos(turn), np.sin(turn)])
@@ -108,7 +107,7 @@ def _power(line: _FastLine, quadratic_rad: float, cubic_rad: float, columns: sli
     return np.concatenate([lower[:0:-1], upper])
 
 
-def _peak(power: _FloatArray) -> int:
+def _peak(power: Array) -> int:
     """Index of the highest; of two equal lobes, the later one."""
     return int(np.flatnonzero(power >= power.max() * TIE)[-1])
 
@@ -117,7 +116,7 @@ _UNTHREADED = 1 << 18
 """Multiplications up to which OpenBLAS uses one thread: on a busy machine, waking others takes far longer."""
 
 
-def _product(rows: _FloatArray, matrix: _FloatArray) -> _FloatArray:
+def _product(rows: Array, matrix: Array) -> Array:
     """``rows @ matrix``, in pieces small enough for one thread."""
     width = max(1, _UNTHREADED // rows.size)
     return np.hstack([rows @ matrix[:, at : at + width] for at in range(0, matrix.shape[1], width)])
@@ -127,10 +126,10 @@ def _product(rows: _FloatArray, matrix: _FloatArray) -> _FloatArray:
 class _FastLine:
     """Quadrature nodes on the right half aperture and the transform to the right half line."""
 
-    x: _FloatArray
-    weights: _FloatArray
-    cosines: _FloatArray
-    sines: _FloatArray
+    x: Array
+    weights: Array
+    cosines: Array
+    sines: Array
     null: float
     total_energy: float
 

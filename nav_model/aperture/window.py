@@ -4,7 +4,9 @@ from functools import cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from nav_model.base.arrays import Array
 
 Window = Literal["uniform", "hamming", "taylor"]
 WINDOWS: tuple[Window, ...] = ("uniform", "hamming", "taylor")
@@ -12,10 +14,8 @@ WINDOWS: tuple[Window, ...] = ("uniform", "hamming", "taylor")
 TAYLOR_LEVEL_DB = -35.0
 TAYLOR_NBAR = 5
 
-_FloatArray = NDArray[np.float64]
 
-
-def weights_of(window: Window, x: ArrayLike) -> _FloatArray:
+def weights_of(window: Window, x: ArrayLike) -> Array:
     """Weight at aperture positions x in [-1, 1]; Taylor after Taylor (1955), Carrara et al. (1995)."""
     x = np.asarray(x, float)
     if window == "hamming":

@@ -311,7 +311,7 @@ def smoothed_with_shifts(x: Inputs, names: Collection[str]) -> tuple[dict[str, A
         ("horizontal_velocity", h, "velocity"), ("vertical_velocity", v, "velocity"), ("tilt", h, "tilt"),
     ):  # fmt: skip
         if name in wanted:
-            found[name] = np.sqrt(part[column]) / (x.g if name == "tilt" else 1)
+            found[name] = np.sqrt(part[column] + x.bias**2) / x.g if name == "tilt" else np.sqrt(part[column])
     if "detrended_phase" in names:
         found["detrended_phase"] = found[order]
     if set(LEVELS).intersection(names):
@@ -400,7 +400,7 @@ def _of_model(x: Inputs, names: Collection[str]) -> dict[str, Array]:
         if imaged:
             found[INITIAL_TILT] = np.sqrt(start.horizontal.p33)
         if steady:
-            found |= sigmas(start if x.steady_state == "closed" else getattr(saw, x.steady_state))
+            found |= sigmas(start if x.steady_state == "closed" else getattr(saw, x.steady_state), x)
         if coasting:
             ends = outage(x, saw.posterior, x.duration)
             found |= {name: np.sqrt(variance) for name, variance in zip(COASTING, ends, strict=True)}
@@ -419,10 +419,13 @@ def real_time_figures(x: Inputs) -> dict[str, Array]:
     return figures(replace(x, post_processed=False, steady_state="closed", own=NONE), (*SHARED, *own))
 
 
-def sigmas(moment: Sawtooth) -> dict[str, Array]:
-    """Figures of `SETTLED` from the covariances of both channels."""
+def sigmas(moment: Sawtooth, x: Inputs) -> dict[str, Array]:
+    """Figures of `SETTLED` from the covariances of both channels.
+
+    A filter sees only the sum of tilt and accelerometer bias on a straight level leg: settled, the tilt is b/g.
+    """
     level, upright = moment
-    variances = (level.p11, upright.v11, level.p22, upright.v22, level.p33)
+    variances = (level.p11, upright.v11, level.p22, upright.v22, level.p33 + (x.bias / x.g) ** 2)
     return {name: np.sqrt(variance) for name, variance in zip(SETTLED, variances, strict=True)}
 
 

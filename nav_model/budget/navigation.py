@@ -63,10 +63,10 @@ def steady_state_of(
         for variance, s in ((closed.horizontal.p11, x.s), (closed.vertical.v11, x.s_vertical))
     )
     return SteadyState(
-        closed=_sigmas(closed),
-        average=_sigmas(average),
-        prior=_sigmas(moments.prior),
-        posterior=_sigmas(moments.posterior),
+        closed=_sigmas(closed, x),
+        average=_sigmas(average, x),
+        prior=_sigmas(moments.prior, x),
+        posterior=_sigmas(moments.posterior, x),
         gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
@@ -75,8 +75,8 @@ def steady_state_of(
     )
 
 
-def _sigmas(moment: Sawtooth) -> Sigmas:
-    return Sigmas(*map(float, sigmas(moment).values()))
+def _sigmas(moment: Sawtooth, x: Inputs) -> Sigmas:
+    return Sigmas(*map(float, sigmas(moment, x).values()))
 
 
 def outage_of(
@@ -124,7 +124,7 @@ def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:
         Figure -> one sigma, (n,): m, m/s, rad.
     """
     level, upright = (_bridged(channel, time, x.duration, x.leg_after) for channel in channels(x))
-    found = (level[0], upright[0], level[1], upright[1], level[2] / x.g)
+    found = (level[0], upright[0], level[1], upright[1], np.sqrt(level[2] ** 2 + x.bias**2) / x.g)
     return dict(zip(SETTLED, found, strict=True))
 
 

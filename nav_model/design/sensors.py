@@ -51,11 +51,11 @@ class Imu(Part):
         bounds=(0, 1000 * MILLI_G),
         softbounds=(1e-4 * MILLI_G, 100 * MILLI_G),
         label="Residual accelerometer bias",
-        doc="1σ of the bias that the filter has not estimated by the last fix, per axis.",
-        datasheet=(
-            "Not printed as such: between the in-run bias stability (pessimistic) and zero, "
-            "because in level flight tilt cancels a constant bias."
+        doc=(
+            "1σ of the constant bias, per axis. In steady state it is a tilt of b/g, which cancels it on a straight "
+            "line; phase, shift and outage take it whole, as after a turn of 60°. A smoother leaves only the tilt."
         ),
+        datasheet="Not printed as such: at most the in-run bias stability, or what is left of the turn-on bias.",
         typical="tactical in-run 0.05, MEMS in-run 0.003 to 0.1 mg",
         slider=True,
         source="accelerometer bias",
@@ -68,7 +68,10 @@ class Imu(Part):
         bounds=(0, 1e5 * DEGREE_PER_HOUR),
         softbounds=(1e-4 * DEGREE_PER_HOUR, 1e3 * DEGREE_PER_HOUR),
         label="Residual gyro bias",
-        doc="1σ of the bias that the filter has not estimated by the last fix, per axis.",
+        doc=(
+            "1σ of the constant bias, per axis. The steady state has none of it, as fixes show it. "
+            "Phase, shift and outage take it whole, as after a turn of 60°."
+        ),
         datasheet="Not printed as such: at most the in-run bias stability of the gyro table.",
         typical="navigation 0.003, tactical 0.5, MEMS 1 to 10 °/h",
         slider=True,

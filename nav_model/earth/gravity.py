@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.base.arrays import Array
 from nav_model.base.compiled import part
 from nav_model.base.constants import (
     EARTH_RATE,
@@ -22,7 +23,6 @@ from nav_model.base.constants import (
     SPHERE_RADIUS,
 )
 from nav_model.base.errors import InputError, not_a_choice
-from nav_model.earth.rotation import FloatArray
 
 ZONALS: dict[str, tuple[float, float, float]] = {
     "spherical": (0.0, 0.0, 0.0),
@@ -32,14 +32,14 @@ ZONALS: dict[str, tuple[float, float, float]] = {
 """J2, J4, J6 of each model."""
 
 
-def zonals(model: str) -> FloatArray:
+def zonals(model: str) -> Array:
     """J2, J4, J6 of a model named in `ZONALS`; InputError for another name."""
     if model not in ZONALS:
         raise InputError("gravity", not_a_choice(model, ZONALS), model)
     return np.array(ZONALS[model])
 
 
-def _field(radius: Any, s: Any, j: Sequence[float] | FloatArray) -> tuple[Any, Any]:
+def _field(radius: Any, s: Any, j: Sequence[float] | Array) -> tuple[Any, Any]:
     """Radial part (along r) and the factor of the direction (k - s u), k the spin axis, u the unit radius."""
     q = (SEMI_MAJOR_AXIS / radius) ** 2
     s2 = s * s
@@ -59,7 +59,7 @@ field_kernel = part(_field)
 """`_field` compiled: (radius m, sine of latitude, J2..J6) -> (radial, axial), m/s²."""
 
 
-def gravitation(position_i: FloatArray, model: str) -> FloatArray:
+def gravitation(position_i: Array, model: str) -> Array:
     """Gravitation, without the centrifugal part [B-3].
 
     Parameters
@@ -98,13 +98,13 @@ class GravityComparison:
     each oblate field has across the sphere's vertical at the same point, positive towards north, m/s².
     """
 
-    height_m: FloatArray
+    height_m: Array
     latitude_rad: float
-    spherical_m_s2: FloatArray
-    j2_m_s2: FloatArray
-    ellipsoidal_m_s2: FloatArray
-    horizontal_j2_m_s2: FloatArray
-    horizontal_ellipsoidal_m_s2: FloatArray
+    spherical_m_s2: Array
+    j2_m_s2: Array
+    ellipsoidal_m_s2: Array
+    horizontal_j2_m_s2: Array
+    horizontal_ellipsoidal_m_s2: Array
     source: str = "gravitation of [B-3] with zonals J2, J4, J6 of WGS-84, plus centrifugal acceleration"
 
 

@@ -12,20 +12,19 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from nav_model.base.arrays import Array
 from nav_model.base.compiled import part
 
-FloatArray = NDArray[np.float64]
 
-
-def matrix_of(*elements: ArrayLike) -> FloatArray:
+def matrix_of(*elements: ArrayLike) -> Array:
     """Matrices (..., 3, 3) of nine elements, row by row, that broadcast to a common shape."""
     stacked = np.stack(np.broadcast_arrays(*elements), axis=-1)
     return stacked.reshape(*stacked.shape[:-1], 3, 3)
 
 
-def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
+def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Array:
     """Matrices Rz(yaw) Ry(pitch) Rx(roll).
 
     Parameters
@@ -52,7 +51,7 @@ def matrix_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Floa
     )  # fmt: skip
 
 
-def euler_error_map(pitch: FloatArray, yaw: FloatArray) -> FloatArray:
+def euler_error_map(pitch: Array, yaw: Array) -> Array:
     """Matrices (..., 3, 3) taking the filter's attitude error to errors (estimate minus truth) of roll, pitch, yaw.
 
     The filter's error is psi in C_estimate = (I - [psi x]) C, so the small rotation of the estimate is
@@ -63,17 +62,17 @@ def euler_error_map(pitch: FloatArray, yaw: FloatArray) -> FloatArray:
     return -matrix_of(cy * secant, sy * secant, 0.0, -sy, cy, 0.0, cy * tangent, sy * tangent, 1.0)
 
 
-def quaternion_from_matrix(matrix: ArrayLike) -> FloatArray:
+def quaternion_from_matrix(matrix: ArrayLike) -> Array:
     """Unit quaternions (..., 4) of matrices (..., 3, 3), of either sign."""
     return np.asarray(_rotations().from_matrix(matrix, assume_valid=True).as_quat(scalar_first=True))
 
 
-def matrix_from_vector(vector: ArrayLike) -> FloatArray:
+def matrix_from_vector(vector: ArrayLike) -> Array:
     """exp([v x]), (..., 3, 3), of rotation vectors (..., 3)."""
     return np.asarray(_rotations().from_rotvec(vector).as_matrix())
 
 
-def vector_from_matrix(matrix: ArrayLike) -> FloatArray:
+def vector_from_matrix(matrix: ArrayLike) -> Array:
     """Rotation vectors (..., 3) of matrices (..., 3, 3), no longer than pi: the inverse of `matrix_from_vector`."""
     return np.asarray(_rotations().from_matrix(matrix, assume_valid=True).as_rotvec())
 
@@ -84,14 +83,14 @@ def _rotations() -> Any:
     return Rotation
 
 
-def skew(vector: ArrayLike) -> FloatArray:
+def skew(vector: ArrayLike) -> Array:
     """Matrices [v x] (..., 3, 3) of the cross product with vectors (..., 3)."""
     x, y, z = np.moveaxis(np.asarray(vector, dtype=np.float64), -1, 0)
     return matrix_of(0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
 
 
 @part
-def write_matrix(q: FloatArray, out: FloatArray) -> None:
+def write_matrix(q: Array, out: Array) -> None:
     """Write the 3 x 3 matrix of the unit quaternion `q` into `out`."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     out[0, 0], out[0, 1], out[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
@@ -114,7 +113,7 @@ def _half_angle(x: float, y: float, z: float) -> tuple[float, float]:
 
 
 @part
-def rotate(q: FloatArray, bx: float, by: float, bz: float, nx: float, ny: float, nz: float) -> None:
+def rotate(q: Array, bx: float, by: float, bz: float, nx: float, ny: float, nz: float) -> None:
     """q <- exp(n) q exp(b): a rotation vector `b` in body axes and `n` in navigation axes, in place.
 
     The two changes are summed before they meet `q`: where they cancel (a resting INS under the Earth's
@@ -138,7 +137,7 @@ def rotate(q: FloatArray, bx: float, by: float, bz: float, nx: float, ny: float,
 
 
 @part
-def normalise(q: FloatArray) -> None:
+def normalise(q: Array) -> None:
     """Scale `q` back to unit length: one Newton step, enough where rounding is all there is to remove."""
     excess = 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0)
     for i in range(4):

@@ -8,11 +8,12 @@ star_tracker.md's own choice (X) for its reconstruction.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.base.arrays import Array
 from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
-from nav_model.earth.rotation import FloatArray, matrix_of
+from nav_model.earth.rotation import matrix_of
 
 
-def ned_to_inertial(latitude: ArrayLike, inertial_longitude: ArrayLike) -> FloatArray:
+def ned_to_inertial(latitude: ArrayLike, inertial_longitude: ArrayLike) -> Array:
     """Matrices from north-east-down to inertial axes [B-2].
 
     Parameters
@@ -30,7 +31,7 @@ def ned_to_inertial(latitude: ArrayLike, inertial_longitude: ArrayLike) -> Float
     return matrix_of(-sl * co, -so, -cl * co, -sl * so, co, -cl * so, cl, 0.0, -sl)
 
 
-def spherical_position(position_i: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def spherical_position(position_i: Array) -> tuple[Array, Array, Array]:
     """Latitude [rad], inertial longitude [rad] and height above the sphere [m], (...), of inertial positions (..., 3)
     [m]."""
     radius = np.linalg.norm(position_i, axis=-1)
@@ -39,13 +40,13 @@ def spherical_position(position_i: FloatArray) -> tuple[FloatArray, FloatArray, 
     return latitude, longitude, radius - SPHERE_RADIUS
 
 
-def local_axes(position_i: FloatArray) -> FloatArray:
+def local_axes(position_i: Array) -> Array:
     """Matrices (..., 3, 3) from north-east-down at inertial positions (..., 3) [m] to inertial axes."""
     latitude, longitude, _ = spherical_position(position_i)
     return ned_to_inertial(latitude, longitude)
 
 
-def earth_velocity(position_i: FloatArray) -> FloatArray:
+def earth_velocity(position_i: Array) -> Array:
     """Velocity w_ie x r (..., 3) [m/s] of points at rest on the turning Earth, at inertial positions (..., 3) [m]."""
     return np.stack(
         [

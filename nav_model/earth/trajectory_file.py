@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, shown
-from nav_model.earth.rotation import FloatArray
 
 COLUMNS = ("time_s", "latitude_deg", "longitude_deg", "height_m", "roll_deg", "pitch_deg", "yaw_deg")
 _DEGREES = [place for place, column in enumerate(COLUMNS) if column.endswith("_deg")]
@@ -32,7 +32,7 @@ class FileBounds:
 class TrajectoryTable:
     """Samples (n, 7) in the order of `COLUMNS`: time from zero [s], angles [rad], height [m]; line of each sample."""
 
-    samples: FloatArray
+    samples: Array
     lines: list[int]
 
 
@@ -106,7 +106,7 @@ def _numbers(cells: list[str], places: list[int], name: str, line: int) -> list[
         raise
 
 
-def _check(samples: FloatArray, lines: list[int], name: str, largest: Mapping[str, float]) -> None:
+def _check(samples: Array, lines: list[int], name: str, largest: Mapping[str, float]) -> None:
     for place, column in enumerate(COLUMNS):
         values, bound = samples[:, place], largest.get(column, np.inf)
         wrong = np.flatnonzero(~np.isfinite(values))

@@ -23,6 +23,8 @@ OWN_GNSS = "your receiver"
 """Name of the row of receivers that is the design's own."""
 Biases = Literal["design", "zero", "in-run"]
 """Residual biases that every unit is judged with: the design's, zero, or the in-run biases of its own sheet."""
+MOST_PAIRS = 5000
+"""Pairs of a unit and a receiver, or none, that are ranked at a time: a second and 40 MB."""
 _NEEDED = ("velocity_random_walk", "angle_random_walk")
 _BIASES = ("accelerometer_bias", "gyro_bias")
 
@@ -71,8 +73,10 @@ def search(
     Raises
     ------
     InputError
-        If the design gives no requirement, no unit can be judged, or prices are in several currencies.
+        If the design gives no requirement, no unit can be judged, there are more than `MOST_PAIRS`, or prices are in
+        several currencies.
     """
+    check_pairs(len(imus), len(receivers))
     currency = one_currency((*imus.values(), *receivers.values()))
     names = list(limits(design))
     if not names:
@@ -108,6 +112,19 @@ def search(
         for i, (imu, receiver) in enumerate(pairs)
     ]
     return tuple(sorted(rows, key=_rank))
+
+
+def check_pairs(units: int, receivers: int) -> None:
+    """Refuse more pairs than are ranked at a time; the design's own receiver counts as one more.
+
+    Raises
+    ------
+    InputError
+        With the numbers.
+    """
+    if (pairs := units * (1 + receivers)) > MOST_PAIRS:
+        counted = f"{units} units with each of {receivers} receivers and the design's own are {pairs} pairs"
+        raise InputError("offers", f"{counted}, at most {MOST_PAIRS} are ranked at a time; give fewer of them")
 
 
 def _rank(row: Candidate) -> tuple[bool, float, float]:

@@ -10,8 +10,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nav_model.base.arrays import Array
 from nav_model.sar.axis_model import (
     AxisModel,
     draw_state,
@@ -23,28 +23,24 @@ from nav_model.sar.axis_model import (
 )
 from nav_model.sar.smoother import rts_smooth, smoother_gain
 
-_FloatArray = NDArray[np.float64]
-
 
 class Filtered(NamedTuple):
     """Errors (k, runs, m) just before and just after each fix, and their covariances (k, m, m)."""
 
-    prior: _FloatArray
-    posterior: _FloatArray
-    prior_covariance: _FloatArray
-    covariance: _FloatArray
+    prior: Array
+    posterior: Array
+    prior_covariance: Array
+    covariance: Array
 
 
 class Fixes(NamedTuple):
     """Fixes of the aperture: their noise (k, runs, kinds), and the innovation of the slow error at each (k, runs)."""
 
-    noise: _FloatArray
-    fresh: _FloatArray
+    noise: Array
+    fresh: Array
 
 
-def filtered(
-    model: AxisModel, start: _FloatArray, covariance: _FloatArray, at_fixes: _FloatArray, fixes: Fixes
-) -> Filtered:
+def filtered(model: AxisModel, start: Array, covariance: Array, at_fixes: Array, fixes: Fixes) -> Filtered:
     """From the error ``start`` (runs, m) just after the first fix; ``at_fixes`` (3, runs, k) is the noise path."""
     priors, posteriors, prior_covariances, covariances = [start], [start], [covariance], [covariance]
     phi, grown = filter_drift(model, model.fix_interval)
@@ -64,8 +60,8 @@ def filtered(
 
 def filtered_in_leg(
     model: AxisModel,
-    settled: tuple[_FloatArray, _FloatArray],
-    path: tuple[_FloatArray, _FloatArray],
+    settled: tuple[Array, Array],
+    path: tuple[Array, Array],
     fixes: Fixes,
     rest: float,
     random: np.random.Generator,
@@ -101,9 +97,7 @@ def filtered_in_leg(
     return found._replace(posterior=np.concatenate([found.posterior[:-1], joined[None]]))
 
 
-def navigated(
-    done: Filtered, at_fixes: _FloatArray, sampled: _FloatArray, time: _FloatArray, fix_time: _FloatArray
-) -> _FloatArray:
+def navigated(done: Filtered, at_fixes: Array, sampled: Array, time: Array, fix_time: Array) -> Array:
     """The filter's error (3, runs, n) between the fixes, from the noise path at the fixes and at the times."""
     found = sampled.copy()
     for k, span in _stretches(time, fix_time):
@@ -111,9 +105,7 @@ def navigated(
     return found
 
 
-def smoothed(
-    model: AxisModel, done: Filtered, position: _FloatArray, time: _FloatArray, fix_time: _FloatArray
-) -> _FloatArray:
+def smoothed(model: AxisModel, done: Filtered, position: Array, time: Array, fix_time: Array) -> Array:
     """Position error (runs, n) of the smoother that has all fixes of `done`, from the filter's between the fixes."""
     phi = filter_drift(model, model.fix_interval)[0]
     every = np.broadcast_to(phi, (len(done.prior) - 1, *phi.shape))
@@ -130,32 +122,32 @@ def smoothed(
     return found
 
 
-def carried(state: _FloatArray, age: _FloatArray) -> _FloatArray:
+def carried(state: Array, age: Array) -> Array:
     """A state (runs, 3) carried forward over ages (n,): (3, runs, n)."""
     p, v, a = state.T[:, :, None]
     return np.stack([p + v * age + a * (age**2 / 2), v + a * age, np.broadcast_to(a, (len(state), len(age)))])
 
 
-def draw_fresh(model: AxisModel, runs: int, random: np.random.Generator, step: float) -> _FloatArray:
+def draw_fresh(model: AxisModel, runs: int, random: np.random.Generator, step: float) -> Array:
     """Innovation of the slow error of the fixes after a step [s], (runs,)."""
     if not model.slow_sigma:
         return np.zeros(runs)
     return model.slow_sigma * math.sqrt(-math.expm1(-2 * step / model.slow_time)) * random.standard_normal(runs)
 
 
-def _stretches(time: _FloatArray, fix_time: _FloatArray) -> list[tuple[int, slice]]:
+def _stretches(time: Array, fix_time: Array) -> list[tuple[int, slice]]:
     """Which of the times lie between each fix and the next."""
     edges = np.searchsorted(time, [*(fix_time - 1e-9), np.inf])
     return [(k, slice(a, b)) for k, (a, b) in enumerate(pairwise(edges))]
 
 
-def _scale(matrix: _FloatArray) -> _FloatArray:
+def _scale(matrix: Array) -> Array:
     """One over the roots of the diagonal: states differ by many orders of magnitude."""
     diagonal = np.diagonal(matrix)
     return np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
 
 
-def _root(matrix: _FloatArray) -> _FloatArray:
+def _root(matrix: Array) -> Array:
     """A matrix whose product with its own transpose is the one given."""
     by = _scale(matrix)
     values, vectors = np.linalg.eigh(matrix * by[:, None] * by)

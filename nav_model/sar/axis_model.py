@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nav_model.analytic.doubling import (
     Powers,
@@ -25,10 +25,8 @@ from nav_model.analytic.doubling import (
     settled,
     without_slow_error,
 )
-from nav_model.base.arrays import as_numbers
+from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.constants import STANDARD_GRAVITY
-
-_FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -61,18 +59,18 @@ class AxisModel:
         return self.gravity * self.gyro_noise if self.horizontal else 0.0
 
     @property
-    def fix_sigmas(self) -> _FloatArray:
+    def fix_sigmas(self) -> Array:
         """Noise of what one fix measures: position [m], and velocity [m/s] where it has that."""
         return np.array([self.gnss_sigma, self.velocity_sigma] if self.velocity_sigma else [self.gnss_sigma])
 
 
-def inertial_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
+def inertial_drift(model: AxisModel, step: ArrayLike) -> tuple[Array, Array]:
     """Transition of (p, v, a) over a step [s] of shape (...), and the covariance of its noise: both (..., 3, 3)."""
     free = drift(as_numbers(step), model.accelerometer_noise**2, model.tilt_noise**2)
     return free.transition, free.noise
 
 
-def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _FloatArray]:
+def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[Array, Array]:
     """The same for the filter's states: (..., m, m)."""
     phi, noise = inertial_drift(model, step)
     if not model.slow_sigma:
@@ -84,7 +82,7 @@ def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[_FloatArray, _Float
     return phi, noise
 
 
-def fix_rows(model: AxisModel) -> _FloatArray:
+def fix_rows(model: AxisModel) -> Array:
     """Measurement rows of a fix, (kinds, m): position with its slow error, and velocity."""
     rows = np.zeros((len(model.fix_sigmas), 4 if model.slow_sigma else 3))
     rows[0, 0] = 1.0
@@ -93,7 +91,7 @@ def fix_rows(model: AxisModel) -> _FloatArray:
     return rows
 
 
-def measure(prior: _FloatArray, model: AxisModel) -> tuple[_FloatArray, _FloatArray]:
+def measure(prior: Array, model: AxisModel) -> tuple[Array, Array]:
     """Gain (m, kinds) and posterior covariance (m, m) of a fix (Joseph's form)."""
     rows, noise = fix_rows(model), np.diag(model.fix_sigmas**2)
     cross = prior @ rows.T
@@ -102,7 +100,7 @@ def measure(prior: _FloatArray, model: AxisModel) -> tuple[_FloatArray, _FloatAr
     return gain, keep @ prior @ keep.T + gain @ noise @ gain.T
 
 
-def steady_covariance(model: AxisModel) -> _FloatArray:
+def steady_covariance(model: AxisModel) -> Array:
     """Covariance (m, m) of (p, v, a) and, with a slow GNSS error, of the filter's estimate of it, just after a fix.
 
     In the steady state of the sampled filter [T-8], by doubling (`nav_model.analytic.doubling`). Without gyro noise
@@ -111,7 +109,7 @@ def steady_covariance(model: AxisModel) -> _FloatArray:
     return without_slow_error(settled(Powers(measured(*_step_and_fix(model)), joined)))
 
 
-def information_after(model: AxisModel, time: float) -> _FloatArray:
+def information_after(model: AxisModel, time: float) -> Array:
     """Information (m, m) about the filter's states at a fix, from it and the fixes of `time` [s] after it."""
     step, fix = _step_and_fix(model)
     later = math.floor(min(time / model.fix_interval + 1e-9, 2.0**40))  # more say nothing
@@ -125,7 +123,7 @@ def information_after(model: AxisModel, time: float) -> _FloatArray:
     return np.asarray(of.T @ known @ of)
 
 
-def _step_and_fix(model: AxisModel) -> tuple[Segment, _FloatArray]:
+def _step_and_fix(model: AxisModel) -> tuple[Segment, Array]:
     """From one fix to the next, and the information of a fix."""
     step = drift(model.fix_interval, model.accelerometer_noise**2, model.tilt_noise**2, _slow(model))
     fix = np.zeros(step.noise.shape)
@@ -137,14 +135,14 @@ def _slow(model: AxisModel) -> tuple[float, float] | None:
     return (model.slow_sigma**2, model.slow_time) if model.slow_sigma else None
 
 
-def draw_state(covariance: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:
+def draw_state(covariance: Array, runs: int, random: np.random.Generator) -> Array:
     """States (runs, m) of zero mean and the covariance given; a singular covariance is allowed."""
     values, vectors = np.linalg.eigh(covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     return np.asarray(random.standard_normal((runs, len(covariance))) @ root.T)
 
 
-def noise_path(model: AxisModel, time: _FloatArray, runs: int, random: np.random.Generator) -> _FloatArray:
+def noise_path(model: AxisModel, time: Array, runs: int, random: np.random.Generator) -> Array:
     """Error (3, runs, n) that the noise alone builds up from zero at time[0], exact at the times given."""
     h = np.diff(time)
     s, r = model.accelerometer_noise**2, model.tilt_noise

@@ -8,15 +8,14 @@ frequency: ripple, the saw of the fix rate. An autofocus "to order n" takes orde
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nav_model.aperture.impulse_response import aperture_of_phase, impulse_response
 from nav_model.aperture.window import Window
+from nav_model.base.arrays import Array
 
 HIGHEST_SMOOTH_ORDER = 8
 ENSEMBLE_PADDING = 8
-
-_FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -29,27 +28,27 @@ class Decomposition:
     quadratic, cubic, higher and high-frequency rms.
     """
 
-    quadratic: _FloatArray
-    cubic: _FloatArray
-    quadratic_rms: _FloatArray
-    cubic_rms: _FloatArray
-    higher_rms: _FloatArray
-    high_frequency_rms: _FloatArray
-    detrended_rms: _FloatArray
-    detrended_max: _FloatArray
-    residual_rms: _FloatArray
+    quadratic: Array
+    cubic: Array
+    quadratic_rms: Array
+    cubic_rms: Array
+    higher_rms: Array
+    high_frequency_rms: Array
+    detrended_rms: Array
+    detrended_max: Array
+    residual_rms: Array
 
 
 @dataclass(frozen=True)
 class Band:
     """Median and 5-95 % band over the runs (last axis of what it was made from)."""
 
-    median: _FloatArray
-    low: _FloatArray
-    high: _FloatArray
+    median: Array
+    low: Array
+    high: Array
 
 
-def polynomial_basis(samples: int, order: int) -> _FloatArray:
+def polynomial_basis(samples: int, order: int) -> Array:
     """Polynomials (samples, order + 1) of degree 0..order, orthonormal over equally spaced samples."""
     if samples <= order:
         raise ValueError(f"samples: {samples}; more than the polynomial order {order} are needed")
@@ -58,7 +57,7 @@ def polynomial_basis(samples: int, order: int) -> _FloatArray:
     return np.asarray(basis * np.sign(np.diagonal(triangle)))
 
 
-def autofocus(history: ArrayLike, order: int = 1) -> _FloatArray:
+def autofocus(history: ArrayLike, order: int = 1) -> Array:
     """What is left of histories (..., n) when the polynomial of degree `order` (1: the line) is removed."""
     history = np.asarray(history, float)
     if order < 1:
@@ -95,7 +94,7 @@ def decompose(history: ArrayLike, autofocus_order: int = 1) -> Decomposition:
     )
 
 
-def fix_rate_harmonics(history: ArrayLike, time: ArrayLike, fix_interval: float, harmonics: int = 5) -> _FloatArray:
+def fix_rate_harmonics(history: ArrayLike, time: ArrayLike, fix_interval: float, harmonics: int = 5) -> Array:
     """Amplitude (..., harmonics) of the ripple at 1, 2, ... times the fix rate, smooth part removed.
 
     Amplitude of a sinusoid of the same energy there; an amplitude p [rad] of phase makes paired echoes of
@@ -117,7 +116,7 @@ def band(values: ArrayLike) -> Band:
     return Band(np.asarray(median), np.asarray(low), np.asarray(high))
 
 
-def run_responses(phase: ArrayLike, window: Window = "uniform", autofocus_order: int = 1) -> dict[str, _FloatArray]:
+def run_responses(phase: ArrayLike, window: Window = "uniform", autofocus_order: int = 1) -> dict[str, Array]:
     """Every measure of the impulse response of each run (...), from phases (..., n) [rad].
 
     Apertures of 1024 samples, padded by 8: within 0.03 dB and 0.0005 cell of the x64 response. The line is

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.aperture.geometry import aperture_time
+from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget import Budget
 from nav_model.design.catalogue import catalogue
@@ -14,7 +15,6 @@ from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.design_case import conditions
 from nav_model.sar.winners import map_of_winners
 
-_FloatArray = NDArray[np.float64]
 POINTS = 80
 _APERTURE_SPAN = (0.5, 100.0)  # s
 _GNSS_SPAN = (0.003, 30.0)  # m
@@ -31,14 +31,14 @@ class DesignMap:
     """
 
     strategies: tuple[str, ...]
-    aperture_time: _FloatArray
-    other: _FloatArray
+    aperture_time: Array
+    other: Array
     winner: NDArray[np.intp]
-    phase: _FloatArray
+    phase: Array
     here: tuple[float, float]
     names: tuple[str, ...]
-    x: _FloatArray
-    y: _FloatArray
+    x: Array
+    y: Array
 
 
 def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
@@ -78,9 +78,7 @@ def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
     return _made(budget, {"imu.angle_random_walk": walk}, own, names, apertures, values)
 
 
-def _made(
-    budget: Budget, changes: dict[str, _FloatArray], own: float, names: list[str], x: _FloatArray, y: _FloatArray
-) -> DesignMap:
+def _made(budget: Budget, changes: dict[str, Array], own: float, names: list[str], x: Array, y: Array) -> DesignMap:
     """The map over apertures and what the first of the changes changes; the whole-leg smoother is computed where it
     may win."""
     other = next(iter(changes.values()))
@@ -102,6 +100,6 @@ def _made(
     )
 
 
-def _axis(own: float, span: tuple[float, float], points: int) -> _FloatArray:
+def _axis(own: float, span: tuple[float, float], points: int) -> Array:
     """A log axis over `span`, grown where the design lies outside it."""
     return np.geomspace(min(span[0], own / 2), max(span[1], own * 2), points)

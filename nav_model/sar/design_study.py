@@ -13,6 +13,7 @@ from itertools import repeat
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.design import Design
@@ -26,7 +27,6 @@ from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy,
 from nav_model.sar.study import RunMeasures, choose_tuning, measure_runs, simulate_axes, typical_run
 from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances, whole_variances
 
-_FloatArray = NDArray[np.float64]
 _CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
 MOST_RUNS = 20_000
 _SIMPLEST_FIRST = ("2", "4", "5", "5w", "8", "9", "6", "7")  # reconstructions last
@@ -55,7 +55,7 @@ class Chunk:
     """Some of the runs: their measures, the residual of each only as its sum of squares (10, n)."""
 
     measures: RunMeasures
-    square: _FloatArray
+    square: Array
     runs: int
 
 
@@ -78,17 +78,17 @@ class SarStudy:
     closed: ClosedForms
     parts: dict[str, Band]
     responses: dict[str, Band]
-    rms: _FloatArray
-    rms_error: _FloatArray
-    quadratic_rms: _FloatArray
-    quadratic_rms_error: _FloatArray
-    whole_rms: _FloatArray
+    rms: Array
+    rms_error: Array
+    quadratic_rms: Array
+    quadratic_rms_error: Array
+    whole_rms: Array
     jump_rms: Band
     fix_harmonics: Band
     fixes: int
-    time: _FloatArray
-    typical: _FloatArray
-    spread: _FloatArray
+    time: Array
+    typical: Array
+    spread: Array
     tuning: Tuning
     engine: Engine = "fast"
 
@@ -189,7 +189,7 @@ def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
     return index, parts[index].runs, within
 
 
-def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> _FloatArray:
+def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> Array:
     """Residual (10, n) [m] of one run, simulated again from its chunk's seed."""
     along, across, down = _simulated(case, tuning, seed, index, runs)
     one = (axis.error[:, within] for axis in (along, across, down))
@@ -197,7 +197,7 @@ def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, run
 
 
 def gather(
-    budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: _FloatArray
+    budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: Array
 ) -> SarStudy:
     """The study from all its chunks, in order, and the `typical_history` of its `typical_place`."""
     runs = sum(chunk.runs for chunk in parts)
@@ -279,11 +279,11 @@ def _simulated(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: in
     return fly_axes(case.flight, case.models, case.aperture_time, case.rate, seed, first, runs, tuning)
 
 
-def _joined(values: Sequence[_FloatArray]) -> _FloatArray:
+def _joined(values: Sequence[Array]) -> Array:
     return np.concatenate(values, axis=1)
 
 
-def _root_mean_square(values: _FloatArray) -> tuple[_FloatArray, _FloatArray]:
+def _root_mean_square(values: Array) -> tuple[Array, Array]:
     """Over the runs (last axis), with its standard error to first order."""
     square = values**2
     mean = square.mean(axis=-1)
@@ -296,7 +296,7 @@ def _without(values: Band, smeared: NDArray[np.bool_]) -> Band:
     return Band(*(np.where(smeared, np.nan, part) for part in (values.median, values.low, values.high)))
 
 
-def _by_strategy(variances: _FloatArray) -> dict[str, float | None]:
+def _by_strategy(variances: Array) -> dict[str, float | None]:
     sigma = np.sqrt(variances)
     return {
         key: float(value) if np.isfinite(value) else None for key, value in zip(MAP_STRATEGIES, sigma, strict=True)

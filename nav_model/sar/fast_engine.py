@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic.discrete import SlowError
+from nav_model.base.arrays import Array
 from nav_model.sar.axis_filter import Fixes, carried, draw_fresh, filtered, filtered_in_leg, navigated, smoothed
 from nav_model.sar.axis_model import (
     AxisModel,
@@ -18,8 +19,6 @@ from nav_model.sar.axis_model import (
 from nav_model.sar.fit_noise import slow_fit
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
 from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_weight
-
-_FloatArray = NDArray[np.float64]
 
 
 def simulate_axis(
@@ -79,7 +78,7 @@ def simulate_histories(
     start[:, 2] += unabsorbed[0]
 
     samples = round(aperture_time * rate) + 1
-    time: _FloatArray = np.linspace(0.0, aperture_time, samples)
+    time: Array = np.linspace(0.0, aperture_time, samples)
     last_fix = int(np.floor(aperture_time / model.fix_interval + 1e-9))
     fix_time = np.arange(last_fix + 1, dtype=float) * model.fix_interval
     grid = _merged(time, fix_time[np.abs(time[_nearest(time, fix_time)] - fix_time) > 1e-9])
@@ -118,12 +117,12 @@ def simulate_histories(
 
 def _before_aperture(
     model: AxisModel,
-    posterior: _FloatArray,
+    posterior: Array,
     coast_time: float,
     runs: int,
     random: np.random.Generator,
-    unabsorbed: _FloatArray,
-) -> tuple[_FloatArray, _FloatArray, _FloatArray]:
+    unabsorbed: Array,
+) -> tuple[Array, Array, Array]:
     """States at the start of the aperture: of the filter (runs, m), without residual biases, and of the INS started
     earlier (runs, 3); and the slow error of the fixes there (runs,)."""
     state = draw_state(posterior, runs, random)
@@ -154,9 +153,7 @@ def _before_aperture(
     return state, coasted, slow
 
 
-def _slow_path(
-    model: AxisModel, start: _FloatArray, fixes: int, random: np.random.Generator
-) -> tuple[_FloatArray, _FloatArray]:
+def _slow_path(model: AxisModel, start: Array, fixes: int, random: np.random.Generator) -> tuple[Array, Array]:
     """The slow error at each fix (runs, k), and its innovation there (k, runs)."""
     fresh, slow = [np.zeros_like(start)], [start]
     for _ in range(1, fixes):
@@ -165,11 +162,11 @@ def _slow_path(
     return np.stack(slow, axis=1), np.stack(fresh)
 
 
-def _merged(time: _FloatArray, more: _FloatArray) -> _FloatArray:
-    both: _FloatArray = np.sort(np.concatenate([time, more]))
+def _merged(time: Array, more: Array) -> Array:
+    both: Array = np.sort(np.concatenate([time, more]))
     return both
 
 
-def _nearest(grid: _FloatArray, time: _FloatArray) -> NDArray[np.intp]:
+def _nearest(grid: Array, time: Array) -> NDArray[np.intp]:
     right = np.clip(np.searchsorted(grid, time), 1, len(grid) - 1)
     return (right - (np.abs(grid[right - 1] - time) <= np.abs(grid[right] - time))).astype(np.intp)

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nav_model.analytic.discrete import SlowError
+from nav_model.base.arrays import Array
 
-_FloatArray = NDArray[np.float64]
 _DIRECT = 2048  # lags summed one by one; beyond, the sum is an integral to one part in its square
 _DECAYED = 40.0  # correlation times after which nothing is left
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
@@ -27,9 +27,9 @@ class SlowFit(NamedTuple):
     then decays: what correlates it with the state at the start of the aperture.
     """
 
-    slope: _FloatArray
-    quadratic: _FloatArray
-    quadratic_from_start: _FloatArray
+    slope: Array
+    quadratic: Array
+    quadratic_from_start: Array
 
 
 def slow_fit(slow: SlowError | None, fix_interval: ArrayLike, aperture_time: ArrayLike, fixes: ArrayLike) -> SlowFit:
@@ -62,17 +62,17 @@ def _sums(n: int, rate: float) -> tuple[float, float, float]:
         return slope, 0.0, 0.0
     n2 = float(n) * (n**2 - 1) * (n**2 - 4) / 5
 
-    def lagged(k: _FloatArray) -> _FloatArray:
+    def lagged(k: Array) -> Array:
         inner = 6 * k**4 + 6 * k**3 * n - 4 * (k * n) ** 2 + 10 * k**2 - 4 * k * n**3 + 10 * k * n
         return np.asarray((n - k) * (inner + float(n) ** 4 - 5 * n**2 + 4) / 5)
 
-    def itself(i: _FloatArray) -> _FloatArray:
+    def itself(i: Array) -> Array:
         return np.asarray(6 * i**2 - 6 * i * (n - 1) + (n - 1) * (n - 2))
 
     return slope, 2 * _over_lags(lagged, n, rate) / n2**2, _over_lags(itself, n, rate, whole=True) / n2
 
 
-def _over_lags(f: Callable[[_FloatArray], _FloatArray], n: int, rate: float, whole: bool = False) -> float:
+def _over_lags(f: Callable[[Array], Array], n: int, rate: float, whole: bool = False) -> float:
     """Sum over k = 1 .. n - 1 of f(k) (exp(-rate k) - 1).
 
     The constant does not matter, since the polynomials sum to zero over the fixes (over all lags); without it a slow

@@ -14,8 +14,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_bound
 from nav_model.design import Design
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from nav_model.sar.flown_smoother import FlownSmoother
     from nav_model.simulation.single_run import RunRecord
 
-_FloatArray = NDArray[np.float64]
 _JUST_BEFORE = 1e-9  # s
 _MOST_SAMPLES = 2_000_000  # of the instrument in one flight: a minute of a processor, and what a worker holds
 
@@ -129,14 +128,14 @@ def histories(
     # The record has roll, pitch and yaw; the filter's covariance is of small angles.
     own_angles = np.linalg.inv(schedule.error_map[at])
 
-    def sampled(values: _FloatArray, instants: _FloatArray) -> _FloatArray:
+    def sampled(values: Array, instants: Array) -> Array:
         """(2, outputs, 3), before and after, north, east, down -> (3, n), the aircraft's axes."""
         # Samples just before a fix and at it, so that nothing is interpolated across the filter's jump.
         both = np.column_stack([instants - _JUST_BEFORE, instants]).ravel()
         level = np.swapaxes(values[:, 1:] @ turn.T, 0, 1).reshape(-1, 3)
         return np.stack([np.interp(flight.start + time, both, column) for column in level.T])
 
-    def flown(one: SimulationSpec) -> tuple[list[RunRecord], _FloatArray, _FloatArray]:
+    def flown(one: SimulationSpec) -> tuple[list[RunRecord], Array, Array]:
         """The runs of a flight, and their position and velocity errors (3, runs, n)."""
         instants = plan(one).outputs.time_s[1:]
         records = [fly(replace(one, seed=seed), run) for run in range(first_run, first_run + runs)]
@@ -146,7 +145,7 @@ def histories(
         )
         return records, position, velocity
 
-    def at_fixes(phase: int) -> _FloatArray:
+    def at_fixes(phase: int) -> Array:
         """Errors (k, runs, 9) in the filter's own states, of the flight with fixes."""
         states = np.stack([record.error[phase, at] for record in records], axis=1)
         states[..., 6:9] = np.einsum("kij,krj->kri", own_angles, states[..., 6:9])

@@ -13,13 +13,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import Array
 from nav_model.sar.smoother import rts_smooth, smoother_gain
 from nav_model.simulation.kalman import error_dynamics, propagate, update
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import specific_force_and_rate, true_states
 
-_FloatArray = NDArray[np.float64]
 _STATES = 9
 _BETWEEN_FIXES = 16  # times per fix interval at which gains are computed; between them corrections are interpolated
 
@@ -33,12 +33,12 @@ class FlownSmoother:
     on the position. Nothing is corrected after the last fix.
     """
 
-    prior: _FloatArray
-    posterior: _FloatArray
-    transition: _FloatArray
-    node_time: _FloatArray
+    prior: Array
+    posterior: Array
+    transition: Array
+    node_time: Array
     node_fix: NDArray[np.intp]
-    node_gain: _FloatArray
+    node_gain: Array
 
     def until(self, fixes: int) -> FlownSmoother:
         """The smoother with only the first `fixes` of its fixes."""
@@ -46,7 +46,7 @@ class FlownSmoother:
         nodes = (self.node_time[has], self.node_fix[has], self.node_gain[has])
         return FlownSmoother(self.prior[:fixes], self.posterior[:fixes], self.transition[: fixes - 1], *nodes)
 
-    def correction(self, time: _FloatArray, prior: _FloatArray, posterior: _FloatArray) -> _FloatArray:
+    def correction(self, time: Array, prior: Array, posterior: Array) -> Array:
         """What to add to the flown filter's position error (runs, n, 3) at ``time`` (n,) [s in the flight].
 
         At a fix the error just after it is meant.
@@ -73,7 +73,7 @@ class FlownSmoother:
         return added
 
 
-def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int, end: int | None = None) -> FlownSmoother:
+def flown_smoother(spec: SimulationSpec, fix_times: Array, first: int, end: int | None = None) -> FlownSmoother:
     """Carry the covariance along the true path.
 
     Parameters
@@ -110,7 +110,7 @@ def flown_smoother(spec: SimulationSpec, fix_times: _FloatArray, first: int, end
     )
     noise = np.array([*spec.gnss.axis_noise, *spec.gnss.axis_velocity_noise]) ** 2
     prior, posterior, transitions = [], [], []
-    stretch: list[tuple[float, _FloatArray, _FloatArray]] = []  # since the last fix: time, covariance, transition
+    stretch: list[tuple[float, Array, Array]] = []  # since the last fix: time, covariance, transition
     node_time, node_fix, node_gain = [], [], []
     forward, before, fix = np.eye(_STATES), 0.0, 0
     for moment, place, f, matrix in zip(moments, state, force, path.matrix, strict=True):

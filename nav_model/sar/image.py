@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.aperture.impulse_response import aperture_positions
 from nav_model.aperture.window import Window, weights_of
+from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.npz_arrays import read_npz_arrays
 from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
@@ -19,7 +20,6 @@ from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20
 
-_FloatArray = NDArray[np.float64]
 _ComplexArray = NDArray[np.complex128]
 
 _FILE_FIELDS = {"fp": "KP", "freq": "K", "x": "P", "y": "P", "z": "P", "r0": "P"}
@@ -32,9 +32,9 @@ class PhaseHistory:
     ``position`` (P, 3) and ``reference_range`` (P,)."""
 
     samples: _ComplexArray
-    frequency: _FloatArray
-    position: _FloatArray
-    reference_range: _FloatArray
+    frequency: Array
+    position: Array
+    reference_range: Array
 
     def __post_init__(self) -> None:
         steps = np.diff(self.frequency)
@@ -156,7 +156,7 @@ def point_target_image(
     azimuth_cells: ArrayLike,
     range_cells: ArrayLike,
     window: Window = "uniform",
-) -> _FloatArray:
+) -> Array:
     """Focused point target in dB over the error-free peak, shape (..., azimuth, range).
 
     ``range_error`` (..., n) [m] from end to end of the aperture; both the phase it makes and the walk through
@@ -177,7 +177,7 @@ def point_target_image(
         return np.asarray(20 * np.log10(np.abs(image)))
 
 
-def pulse_errors(time: ArrayLike, error: ArrayLike, pulses: int) -> _FloatArray:
+def pulse_errors(time: ArrayLike, error: ArrayLike, pulses: int) -> Array:
     """An error history (..., n) over an aperture laid over the pulses of a file: (..., pulses)."""
     time, error = np.asarray(time, float), np.asarray(error, float)
     place = np.linspace(time[0], time[-1], pulses)

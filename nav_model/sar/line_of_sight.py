@@ -7,9 +7,9 @@ squint 0 (broadside) the target is abeam in mid-aperture; a positive squint look
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-_FloatArray = NDArray[np.float64]
+from nav_model.base.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -39,14 +39,14 @@ class ApertureGeometry:
             )
 
     @property
-    def target(self) -> _FloatArray:
+    def target(self) -> Array:
         """Target position (3,) [m] from the platform in mid-aperture."""
         along, down = np.sin(self.squint), np.sin(self.grazing_angle)
         across = np.sqrt(1 - along**2 - down**2)
         return np.asarray(self.slant_range * np.array([along, across, down]))
 
 
-def ranges_to_target(geometry: ApertureGeometry, time: ArrayLike) -> _FloatArray:
+def ranges_to_target(geometry: ApertureGeometry, time: ArrayLike) -> Array:
     """Vectors (n, 3) [m] from the platform to the target; time (n,) [s] from 0 to T, mid-aperture at T/2."""
     time = np.asarray(time, float)
     middle = (time[0] + time[-1]) / 2
@@ -61,7 +61,7 @@ def range_error(
     along: ArrayLike = 0.0,
     across: ArrayLike = 0.0,
     down: ArrayLike = 0.0,
-) -> _FloatArray:
+) -> Array:
     """Line-of-sight error dr(t) [m] of position errors (..., n) per axis: the exact difference of ranges.
 
     |r - dp| - |r| written without cancellation; to first order it is -u(t) . dp(t) [S-1], but an INS that is
@@ -70,7 +70,7 @@ def range_error(
     """
     vectors = ranges_to_target(geometry, time)
     distance = np.linalg.norm(vectors, axis=1)
-    grown: _FloatArray = np.zeros(1)
+    grown: Array = np.zeros(1)
     for error, component in zip((along, across, down), vectors.T, strict=True):
         error = np.asarray(error, float)
         grown = grown + error * (error - 2 * component)

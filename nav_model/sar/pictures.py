@@ -3,15 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget import Budget
 from nav_model.sar.design_case import design_case
 from nav_model.sar.image import back_project, point_target_image, pulse_errors, read_phase_history
 from nav_model.sar.scene import scene_images
 
-_FloatArray = NDArray[np.float64]
 _MOST_BANDWIDTH = 0.3  # of the carrier
 _POINT_AZIMUTH, _POINT_RANGE = 10.0, 5.0  # cells each side of the point
 _SCENE_CELLS = 22.0
@@ -30,9 +30,9 @@ class Pictures:
     ``range_cell`` [m]; ``bandwidth_cut``: whether it was coarsened to keep the band below 0.3 of the carrier.
     """
 
-    x: _FloatArray
-    y: _FloatArray
-    power_db: _FloatArray
+    x: Array
+    y: Array
+    power_db: Array
     range_cell: float
     bandwidth_cut: bool
 
@@ -55,7 +55,7 @@ def point_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
     return Pictures(azimuth * budget.sar.cell_length, ranges * cell, np.swapaxes(power, -1, -2), cell, cut)
 
 
-def scene_pictures(budget: Budget, residual: _FloatArray) -> Pictures:
+def scene_pictures(budget: Budget, residual: Array) -> Pictures:
     """Eight point targets on the ground under each residual (k, n) [m], dB over a unit target."""
     case = design_case(budget)
     cell, cut = _range_cell(budget)

@@ -1,15 +1,15 @@
 """Images of a small scene of point targets by the design's radar, for each navigation error."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nav_model.aperture.geometry import cell_length
 from nav_model.aperture.window import Window
+from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.sar.image import back_project, pulse_errors, simulate_phase_history
 from nav_model.sar.line_of_sight import ApertureGeometry
 
-_FloatArray = NDArray[np.float64]
 # Beyond the scene by this factor, so that nothing folds back into it.
 _ROOM = 1.5
 _LEAST = 64
@@ -20,13 +20,13 @@ def scene_images(
     aperture_time: float,
     wavelength: float,
     bandwidth: float,
-    targets: _FloatArray,
-    range_error: _FloatArray,
+    targets: Array,
+    range_error: Array,
     amplitudes: ArrayLike,
     half_width: float,
     pixels: int,
     window: Window,
-) -> tuple[_FloatArray, _FloatArray]:
+) -> tuple[Array, Array]:
     """Images of targets (m, 2) [m] on the ground, one for each ``range_error`` (k, n) [m].
 
     The errors run from end to end of the aperture. Pulses and frequencies are as many as the scene of

@@ -1,12 +1,11 @@
 """Rauch-Tung-Striebel fixed-interval smoother (1965), for estimates or for errors."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-_FloatArray = NDArray[np.float64]
+from nav_model.base.arrays import Array
 
 
-def smoother_gain(posterior: _FloatArray, phi: _FloatArray, next_prior: _FloatArray) -> _FloatArray:
+def smoother_gain(posterior: Array, phi: Array, next_prior: Array) -> Array:
     """Gains C = P Phi^T (P-)^-1, shape (..., m, m); a state without uncertainty is left as it is.
 
     Solved by the pseudo-inverse of the prior scaled to a unit diagonal: tilt and position differ by many
@@ -21,12 +20,12 @@ def smoother_gain(posterior: _FloatArray, phi: _FloatArray, next_prior: _FloatAr
 
 
 def rts_smooth(
-    posterior_state: _FloatArray,
-    posterior_covariance: _FloatArray,
-    prior_state: _FloatArray,
-    prior_covariance: _FloatArray,
-    phi: _FloatArray,
-) -> _FloatArray:
+    posterior_state: Array,
+    posterior_covariance: Array,
+    prior_state: Array,
+    prior_covariance: Array,
+    phi: Array,
+) -> Array:
     """Smoothed states (k, ..., m) from the forward pass of a Kalman filter at k fixes.
 
     ``posterior_state``, ``prior_state``: (k, ..., m) just after and just before each fix, estimates or errors

@@ -12,12 +12,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nav_model.base.arrays import Array
 from nav_model.design.processing import POST_PROCESSED
-
-_FloatArray = NDArray[np.float64]
-
 
 IN_FLIGHT, AFTER_APERTURE = "in flight", "after the aperture"
 
@@ -84,36 +81,36 @@ class NavigationHistories:
     end, ``leg_position`` (..., n): with the fixes of the whole leg.
     """
 
-    time: _FloatArray
-    fix_time: _FloatArray
-    ins_position: _FloatArray
-    ins_velocity: _FloatArray
-    coasted_position: _FloatArray
-    filter_position: _FloatArray
-    filter_velocity: _FloatArray
-    filter_correction: _FloatArray
-    gnss_error: _FloatArray
-    smoothed_position: _FloatArray
-    leg_position: _FloatArray
+    time: Array
+    fix_time: Array
+    ins_position: Array
+    ins_velocity: Array
+    coasted_position: Array
+    filter_position: Array
+    filter_velocity: Array
+    filter_correction: Array
+    gnss_error: Array
+    smoothed_position: Array
+    leg_position: Array
 
 
 @dataclass(frozen=True)
 class StrategyErrors:
     """Position error of every strategy, (10, ..., n) [m] in the order of STRATEGIES."""
 
-    time: _FloatArray
-    error: _FloatArray
-    jump_rms: _FloatArray
+    time: Array
+    error: Array
+    jump_rms: Array
     fixes: int
 
-    def of(self, key: str) -> _FloatArray:
+    def of(self, key: str) -> Array:
         """Error histories (..., n) of one strategy, by its key ("2", "5w", ...)."""
         return np.asarray(self.error[STRATEGY_KEYS.index(key)])
 
 
 def quadratic_correction(
-    time: _FloatArray, ins_position: _FloatArray, fix_time: _FloatArray, gnss_error: _FloatArray, weight: float = 1.0
-) -> _FloatArray:
+    time: Array, ins_position: Array, fix_time: Array, gnss_error: Array, weight: float = 1.0
+) -> Array:
     """Strategies 5 and 5w: INS minus the quadratic fitted to INS - GNSS, its curvature times `weight`.
 
     The fit is least squares at the fixes, in the basis that is orthogonal over them, so the weight acts on
@@ -131,12 +128,12 @@ def quadratic_correction(
 
 
 def tracking_filter(
-    time: _FloatArray,
-    ins_velocity: _FloatArray,
-    filter_position: _FloatArray,
-    filter_velocity: _FloatArray,
+    time: Array,
+    ins_velocity: Array,
+    filter_position: Array,
+    filter_velocity: Array,
     tuning: Tuning,
-) -> _FloatArray:
+) -> Array:
     """Strategy 6 (reconstruction): p'' = a_INS + wn^2 (p_EKF - p) + 2 zeta wn (v_EKF - v), in errors.
 
     Starts from the filter; a_INS is taken as the velocity increments of the INS. Semi-implicit Euler at the
@@ -162,12 +159,12 @@ def tracking_filter(
 
 
 def damping_loop(
-    time: _FloatArray,
-    filter_position: _FloatArray,
-    fix_time: _FloatArray,
-    filter_correction: _FloatArray,
+    time: Array,
+    filter_position: Array,
+    fix_time: Array,
+    filter_correction: Array,
     tuning: Tuning,
-) -> _FloatArray:
+) -> Array:
     """Strategy 7 (reconstruction): the filter's position correction is worked off by a PI law.
 
     Velocity and attitude are corrected at once, and applied corrections are fed back, so the output is the filter's
@@ -186,7 +183,7 @@ def apply_strategies(h: NavigationHistories, weight: float, tuning: Tuning) -> S
     (see the result's ``fixes``).
     """
 
-    def corrected(part: float) -> _FloatArray:
+    def corrected(part: float) -> Array:
         if len(h.fix_time) < 3:
             return h.ins_position
         return quadratic_correction(h.time, h.ins_position, h.fix_time, h.gnss_error, part)
@@ -210,7 +207,7 @@ def apply_strategies(h: NavigationHistories, weight: float, tuning: Tuning) -> S
     return StrategyErrors(h.time, error, jump_rms, len(h.fix_time))
 
 
-def _at(time: _FloatArray, values: _FloatArray, moments: _FloatArray) -> _FloatArray:
+def _at(time: Array, values: Array, moments: Array) -> Array:
     """Linear interpolation of (..., n) at moments (k,)."""
     place = np.interp(moments, time, np.arange(len(time)))
     before = np.minimum(place.astype(int), len(time) - 2)
@@ -218,7 +215,7 @@ def _at(time: _FloatArray, values: _FloatArray, moments: _FloatArray) -> _FloatA
     return np.asarray(values[..., before] * (1 - part) + values[..., before + 1] * part)
 
 
-def _pi_decay(age: _FloatArray, tuning: Tuning) -> _FloatArray:
+def _pi_decay(age: Array, tuning: Tuning) -> Array:
     """Response r(t) to r(0) = 1 of r'' + kp r' + ki r = 0 with r'(0) = -kp."""
     kp, ki = tuning.proportional_gain, tuning.integral_gain
     root = np.sqrt(complex(kp**2 / 4 - ki))

@@ -6,12 +6,11 @@ seen along the axis; `winners` puts the axes together.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nav_model.aperture.phase import PhaseVariances, phase_budget, total
+from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
-
-_FloatArray = NDArray[np.float64]
 
 # Mean square of x^2 about its mean on [-1, 1]: from the variance of a QPE to its detrended variance.
 QUADRATIC_MEAN_SQUARE = 4 / 45
@@ -35,14 +34,14 @@ def ins_variances(
     return total(phase_budget(*sensors, gravity, aperture_time, coast_time, _ALONG_THE_AXIS))
 
 
-def fixes_in_aperture(aperture_time: ArrayLike, fix_interval: ArrayLike) -> _FloatArray:
+def fixes_in_aperture(aperture_time: ArrayLike, fix_interval: ArrayLike) -> Array:
     """Fixes in an aperture that starts with one: floor(T / dt) + 1."""
     return np.asarray(np.floor(np.divide(aperture_time, fix_interval) + 1e-9) + 1)
 
 
 def fit_quadratic_sigma(
     gnss_sigma: ArrayLike, fix_interval: ArrayLike, aperture_time: ArrayLike, fixes: ArrayLike | None = None
-) -> _FloatArray:
+) -> Array:
     """Standard deviation [m] of the quadratic that GNSS noise puts at the aperture ends [S-7].
 
     ``fixes``: how many fixes are fitted; N = T / dt as in [C] unless given (an aperture with a fix at both
@@ -55,7 +54,7 @@ def fit_quadratic_sigma(
         return np.asarray(t**2 / 4 * np.asarray(gnss_sigma, float) * np.sqrt(180 / room) / dt**2)
 
 
-def shrunk_weight(ins_quadratic: ArrayLike, fit_quadratic: ArrayLike) -> _FloatArray:
+def shrunk_weight(ins_quadratic: ArrayLike, fit_quadratic: ArrayLike) -> Array:
     """Weight of the fitted quadratic in strategy 5w: var_INS / (var_INS + var_GNSS)."""
     ins, fit = np.asarray(ins_quadratic, float), np.asarray(fit_quadratic, float)
     total = ins + fit
@@ -64,7 +63,7 @@ def shrunk_weight(ins_quadratic: ArrayLike, fit_quadratic: ArrayLike) -> _FloatA
 
 def shrunk_residual_variance(
     ins_quadratic: ArrayLike, fit_quadratic: ArrayLike, beyond_quadratic: ArrayLike, covariance: ArrayLike = 0.0
-) -> _FloatArray:
+) -> Array:
     """Strategy 5w: mean variance [m^2] after the line: 4/45 of the quadratic left, plus the rest.
 
     The quadratic left is var_INS var_GNSS / (var_INS + var_GNSS): below both, so 5w loses to neither 2 nor 5 on

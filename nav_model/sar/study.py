@@ -3,16 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nav_model.aperture.window import Window
+from nav_model.base.arrays import Array
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import Decomposition, autofocus, decompose, fix_rate_harmonics, run_responses
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import StrategyErrors, Tuning, damping_loop, tracking_filter
 
-_FloatArray = NDArray[np.float64]
 FIX_HARMONICS = 3
 # Gains the reconstructions are chosen from: wn T and kp T (towards zero both become free INS or an untouched
 # position), and ki as a part of kp^2 / 4.
@@ -34,12 +33,12 @@ class RunMeasures:
     and 5w are the same as 2.
     """
 
-    time: _FloatArray
-    residual: _FloatArray
-    parts: dict[str, _FloatArray]
-    responses: dict[str, _FloatArray]
-    jump_rms: _FloatArray
-    fix_harmonics: _FloatArray
+    time: Array
+    residual: Array
+    parts: dict[str, Array]
+    responses: dict[str, Array]
+    jump_rms: Array
+    fix_harmonics: Array
     fixes: int
 
 
@@ -90,7 +89,7 @@ def measure_runs(
     )
 
 
-def typical_run(rms: _FloatArray) -> int:
+def typical_run(rms: Array) -> int:
     """The run (of (10, runs)) whose free INS, strategy 2, is the median one."""
     free = rms[1]
     return int(np.argsort(free)[len(free) // 2])
@@ -105,7 +104,7 @@ def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: i
     rate = max(min(25.0, 2000.0 / aperture_time), 200.0 / aperture_time)
     h = simulate_histories(model, aperture_time, 0.0, runs, own, rate)
 
-    def score(output: _FloatArray) -> float:
+    def score(output: Array) -> float:
         return float(np.median(np.sqrt(np.mean(autofocus(output) ** 2, axis=-1))))
 
     def track(turns: float) -> float:

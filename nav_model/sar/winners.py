@@ -20,6 +20,7 @@ from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import Turn, bent_variance, turn_weights
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.aperture.phase import phase_budget, total
+from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.sar.fit_noise import SlowFit, slow_fit
 from nav_model.sar.strategy_forms import (
@@ -29,8 +30,6 @@ from nav_model.sar.strategy_forms import (
     ins_variances,
     shrunk_residual_variance,
 )
-
-_FloatArray = NDArray[np.float64]
 
 IN_APERTURE: tuple[str, ...] = ("2", "3", "5", "5w")
 """Those whose closed forms need no fix after the aperture, simplest first."""
@@ -98,8 +97,8 @@ class StrategyVariances(NamedTuple):
     the autofocus leaves. Infinite for 5 where fewer than three fixes determine no quadratic.
     """
 
-    quadratic: _FloatArray
-    detrended: _FloatArray
+    quadratic: Array
+    detrended: Array
 
 
 def strategy_variances(c: Conditions) -> StrategyVariances:
@@ -141,7 +140,7 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     return StrategyVariances(np.stack(np.broadcast_arrays(*ends)), np.stack(np.broadcast_arrays(*left)))
 
 
-def whole_variances(c: Conditions, detrended: _FloatArray) -> _FloatArray:
+def whole_variances(c: Conditions, detrended: Array) -> Array:
     """What the autofocus leaves along the line of sight as it turns: with the along-track part [S-2], [m²].
 
     Of and in the order of `strategy_variances`. An autofocus beyond the line removes what the turn adds but for
@@ -156,7 +155,7 @@ def whole_variances(c: Conditions, detrended: _FloatArray) -> _FloatArray:
     return found
 
 
-def _bent_by_the_turn(c: Conditions) -> tuple[_FloatArray, ...]:
+def _bent_by_the_turn(c: Conditions) -> tuple[Array, ...]:
     """What the turn adds to the variance [m²] of the quadratic, in the order of `IN_APERTURE`.
 
     For 5 and 5w the velocity is that of the fitted line, and the position error is negligible.
@@ -167,7 +166,7 @@ def _bent_by_the_turn(c: Conditions) -> tuple[_FloatArray, ...]:
     level, upright = _of_acceleration(c)
     jerk = np.multiply(c.gravity, c.gyro_bias)
 
-    def free(coast: ArrayLike) -> _FloatArray:
+    def free(coast: ArrayLike) -> Array:
         horizontal = (level, c.accelerometer_noise, np.multiply(c.gravity, c.gyro_noise), t, coast, jerk)
         vertical = (upright, c.accelerometer_noise, 0.0, t, coast)
         return np.asarray(
@@ -180,9 +179,7 @@ def _bent_by_the_turn(c: Conditions) -> tuple[_FloatArray, ...]:
     return started, free(c.coast_time), fitted, np.where(n > 2, fitted, started)
 
 
-def _bent_fit(
-    c: Conditions, t: _FloatArray, dt: _FloatArray, n: _FloatArray, turn: Turn, slow: SlowFit
-) -> _FloatArray:
+def _bent_fit(c: Conditions, t: Array, dt: Array, n: Array, turn: Turn, slow: SlowFit) -> Array:
     white = np.where(n > 2, 12 / (n * (n**2 - 1) + (n <= 2)), 0.0) / dt**2
     vertical = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
     lever = t**2 / 4
@@ -192,7 +189,7 @@ def _bent_fit(
     )
 
 
-def _of_acceleration(c: Conditions) -> tuple[_FloatArray, _FloatArray]:
+def _of_acceleration(c: Conditions) -> tuple[Array, Array]:
     """Covariances (..., 3, 3) of position, velocity and acceleration at the last fix, residual bias with it."""
     p, v, g = c.start, c.start_vertical, np.asarray(c.gravity, float)
     bias, none = np.square(c.accelerometer_bias), 0.0
@@ -209,8 +206,8 @@ class WinnerMap(NamedTuple):
 
     strategies: tuple[str, ...]
     winner: NDArray[np.intp]
-    sigma: _FloatArray
-    best_sigma: _FloatArray
+    sigma: Array
+    best_sigma: Array
 
 
 def map_of_winners(conditions: Conditions) -> WinnerMap:
@@ -230,7 +227,7 @@ def map_of_winners(conditions: Conditions) -> WinnerMap:
     return WinnerMap(MAP_STRATEGIES[: len(sigma)], winner, sigma, named)
 
 
-def break_even_aperture(conditions: Conditions) -> _FloatArray:
+def break_even_aperture(conditions: Conditions) -> Array:
     """Aperture time [s] above which the quadratic correction (5) beats the INS the filter starts (2).
 
     [T-15] equals [T-16] there, with a fix at both ends: N = T / dt + 1. The noise of the fit falls and what

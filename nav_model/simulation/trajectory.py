@@ -13,9 +13,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from nav_model.base.arrays import Array as FloatArray
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
-from nav_model.earth.rotation import FloatArray
 from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec, refused

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
-from nav_model.earth.rotation import FloatArray, matrix_from_vector, vector_from_matrix
+from nav_model.earth.rotation import matrix_from_vector, vector_from_matrix
 from nav_model.suborbital.errors import Triple
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import AttitudeFrames
@@ -56,7 +57,7 @@ def frame_steps(flight: TrueFlight, aiding: Aiding) -> np.ndarray:
     return used
 
 
-def attitude_at(flight: TrueFlight, time_s: FloatArray) -> FloatArray:
+def attitude_at(flight: TrueFlight, time_s: Array) -> Array:
     """True body to inertial attitude at any times of the flight, (..., 3, 3): turn at constant rate in a
     step."""
     position = np.clip(np.asarray(time_s, dtype=np.float64) / (0.5 * flight.step_s), 0.0, 2.0 * flight.steps)

@@ -11,50 +11,51 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
-from nav_model.earth.rotation import FloatArray, skew, vector_from_matrix
+from nav_model.earth.rotation import skew, vector_from_matrix
 
 COLLINEAR = 1e-10
 """Below this product of the two smallest information eigenvalues over sigma the roll is not observable."""
 
 
-Estimate = tuple[FloatArray, FloatArray]
+Estimate = tuple[Array, Array]
 """Rotation (..., 3, 3) from reference to body axes, and its covariance (..., 3, 3), rad²."""
 
 
-def information(body: FloatArray, weight: FloatArray) -> FloatArray:
+def information(body: Array, weight: Array) -> Array:
     """sum (I - b b^T), (..., 3, 3): inverse covariance of least squares in units of 1/sigma²."""
     count = np.sum(weight > 0.0, axis=-1)[..., None, None]
     seen = _seen(body, weight)
     return np.asarray(count * np.eye(3) - np.swapaxes(seen, -1, -2) @ seen)
 
 
-def _seen(directions: FloatArray, weight: FloatArray) -> FloatArray:
+def _seen(directions: Array, weight: Array) -> Array:
     """Directions of the stars there are, zeros for the others."""
     return np.where(weight[..., None] > 0.0, directions, 0.0)
 
 
-def _optimal_covariance(body: FloatArray, weight: FloatArray, sigma: float) -> FloatArray:
+def _optimal_covariance(body: Array, weight: Array, sigma: float) -> Array:
     return np.asarray(sigma**2 * np.linalg.inv(information(body, weight)))
 
 
-def _profile(b: FloatArray, r: FloatArray, w: FloatArray) -> FloatArray:
+def _profile(b: Array, r: Array, w: Array) -> Array:
     """Attitude profile sum a b r^T with weights normalised to one."""
     a = w / np.sum(w, axis=-1, keepdims=True)
     return np.asarray(np.swapaxes(a[..., None] * b, -1, -2) @ r)
 
 
-def _nearest_rotation(matrix: FloatArray) -> FloatArray:
+def _nearest_rotation(matrix: Array) -> Array:
     u, _, vt = np.linalg.svd(matrix)
     flip = np.ones(matrix.shape[:-1])
     flip[..., 2] = np.linalg.det(u) * np.linalg.det(vt)
     return np.asarray((u * flip[..., None, :]) @ vt)
 
 
-def triad(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
+def triad(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
     """TRIAD of the first two stars (put the two to be used first)."""
 
-    def frame(v: FloatArray) -> FloatArray:
+    def frame(v: Array) -> Array:
         cross = np.cross(v[..., 0, :], v[..., 1, :])
         second = cross / np.linalg.norm(cross, axis=-1, keepdims=True)
         return np.stack([v[..., 0, :], second, np.cross(v[..., 0, :], second)], axis=-1)
@@ -67,7 +68,7 @@ def triad(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate
     return frame(b) @ np.swapaxes(frame(r), -1, -2), covariance
 
 
-def n_vector(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
+def n_vector(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
     """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation."""
     seen = _seen(b, w)
     inverse = np.linalg.inv(np.swapaxes(seen, -1, -2) @ seen)
@@ -80,13 +81,13 @@ def n_vector(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estim
     return np.swapaxes(_nearest_rotation(raw), -1, -2), covariance
 
 
-def svd(b: FloatArray, r: FloatArray, sigma: float, w: FloatArray) -> Estimate:
+def svd(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
     """Least squares (Wahba's problem) by singular value decomposition, which q-method and QUEST solve as well."""
     rotation = _nearest_rotation(_profile(b, r, w))
     return rotation, _optimal_covariance(b, w, sigma)
 
 
-METHODS: dict[str, Callable[[FloatArray, FloatArray, float, FloatArray], Estimate]] = {
+METHODS: dict[str, Callable[[Array, Array, float, Array], Estimate]] = {
     "TRIAD": triad,
     "N-vector": n_vector,
     "SVD": svd,
@@ -94,9 +95,7 @@ METHODS: dict[str, Callable[[FloatArray, FloatArray, float, FloatArray], Estimat
 """The methods by name; each takes body, reference, sigma and weight of scenes that it can solve."""
 
 
-def estimate(
-    method: str, body: FloatArray, reference: FloatArray, sigma: float, weight: FloatArray | None = None
-) -> Estimate:
+def estimate(method: str, body: Array, reference: Array, sigma: float, weight: Array | None = None) -> Estimate:
     """Attitudes by one of the `METHODS`; every star counts without a weight.
 
     Raises
@@ -110,7 +109,7 @@ def estimate(
     return METHODS[method](body, reference, sigma, weight)
 
 
-def solvable(method: str, body: FloatArray, weight: FloatArray) -> np.ndarray:
+def solvable(method: str, body: Array, weight: Array) -> np.ndarray:
     """Scenes (...) that a method can solve: TRIAD needs the first two stars apart, the N-vector three that span
     space, SVD two apart."""
     b, w = (body[..., :2, :], weight[..., :2]) if method == "TRIAD" else (body, weight)
@@ -123,12 +122,12 @@ def solvable(method: str, body: FloatArray, weight: FloatArray) -> np.ndarray:
     return np.asarray(apart & enough & spanned)
 
 
-def attitude_error(estimate: FloatArray, truth: FloatArray) -> FloatArray:
+def attitude_error(estimate: Array, truth: Array) -> Array:
     """Rotation vector e of A_est = exp([e x]) A_true on body axes, (..., 3), rad."""
     return vector_from_matrix(estimate @ np.swapaxes(truth, -1, -2))
 
 
-def nees(error: FloatArray, covariance: FloatArray) -> FloatArray:
+def nees(error: Array, covariance: Array) -> Array:
     """e^T P^-1 e, (...): 3 on average when the predicted covariance is right."""
     return np.asarray(np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=-1))
 
@@ -147,7 +146,7 @@ class MethodScore:
 
 
 def compare_methods(
-    body: FloatArray, reference: FloatArray, truth: FloatArray, sigma: float, weight: FloatArray | None = None
+    body: Array, reference: Array, truth: Array, sigma: float, weight: Array | None = None
 ) -> tuple[MethodScore, ...]:
     """Every method on the same scenes (n, k, 3) with true attitudes (n, 3, 3)."""
     scores: list[MethodScore] = []

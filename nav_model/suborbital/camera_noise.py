@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nav_model.earth.rotation import FloatArray
+from nav_model.base.arrays import Array
 from nav_model.suborbital.aiding import frame_steps
 from nav_model.suborbital.sensitivity import white_noise_spread
 from nav_model.suborbital.settings import Settings
@@ -30,13 +30,13 @@ class CameraNoise:
         The INS without a tracker.
     """
 
-    centroid_rad: FloatArray
-    total_m: FloatArray
-    camera_m: FloatArray
+    centroid_rad: Array
+    total_m: Array
+    camera_m: Array
     alone_m: float
 
 
-def sweep_camera_noise(study: Study, settings: Settings, centroid_rad: FloatArray) -> CameraNoise:
+def sweep_camera_noise(study: Study, settings: Settings, centroid_rad: Array) -> CameraNoise:
     """Sweep the centroid noise of the camera of some settings, for a study flown at them.
 
     Parameters
@@ -69,5 +69,5 @@ def sweep_camera_noise(study: Study, settings: Settings, centroid_rad: FloatArra
     return CameraNoise(np.asarray(centroid_rad, float), np.array(total), np.array(own), alone)
 
 
-def _final(sigma_m: FloatArray) -> float:
+def _final(sigma_m: Array) -> float:
     return float(np.linalg.norm(sigma_m[-1]))

@@ -8,9 +8,9 @@ rotate. On a long arc they are wrong: displayed numbers come from the integrated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.base.arrays import Array
 from nav_model.base.compiled import kernel
 from nav_model.base.constants import GRAVITATIONAL_PARAMETER, SPHERE_RADIUS
-from nav_model.earth.rotation import FloatArray
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import TrueFlight
@@ -31,14 +31,14 @@ from nav_model.suborbital.mechanisation import oscillations
 from nav_model.suborbital.sensitivity import unit_errors
 
 
-def schuler_rate(height_m: ArrayLike) -> FloatArray:
+def schuler_rate(height_m: ArrayLike) -> Array:
     """w = sqrt(GM / r^3), rad/s, at a height above the sphere, m [B-5]."""
     return np.asarray(
         np.sqrt(GRAVITATIONAL_PARAMETER / (SPHERE_RADIUS + np.asarray(height_m, dtype=np.float64)) ** 3)
     )
 
 
-def height_e_folding_time(height_m: ArrayLike) -> FloatArray:
+def height_e_folding_time(height_m: ArrayLike) -> Array:
     """Time 1/k = 1/(sqrt(2) w) in which the height error grows by e, s [B-6]."""
     return np.asarray(1.0 / (np.sqrt(2.0) * schuler_rate(height_m)))
 
@@ -53,7 +53,7 @@ def channel_error(
     velocity: ArrayLike = 0.0,
     amplitude: ArrayLike = 0.0,
     frequency: ArrayLike = 1e-3,
-) -> FloatArray:
+) -> Array:
     """Position error in one channel, m [B-6]; broadcasts over every argument.
 
     rate: w of `schuler_rate` horizontally; i k = i sqrt(2) w for the height, whose sines are hyperbolic ones; bias:
@@ -74,7 +74,7 @@ def channel_error(
     )
 
 
-def height_growth(flight: TrueFlight) -> FloatArray:
+def height_growth(flight: TrueFlight) -> Array:
     """exp of the integral of k along a flight, (n+1,): the factor by which the unstable height grows a start
     error, whose slope on a log plot is 1/(e-folding time) at the height of the moment [B-6]."""
     k = 1.0 / height_e_folding_time(flight.height_m)
@@ -83,9 +83,7 @@ def height_growth(flight: TrueFlight) -> FloatArray:
 
 
 @kernel
-def _channels(
-    x: FloatArray, v: FloatArray, force: FloatArray, w2: FloatArray, h: float, every: int, out: FloatArray
-) -> None:
+def _channels(x: Array, v: Array, force: Array, w2: Array, h: float, every: int, out: Array) -> None:
     """Exact step of each channel under the mean forcing of the step; x, v (c, 3), force (n, c, 3)."""
     n, cases = force.shape[0], x.shape[0]
     for i in range(n + 1):
@@ -109,14 +107,14 @@ def _channels(
 
 @kernel
 def _force_channels(
-    attitude: FloatArray,
-    force: FloatArray,
-    rate: FloatArray,
-    sines: FloatArray,
-    axes: FloatArray,
-    tilt: FloatArray,
+    attitude: Array,
+    force: Array,
+    rate: Array,
+    sines: Array,
+    axes: Array,
+    tilt: Array,
     h: float,
-    out: FloatArray,
+    out: Array,
 ) -> None:
     """Forcing C df + psi x f of a unit of each parameter, resolved in `axes`; tilt (3, P) is psi at lift-off."""
     n, columns = out.shape[0], out.shape[1]
@@ -138,7 +136,7 @@ def _force_channels(
                 out[i, p, b] = felt[0] * axes[i, 0, b] + felt[1] * axes[i, 1, b] + felt[2] * axes[i, 2, b]
 
 
-def _forcing(flight: TrueFlight, sines: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _forcing(flight: TrueFlight, sines: Array) -> tuple[Array, Array]:
     """Forcing of the channels by a unit of each parameter in the middle of every step, north, east, up (n, 61, 3),
     m/s²; the path there (n, 3)."""
     launch, tilt = local_axes(flight.position_i[0]), np.zeros((3, COUNT))
@@ -158,7 +156,7 @@ def _forcing(flight: TrueFlight, sines: FloatArray) -> tuple[FloatArray, FloatAr
     return out, middle
 
 
-def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) -> FloatArray:
+def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) -> Array:
     """[B-5] driven along a real flight by a unit of each parameter (61, m, 3), m: north, east, up.
 
     The forcing C df + psi x f is that of [B-4], resolved in the moving local axes; Coriolis and transport
@@ -174,7 +172,7 @@ def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) ->
     return out
 
 
-def closed_form_errors(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> FloatArray:
+def closed_form_errors(flight: TrueFlight, parameters: Array, errors: ErrorSet, every: int = 10) -> Array:
     """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for: north, east, up
     (c, m, 3), m.
 

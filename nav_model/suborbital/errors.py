@@ -13,9 +13,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.base.units import to_si
-from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.layout import (
     ACCELEROMETERS,
     ATTITUDE,
@@ -131,11 +131,9 @@ class ErrorSet:
     initial: InitialErrors = GP1_INITIAL
 
 
-def parameter_vector(
-    errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0
-) -> FloatArray:
+def parameter_vector(errors: ErrorSet, misalignment_rad: Triple = (0.0, 0.0, 0.0), latency_s: float = 0.0) -> Array:
     """The deterministic errors as one vector, (61,), in the order of `layout`; star tracker entries last."""
-    parts: list[FloatArray] = []
+    parts: list[Array] = []
     for sensor in (errors.accelerometers, errors.gyros):
         parts += [
             np.array(sensor.constant_bias),
@@ -148,7 +146,7 @@ def parameter_vector(
     return np.concatenate([*parts, np.array(misalignment_rad), [latency_s]])
 
 
-def require_parameters(parameters: FloatArray) -> None:
+def require_parameters(parameters: Array) -> None:
     """InputError unless parameter vectors are (cases, 61)."""
     if parameters.shape[1] != COUNT:
         raise InputError("parameters", f"has shape {parameters.shape}; it must be (cases, {COUNT})")
@@ -191,7 +189,7 @@ CLASSES: dict[str, tuple[slice, ...]] = {
 noise, which is random, is reported beside it as a standard deviation)."""
 
 
-def mask(group: tuple[slice, ...]) -> FloatArray:
+def mask(group: tuple[slice, ...]) -> Array:
     """Ones at the entries of a group, zeros elsewhere, (61,)."""
     out = np.zeros(COUNT)
     for part in group:

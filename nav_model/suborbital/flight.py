@@ -11,12 +11,13 @@ from functools import cached_property
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.compiled import kernel
 from nav_model.base.constants import EARTH_RATE, SPHERE_RADIUS
 from nav_model.base.errors import InputError
 from nav_model.base.units import to_si
 from nav_model.earth.gravity import field_kernel, zonals
-from nav_model.earth.rotation import FloatArray, matrix_from_euler
+from nav_model.earth.rotation import matrix_from_euler
 from nav_model.earth.sphere import earth_velocity, local_axes, ned_to_inertial, spherical_position
 from nav_model.suborbital.runge_kutta import after_step, node_of, state_at
 
@@ -85,12 +86,12 @@ class TrueFlight:
 
     name: str
     step_s: float
-    time_s: FloatArray = field(repr=False)
-    position_i: FloatArray = field(repr=False)
-    velocity_i: FloatArray = field(repr=False)
-    half_attitude_bi: FloatArray = field(repr=False)
-    specific_force_b: FloatArray = field(repr=False)
-    angular_rate_b: FloatArray = field(repr=False)
+    time_s: Array = field(repr=False)
+    position_i: Array = field(repr=False)
+    velocity_i: Array = field(repr=False)
+    half_attitude_bi: Array = field(repr=False)
+    specific_force_b: Array = field(repr=False)
+    angular_rate_b: Array = field(repr=False)
     gravity: str
     initial_track_rad: float
     burnout_s: float | None
@@ -112,41 +113,41 @@ class TrueFlight:
         return self.burnout_s is None
 
     @property
-    def attitude_bi(self) -> FloatArray:
+    def attitude_bi(self) -> Array:
         """Body to inertial rotation at every step, (n+1, 3, 3)."""
         return self.half_attitude_bi[::2]
 
     @cached_property
-    def latitude_rad(self) -> FloatArray:
+    def latitude_rad(self) -> Array:
         """Latitude on the sphere, (n+1,)."""
         return spherical_position(self.position_i)[0]
 
     @cached_property
-    def longitude_rad(self) -> FloatArray:
+    def longitude_rad(self) -> Array:
         """Longitude on the turning Earth, (n+1,), in [-pi, pi)."""
         inertial = spherical_position(self.position_i)[1]
         return np.asarray((inertial - EARTH_RATE * self.time_s + np.pi) % (2.0 * np.pi) - np.pi)
 
     @cached_property
-    def height_m(self) -> FloatArray:
+    def height_m(self) -> Array:
         """Height above the sphere, (n+1,)."""
         return spherical_position(self.position_i)[2]
 
     @cached_property
-    def velocity_ned(self) -> FloatArray:
+    def velocity_ned(self) -> Array:
         """Velocity over the turning Earth in local axes, (n+1, 3), m/s."""
         relative = self.velocity_i - earth_velocity(self.position_i)
         return np.asarray(np.einsum("tji,tj->ti", local_axes(self.position_i), relative))
 
     @cached_property
-    def track_rad(self) -> FloatArray:
+    def track_rad(self) -> Array:
         """Direction of travel over ground, from north, (n+1,). Below 1 m/s of ground speed the track is
         that of the launch azimuth (or of the first moving sample of a file)."""
         north, east = self.velocity_ned[:, 0], self.velocity_ned[:, 1]
         return np.where(np.hypot(north, east) >= 1.0, np.arctan2(east, north), self.initial_track_rad)
 
     @cached_property
-    def ground_range_m(self) -> FloatArray:
+    def ground_range_m(self) -> Array:
         """Great-circle distance over the turning Earth from the first point, (n+1,), m."""
         lat, lon = self.latitude_rad, self.longitude_rad
         dlon = lon - lon[0]
@@ -165,9 +166,7 @@ class TrueFlight:
 
 
 @kernel
-def _integrate(
-    r0: FloatArray, v0: FloatArray, force_i: FloatArray, j: FloatArray, h: float
-) -> tuple[FloatArray, FloatArray]:
+def _integrate(r0: Array, v0: Array, force_i: Array, j: Array, h: float) -> tuple[Array, Array]:
     """RK4 of r'' = f - gravitation(r), f (n, 3 nodes, 3) given in inertial axes."""
     n, k = force_i.shape[0], np.empty((4, 6))
     states = np.empty((n + 1, 6))  # position, velocity
@@ -185,12 +184,12 @@ def _integrate(
     return states[:, :3].copy(), states[:, 3:].copy()
 
 
-def step_nodes(half: FloatArray) -> FloatArray:
+def step_nodes(half: Array) -> Array:
     """Samples at half steps (2n+1, ...) regrouped as (n, 3, ...): start, middle, end of each step."""
     return np.stack([half[:-2:2], half[1:-1:2], half[2::2]], axis=1)
 
 
-def thrust(parameters: FlightParameters, time_s: FloatArray) -> FloatArray:
+def thrust(parameters: FlightParameters, time_s: Array) -> Array:
     """Thrust acceleration along body x, m/s², burn-out included: a0 / (1 - t (1 - a0/a1) / t_burn)."""
     ratio = 1.0 - parameters.initial_thrust_m_s2 / parameters.final_thrust_m_s2
     inside = np.minimum(time_s, parameters.burn_time_s) / parameters.burn_time_s
@@ -198,7 +197,7 @@ def thrust(parameters: FlightParameters, time_s: FloatArray) -> FloatArray:
     return np.where(time_s <= parameters.burn_time_s + 1e-9, value, 0.0)
 
 
-def attitude_program(parameters: FlightParameters, time_s: FloatArray) -> tuple[FloatArray, FloatArray]:
+def attitude_program(parameters: FlightParameters, time_s: Array) -> tuple[Array, Array]:
     """Roll, pitch, yaw (..., 3) rad and their rates, rad/s, from launch-site axes frozen at lift-off."""
     p = parameters
     span = p.pitch_end_s - p.pitch_start_s
@@ -282,8 +281,8 @@ def in_gravity(flight: TrueFlight, gravity: str) -> TrueFlight:
 
 
 def fly(
-    position: FloatArray, velocity: FloatArray, attitude: FloatArray, force: FloatArray, gravity: str, step_s: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    position: Array, velocity: Array, attitude: Array, force: Array, gravity: str, step_s: float
+) -> tuple[Array, Array, Array]:
     """time_s, position_i and velocity_i of a `TrueFlight`, integrated from its start (inertial axes),
     attitude at half steps (2n+1, 3, 3) and body specific force at the nodes (n, 3, 3).
 

@@ -15,9 +15,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import Array
 from nav_model.base.compiled import kernel, part
 from nav_model.earth.gravity import field_kernel, zonals
-from nav_model.earth.rotation import FloatArray, matrix_from_vector
+from nav_model.earth.rotation import matrix_from_vector
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.errors import ErrorSet, require_parameters
 from nav_model.suborbital.flight import TrueFlight
@@ -43,8 +44,8 @@ class AttitudeFrames:
     and where the camera is noisy the covariance of its error on body axes (n+1, 3, 3), rad²."""
 
     used: np.ndarray
-    attitude_bi: FloatArray = field(repr=False)
-    covariance: FloatArray | None = field(default=None, repr=False)
+    attitude_bi: Array = field(repr=False)
+    covariance: Array | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
@@ -52,11 +53,11 @@ class InsRun:
     """INS output of c cases at m instants: time_s (m,), position_i and velocity_i (c, m, 3), attitude_bi
     (c, m, 3, 3), all in inertial axes, SI; `index` are the flight's steps at those instants."""
 
-    time_s: FloatArray
+    time_s: Array
     index: np.ndarray
-    position_i: FloatArray = field(repr=False)
-    velocity_i: FloatArray = field(repr=False)
-    attitude_bi: FloatArray = field(repr=False)
+    position_i: Array = field(repr=False)
+    velocity_i: Array = field(repr=False)
+    attitude_bi: Array = field(repr=False)
     source: str
 
     def cases(self, which: list[int]) -> InsRun:
@@ -67,13 +68,13 @@ class InsRun:
 
 @part
 def _measured(
-    p: FloatArray,
+    p: Array,
     first: int,
-    true: FloatArray,
-    noise: FloatArray,
+    true: Array,
+    noise: Array,
     bias_sine: float,
     matrix_sine: float,
-    out: FloatArray,
+    out: Array,
 ) -> None:
     """What the cases' faulty accelerometers (``first`` = ACCELEROMETERS) or gyros (GYROS) measure [B-1], into out
     (3, c)."""
@@ -87,7 +88,7 @@ def _measured(
 
 
 @part
-def _inertial_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, dy: FloatArray) -> None:
+def _inertial_rates(y: Array, f: Array, w: Array, j: Array, dy: Array) -> None:
     """[B-3]; state: direction cosines C_bi by rows (9), inertial velocity (3), inertial position (3)."""
     for case in range(y.shape[1]):
         x, yy, z = y[12, case], y[13, case], y[14, case]
@@ -109,20 +110,20 @@ def _inertial_rates(y: FloatArray, f: FloatArray, w: FloatArray, j: FloatArray, 
 
 @kernel
 def _run(
-    start: FloatArray,
-    p: FloatArray,
-    force: FloatArray,
-    rate: FloatArray,
-    sines: FloatArray,
-    noise: FloatArray,
+    start: Array,
+    p: Array,
+    force: Array,
+    rate: Array,
+    sines: Array,
+    noise: Array,
     noisy: bool,
     used: NDArray[np.bool_],
-    frames: FloatArray,
+    frames: Array,
     seen: NDArray[np.int64],
-    j: FloatArray,
+    j: Array,
     h: float,
     every: int,
-    out: FloatArray,
+    out: Array,
 ) -> None:
     """All cases over the whole flight; `out` (m, 15, c) takes the states at every `every`-th step.
 
@@ -157,7 +158,7 @@ def _run(
         y = after_step(y, k, h)
 
 
-def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:
+def oscillations(flight: TrueFlight, errors: ErrorSet) -> Array:
     """sin(2 pi t / T) at every half step, (2n+1, 4): accelerometer bias, matrix, gyro bias, matrix [B-1]."""
     periods = np.array(
         [
@@ -171,7 +172,7 @@ def oscillations(flight: TrueFlight, errors: ErrorSet) -> FloatArray:
     return np.asarray(np.sin(2.0 * np.pi * half_time[:, None] / periods))
 
 
-def _initial_states(flight: TrueFlight, parameters: FloatArray) -> FloatArray:
+def _initial_states(flight: TrueFlight, parameters: Array) -> Array:
     launch = local_axes(flight.position_i[0])
     position = flight.position_i[0] + parameters[:, POSITION] @ launch.T
     velocity = flight.velocity_i[0] + parameters[:, VELOCITY] @ launch.T
@@ -181,7 +182,7 @@ def _initial_states(flight: TrueFlight, parameters: FloatArray) -> FloatArray:
 
 def _cameras(
     frames: Sequence[AttitudeFrames | None],
-) -> tuple[NDArray[np.bool_], FloatArray, NDArray[np.int64]]:
+) -> tuple[NDArray[np.bool_], Array, NDArray[np.int64]]:
     """The frames that cases take, each once: used (k, n+1), attitudes (k, n+1, 3, 3) and
     each case's row of them (c,), -1 without."""
     own = {id(each): each for each in frames if each is not None}
@@ -194,11 +195,11 @@ def _cameras(
 
 def mechanise(
     flight: TrueFlight,
-    parameters: FloatArray,
+    parameters: Array,
     errors: ErrorSet,
     *,
     frames: Sequence[AttitudeFrames | None] | None = None,
-    noise: FloatArray | None = None,
+    noise: Array | None = None,
     gravity: str | Sequence[str] = "spherical",
     every: int = 10,
     progress: Callable[[float], None] | None = None,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nav_model.earth.rotation import FloatArray
+from nav_model.base.arrays import Array
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.aiding import frame_steps
 from nav_model.suborbital.channels import decoupled_response
@@ -78,12 +78,12 @@ def moved(study: Study, inputs: SuborbitalInputs, linear: LinearParts | None = N
 
 
 def _moved_errors(
-    study: Study, exact: NavigationErrors, parameters: FloatArray, new: Sensitivity, old: Sensitivity
+    study: Study, exact: NavigationErrors, parameters: Array, new: Sensitivity, old: Sensitivity
 ) -> NavigationErrors:
     """The last exact run + S p - S_0 p_0, for every history."""
     path = study.flight.position_i[:: study.every]
 
-    def change(name: str) -> FloatArray:
+    def change(name: str) -> Array:
         after = np.einsum("mip,cp->cmi", getattr(new, name), parameters)
         return np.asarray(after - np.einsum("mip,cp->cmi", getattr(old, name), study.parameters))
 

@@ -11,7 +11,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from nav_model.earth.rotation import FloatArray, vector_from_matrix
+from nav_model.base.arrays import Array
+from nav_model.earth.rotation import vector_from_matrix
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.mechanisation import InsRun
@@ -28,13 +29,13 @@ class NavigationErrors:
     which contains the error of the estimated position.
     """
 
-    time_s: FloatArray
-    position_m: FloatArray = field(repr=False)
-    velocity_m_s: FloatArray = field(repr=False)
-    down_range_m: FloatArray = field(repr=False)
-    cross_range_m: FloatArray = field(repr=False)
-    attitude_inertial_rad: FloatArray = field(repr=False)
-    attitude_navigation_rad: FloatArray = field(repr=False)
+    time_s: Array
+    position_m: Array = field(repr=False)
+    velocity_m_s: Array = field(repr=False)
+    down_range_m: Array = field(repr=False)
+    cross_range_m: Array = field(repr=False)
+    attitude_inertial_rad: Array = field(repr=False)
+    attitude_navigation_rad: Array = field(repr=False)
     source: str
 
     histories: ClassVar[tuple[str, ...]] = (
@@ -48,7 +49,7 @@ class NavigationErrors:
         return replace(self, **{name: getattr(self, name)[which] for name in self.histories})
 
 
-def along_track(position_m: FloatArray, track_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+def along_track(position_m: Array, track_rad: Array) -> tuple[Array, Array]:
     """Down-range and cross-range (c, m) of errors north, east, up (c, m, 3) on a track (m,)."""
     north, east, c, s = position_m[..., 0], position_m[..., 1], np.cos(track_rad), np.sin(track_rad)
     return north * c + east * s, -north * s + east * c

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
-from nav_model.earth.rotation import FloatArray, matrix_from_vector
+from nav_model.earth.rotation import matrix_from_vector
 from nav_model.suborbital.mechanisation import AttitudeFrames, mechanise
 from nav_model.suborbital.navigation_errors import navigation_errors
 from nav_model.suborbital.study import Study
@@ -27,10 +28,10 @@ class NoiseEnsemble:
 
     runs: int
     seed: int
-    pure_rms_m: FloatArray = field(repr=False)
-    aided_rms_m: FloatArray = field(repr=False)
-    pure_sigma_m: FloatArray = field(repr=False)
-    aided_sigma_m: FloatArray = field(repr=False)
+    pure_rms_m: Array = field(repr=False)
+    aided_rms_m: Array = field(repr=False)
+    pure_sigma_m: Array = field(repr=False)
+    aided_sigma_m: Array = field(repr=False)
     low: float
     high: float
     source: str = "INS [B-3] with white noise [B-1] alone; prediction: covariance of [B-4]"
@@ -55,9 +56,9 @@ def noise_ensemble(
     seed: int = 1,
     *,
     aided: bool = False,
-    star_covariance: FloatArray | None = None,
+    star_covariance: Array | None = None,
     progress: Callable[[float], None] | None = None,
-) -> FloatArray:
+) -> Array:
     """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte
     Carlo.
 
@@ -93,7 +94,7 @@ def noise_ensemble(
     return out
 
 
-def _roots(covariance: FloatArray, used: np.ndarray) -> FloatArray:
+def _roots(covariance: Array, used: np.ndarray) -> Array:
     """Cholesky factors where a frame is used, zero elsewhere."""
     out = np.zeros_like(covariance)
     out[used] = np.linalg.cholesky(covariance[used])
@@ -104,7 +105,7 @@ def fly_noise(
     study: Study,
     runs: int = 100,
     seed: int = 1,
-    star_covariance: FloatArray | None = None,
+    star_covariance: Array | None = None,
     *,
     progress: Callable[[float, str], None] | None = None,
 ) -> NoiseEnsemble:

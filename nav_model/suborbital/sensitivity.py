@@ -13,9 +13,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import Array
 from nav_model.base.compiled import kernel, part
 from nav_model.base.constants import GRAVITATIONAL_PARAMETER
-from nav_model.earth.rotation import FloatArray, skew
+from nav_model.earth.rotation import skew
 from nav_model.earth.sphere import local_axes
 from nav_model.suborbital.errors import ErrorSet
 from nav_model.suborbital.flight import TrueFlight, step_nodes
@@ -44,12 +45,12 @@ class Sensitivity:
     (m, 3, 61): north, east, up of the inertial velocity error; attitude (m, 3, 61): psi on inertial axes.
     """
 
-    time_s: FloatArray
-    position: FloatArray = field(repr=False)
-    velocity: FloatArray = field(repr=False)
-    attitude: FloatArray = field(repr=False)
+    time_s: Array
+    position: Array = field(repr=False)
+    velocity: Array = field(repr=False)
+    attitude: Array = field(repr=False)
 
-    def position_m(self, parameters: FloatArray) -> FloatArray:
+    def position_m(self, parameters: Array) -> Array:
         """Position errors (cases, m, 3), m, of parameter vectors (cases, 61) or (61,): the product S p."""
         p = np.atleast_2d(parameters)
         flat = self.position.reshape(-1, COUNT) @ p.T
@@ -64,15 +65,13 @@ class NoiseSpread:
     inertial axes.
     """
 
-    time_s: FloatArray
-    position_sigma_m: FloatArray
-    covariance: FloatArray = field(repr=False)
+    time_s: Array
+    position_sigma_m: Array
+    covariance: Array = field(repr=False)
 
 
 @part
-def unit_errors(
-    c: FloatArray, f: FloatArray, w: FloatArray, s: FloatArray, acc: FloatArray, turn: FloatArray
-) -> None:
+def unit_errors(c: Array, f: Array, w: Array, s: Array, acc: Array, turn: Array) -> None:
     """Columns of C df and C domega for a unit of each sensor parameter, into acc and turn (3, 61)."""
     for a in range(3):
         for b in range(3):
@@ -89,7 +88,7 @@ def unit_errors(
 
 
 @part
-def _restart(state: FloatArray, c: FloatArray, w: FloatArray) -> None:
+def _restart(state: Array, c: Array, w: Array) -> None:
     """What the camera's own errors make of the attitude at a frame: psi starts anew."""
     state[:3] = 0.0
     for a in range(3):
@@ -100,16 +99,16 @@ def _restart(state: FloatArray, c: FloatArray, w: FloatArray) -> None:
 
 @kernel
 def _propagate(
-    state: FloatArray,
-    dynamics: FloatArray,
-    attitude: FloatArray,
-    force: FloatArray,
-    rate: FloatArray,
-    sines: FloatArray,
+    state: Array,
+    dynamics: Array,
+    attitude: Array,
+    force: Array,
+    rate: Array,
+    sines: Array,
     used: NDArray[np.bool_],
     h: float,
     every: int,
-    out: FloatArray,
+    out: Array,
 ) -> None:
     """RK4 of [B-4] for all columns at once; state (9, P) holds psi, velocity and position errors."""
     n, driven, k = len(dynamics), np.zeros((3, *state.shape)), np.empty((4, *state.shape))
@@ -129,7 +128,7 @@ def _propagate(
         state = after_step(state, k, h)
 
 
-def _half_path(flight: TrueFlight) -> FloatArray:
+def _half_path(flight: TrueFlight) -> Array:
     """True position at every half step, (2n+1, 3): Hermite midpoint of position and velocity."""
     r, v = flight.position_i, flight.velocity_i
     path = np.empty((2 * flight.steps + 1, 3))
@@ -179,7 +178,7 @@ def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = 
     )
 
 
-def _dynamics(force: FloatArray, position: FloatArray) -> FloatArray:
+def _dynamics(force: Array, position: Array) -> Array:
     """[B-4] as a matrix (..., 9, 9) on psi, velocity and position errors; force and position (..., 3), inertial."""
     radius = np.linalg.norm(position, axis=-1)[..., None, None]
     outer = position[..., :, None] * position[..., None, :] / radius**2
@@ -195,7 +194,7 @@ def white_noise_spread(
     accelerometer: float,
     gyro: float,
     used: np.ndarray | None = None,
-    frame_covariance: FloatArray | None = None,
+    frame_covariance: Array | None = None,
     every: int = 10,
 ) -> NoiseSpread:
     """Standard deviation from white noise alone, against time [B-4].
@@ -254,7 +253,7 @@ class NoiseParts:
 
 
 def noise_parts(
-    flight: TrueFlight, used: np.ndarray | None, frame_covariance: FloatArray | None, every: int
+    flight: TrueFlight, used: np.ndarray | None, frame_covariance: Array | None, every: int
 ) -> NoiseParts:
     """White noise in parts; arguments as `white_noise_spread`."""
     unit = partial(white_noise_spread, flight, used=used, every=every)
@@ -262,7 +261,7 @@ def noise_parts(
     return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), star)
 
 
-def along_track_sigma(spread: NoiseSpread, flight: TrueFlight, every: int = 10) -> FloatArray:
+def along_track_sigma(spread: NoiseSpread, flight: TrueFlight, every: int = 10) -> Array:
     """Standard deviation of the position error down-range and cross-range, (m, 2), m; every as in the spread."""
     north, east = np.swapaxes(local_axes(flight.position_i[::every]), -1, -2)[:, :2].swapaxes(0, 1)
     c, s = (f(flight.track_rad[::every])[:, None] for f in (np.cos, np.sin))
@@ -273,7 +272,7 @@ def along_track_sigma(spread: NoiseSpread, flight: TrueFlight, every: int = 10) 
 
 @kernel
 def _covariance(
-    transition: FloatArray, used: NDArray[np.bool_], star: FloatArray, grown: FloatArray, every: int, out: FloatArray
+    transition: Array, used: NDArray[np.bool_], star: Array, grown: Array, every: int, out: Array
 ) -> None:
     """Covariance at every `every`-th step from transition (n, 9, 9) and what the noise adds in one (9, 9)."""
     p = np.zeros((9, 9))

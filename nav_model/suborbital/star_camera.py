@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.compiled import kernel
 from nav_model.base.constants import ARCSECOND
 from nav_model.base.errors import InputError
-from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import attitude_at
 from nav_model.suborbital.attitude import COLLINEAR, attitude_error, estimate, information, nees, solvable
 from nav_model.suborbital.flight import TrueFlight
@@ -56,7 +56,7 @@ def focal_length(field_of_view_rad: float, pixels: int = 1024, pixel_pitch_m: fl
     return float(pixels * pixel_pitch_m / (2.0 * np.tan(0.5 * field_of_view_rad)))
 
 
-def project(camera: StarCamera, direction_c: FloatArray) -> tuple[FloatArray, FloatArray]:
+def project(camera: StarCamera, direction_c: Array) -> tuple[Array, Array]:
     """Pixel coordinates x/p + (N-1)/2 of directions on camera axes (..., 3) [B-8]; NaN behind the camera."""
     z = direction_c[..., 2]
     depth = np.where(z > 0.0, z, np.nan)
@@ -66,7 +66,7 @@ def project(camera: StarCamera, direction_c: FloatArray) -> tuple[FloatArray, Fl
 
 @kernel
 def _select(
-    attitude_ci: FloatArray, stars: FloatArray, half_tangent: float, most: int, chosen: np.ndarray, count: np.ndarray
+    attitude_ci: Array, stars: Array, half_tangent: float, most: int, chosen: np.ndarray, count: np.ndarray
 ) -> None:
     """Brightest stars in each square field: cone first, then the square. stars run from bright to faint."""
     cone = 1.0 / np.sqrt(1.0 + 2.0 * half_tangent * half_tangent)
@@ -89,7 +89,7 @@ def _select(
         count[i] = found
 
 
-def select_stars(camera: StarCamera, sky: Sky, attitude_bi: FloatArray) -> tuple[np.ndarray, np.ndarray]:
+def select_stars(camera: StarCamera, sky: Sky, attitude_bi: Array) -> tuple[np.ndarray, np.ndarray]:
     """Brightest stars in the field for attitudes (n, 3, 3) body to inertial.
 
     Returns indices into the sky (n, `brightest` of the camera), -1 where there are fewer, and the number of all
@@ -103,8 +103,8 @@ def select_stars(camera: StarCamera, sky: Sky, attitude_bi: FloatArray) -> tuple
 
 
 def measure(
-    camera: StarCamera, sky: Sky, attitude_bi: FloatArray, chosen: np.ndarray, generator: np.random.Generator
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    camera: StarCamera, sky: Sky, attitude_bi: Array, chosen: np.ndarray, generator: np.random.Generator
+) -> tuple[Array, Array, Array]:
     """Noisy body directions, catalogue directions (n, k, 3) and weights (n, k), zero where there is no
     star."""
     weight = (chosen >= 0).astype(np.float64)
@@ -115,7 +115,7 @@ def measure(
     return body / np.linalg.norm(body, axis=-1, keepdims=True), reference, weight
 
 
-def roll_sigma(camera: StarCamera, body: FloatArray, weight: FloatArray) -> FloatArray:
+def roll_sigma(camera: StarCamera, body: Array, weight: Array) -> Array:
     """Predicted standard deviation about the boresight, rad (...,); infinite where it is not observable
     [B-9]."""
     full = information(body, weight)
@@ -124,9 +124,7 @@ def roll_sigma(camera: StarCamera, body: FloatArray, weight: FloatArray) -> Floa
     return np.where(sound, camera.centroid_sigma_rad * np.sqrt(covariance[..., 2, 2]), np.inf)
 
 
-def gate(
-    camera: StarCamera, body: FloatArray, weight: FloatArray, method: str = "SVD"
-) -> tuple[np.ndarray, np.ndarray]:
+def gate(camera: StarCamera, body: Array, weight: Array, method: str = "SVD") -> tuple[np.ndarray, np.ndarray]:
     """Which frames may be used, (n,) bool, and why not, (n,) text (empty where used)."""
     stars, roll = np.sum(weight > 0.0, axis=-1), roll_sigma(camera, body, weight)
     few, flat = stars < camera.least_stars, roll > camera.roll_limit_rad
@@ -149,14 +147,12 @@ class _Solved(NamedTuple):
 
     used: np.ndarray
     reason: np.ndarray
-    attitude: FloatArray
-    error: FloatArray
-    covariance: FloatArray
+    attitude: Array
+    error: Array
+    covariance: Array
 
 
-def _solved(
-    camera: StarCamera, truth: FloatArray, body: FloatArray, reference: FloatArray, weight: FloatArray, method: str
-) -> _Solved:
+def _solved(camera: StarCamera, truth: Array, body: Array, reference: Array, weight: Array, method: str) -> _Solved:
     used, reason = gate(camera, body, weight, method)
     found = _Solved(used, reason, truth.copy(), np.full((len(truth), 3), np.nan), np.zeros((len(truth), 3, 3)))
     rotation, found.covariance[used] = estimate(
@@ -176,23 +172,23 @@ class StarFrame:
 
     time_s: float
     identifier: np.ndarray
-    magnitude: FloatArray
-    pixel_x: FloatArray
-    pixel_y: FloatArray
-    measured_x: FloatArray
-    measured_y: FloatArray
+    magnitude: Array
+    pixel_x: Array
+    pixel_y: Array
+    measured_x: Array
+    measured_y: Array
     stars_in_field: int
     boresight_ra_rad: float
     boresight_dec_rad: float
     used: bool
     reason: str
-    error_rad: FloatArray | None
-    sigma_rad: FloatArray | None
+    error_rad: Array | None
+    sigma_rad: Array | None
     source: str
 
 
 def star_frames(
-    flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: FloatArray, seed: int = 1, method: str = "SVD"
+    flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: Array, seed: int = 1, method: str = "SVD"
 ) -> tuple[StarFrame, ...]:
     """The star images at times (n,) of the flight, their noise from the seeds `seed`, `seed` + 1 and so on."""
     attitude = attitude_at(flight, time_s)
@@ -239,8 +235,8 @@ class StarTrack:
     """
 
     frames: AttitudeFrames
-    roll_sigma_rad: FloatArray = field(repr=False)
-    covariance: FloatArray = field(repr=False)
+    roll_sigma_rad: Array = field(repr=False)
+    covariance: Array = field(repr=False)
     mean_nees: float
 
 

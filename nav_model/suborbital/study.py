@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
+from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
 from nav_model.earth.gravity import ZONALS
-from nav_model.earth.rotation import FloatArray
 from nav_model.suborbital.aiding import Aiding, camera_frames, frame_stride, perfect_frames
 from nav_model.suborbital.channels import decoupled_response
 from nav_model.suborbital.errors import CLASSES, SOURCES, ErrorSet, mask, parameter_vector
@@ -49,7 +49,7 @@ class LinearParts:
     used: np.ndarray
     pure: Sensitivity
     aided: Sensitivity
-    channel_response: FloatArray
+    channel_response: Array
     pure_noise: NoiseParts
     aided_noise: NoiseParts
 
@@ -67,7 +67,7 @@ class Study:
     names: tuple[str, ...]
     kinds: tuple[str, ...]
     marks: tuple[str, ...] = field(repr=False)
-    parameters: FloatArray = field(repr=False)
+    parameters: Array = field(repr=False)
     pure: NavigationErrors = field(repr=False)
     aided: NavigationErrors = field(repr=False)
     linear: LinearParts = field(repr=False)
@@ -79,7 +79,7 @@ class Study:
             raise InputError("case", not_a_choice(name, self.names), name)
         return self.names.index(name)
 
-    def final_m(self, name: str) -> tuple[FloatArray, FloatArray]:
+    def final_m(self, name: str) -> tuple[Array, Array]:
         """Errors of a case at the end, north, east, up, of the INS alone and with the tracker."""
         k = self.case(name)
         return self.pure.position_m[k, -1], self.aided.position_m[k, -1]
@@ -90,7 +90,7 @@ class Study:
         return self.linear.used
 
     @cached_property
-    def channels_m(self) -> FloatArray:
+    def channels_m(self) -> Array:
         """The decoupled channels [B-5] of the same cases: north, east, up (c, m, 3), m."""
         return np.asarray(np.einsum("cp,pmi->cmi", self.parameters, self.linear.channel_response))
 
@@ -105,7 +105,7 @@ class Study:
         return self.linear.aided_noise.spread(self.inputs.errors)
 
 
-def case_parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], FloatArray]:
+def case_parameters(errors: ErrorSet, aiding: Aiding) -> tuple[tuple[str, ...], Array]:
     """Names of the cases, and their errors (cases, 61) in the order of `layout`."""
     p = parameter_vector(errors, aiding.misalignment_rad, aiding.latency_s)
     groups = {**SOURCES, **CLASSES}
@@ -196,16 +196,16 @@ class Gap:
     the exact error (0 where that is below a metre)."""
 
     names: tuple[str, ...]
-    pure_m: FloatArray
-    aided_m: FloatArray
-    pure_share: FloatArray
-    aided_share: FloatArray
+    pure_m: Array
+    aided_m: Array
+    pure_share: Array
+    aided_share: Array
 
 
-def position_gap(pure_m: FloatArray, aided_m: FloatArray, exact: Study) -> Gap:
+def position_gap(pure_m: Array, aided_m: Array, exact: Study) -> Gap:
     """Gap between position histories (cases, m, 3), pure and aided, and an exact study of the same cases."""
 
-    def compare(linear: FloatArray, truth: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def compare(linear: Array, truth: Array) -> tuple[Array, Array]:
         distance = np.linalg.norm(linear[:, -1] - truth[:, -1], axis=-1)
         size = np.linalg.norm(truth[:, -1], axis=-1)
         return distance, np.where(size >= 1.0, distance / np.maximum(size, 1.0), 0.0)
@@ -224,7 +224,7 @@ def matrix_gap(study: Study) -> Gap:
     return position_gap(study.linear.pure.position_m(p), study.linear.aided.position_m(p), study)
 
 
-def gravity_rows(flight: TrueFlight) -> tuple[tuple[str, str, FloatArray], ...]:
+def gravity_rows(flight: TrueFlight) -> tuple[tuple[str, str, Array], ...]:
     """Final north, east, up error (m) of an otherwise perfect INS for every pair (true model, INS model) on a
     flight, which is flown again in each of the fields."""
     perfect = ErrorSet()

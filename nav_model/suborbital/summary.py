@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nav_model.earth.rotation import FloatArray
+from nav_model.base.arrays import Array
 from nav_model.suborbital.channels import height_e_folding_time
 from nav_model.suborbital.errors import CLASSES
 from nav_model.suborbital.study import GRAVITY_ROW, Study
@@ -21,7 +21,7 @@ PAPER_FINAL_M: dict[str, dict[str, tuple[float, float]]] = {
 only."""
 
 
-def _size(vector: FloatArray) -> float:
+def _size(vector: Array) -> float:
     return float(np.linalg.norm(vector))
 
 
@@ -37,7 +37,7 @@ def _metres(value: float) -> str:
     return "< 1 mm"
 
 
-def final_total(study: Study) -> tuple[FloatArray, FloatArray]:
+def final_total(study: Study) -> tuple[Array, Array]:
     """Final position error of the INS alone and with the tracker, (3,) m each, root of the squares of the sum of the
     signed errors and of white noise."""
     pure, aided = study.final_m("all")
@@ -112,7 +112,7 @@ def explain(study: Study) -> str:
     return " ".join(parts)
 
 
-def by_channel(values: FloatArray) -> dict[str, float]:
+def by_channel(values: Array) -> dict[str, float]:
     """A position error under the names of its axes."""
     return dict(zip(("north", "east", "up"), map(float, values), strict=True))
 
@@ -124,7 +124,7 @@ def to_json(study: Study) -> dict[str, object]:
     flight = study.flight
     apogee_time, apogee_height = flight.apogee
 
-    def both(pure: FloatArray, aided: FloatArray) -> dict[str, dict[str, float]]:
+    def both(pure: Array, aided: Array) -> dict[str, dict[str, float]]:
         return {"final_m": by_channel(pure), "aided_final_m": by_channel(aided)}
 
     rows = {name: both(*study.final_m(name)) for name in study.names}

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from nav_model.earth.rotation import FloatArray
+from nav_model.base.arrays import Array
 from nav_model.suborbital.attitude import METHODS, MethodScore, compare_methods
 from nav_model.suborbital.flight import TrueFlight, reference_flight
 from nav_model.suborbital.flight_file import parse_flight
@@ -45,7 +45,7 @@ class Survey:
     star_frames: tuple[StarFrame, ...] = field(repr=False)
     scores: tuple[MethodScore, ...]
     scenes_refused: int
-    gravity: tuple[tuple[str, str, FloatArray], ...] = field(repr=False)
+    gravity: tuple[tuple[str, str, Array], ...] = field(repr=False)
     trajectory: str
 
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import pypdf
 import pytest
-from on_page import IDLE, Check, Visit
+from on_page import IDLE, Check, Visit, turn
 from playwright.sync_api import Page, expect
 
-from app.subjects import SUBJECTS
+from app.subjects import TABS
 
 _FOCUSED = """() => {
   let at = document.activeElement
@@ -47,8 +47,8 @@ def test_axe_finds_nothing_on_any_page_light_or_dark_and_the_console_stays_empty
     for theme in ("light", "dark"):
         if theme == "dark":
             page.get_by_role("button", name="theme").click()
-        for name in (subject.title for subject in SUBJECTS):
-            page.get_by_role("tab", name=name, exact=True).click()
+        for name in (tab.title for tab in TABS):
+            turn(page, name)
             if name == "Theory":
                 expect(page.locator("#validation")).to_be_visible()
                 page.evaluate(_UNFOLD)
@@ -59,8 +59,8 @@ def test_axe_finds_nothing_on_any_page_light_or_dark_and_the_console_stays_empty
 @pytest.mark.slow
 def test_no_page_loses_anything_at_twice_the_zoom(visit: Visit, settled: Callable[[Page], None]) -> None:
     page = visit(width=720, height=450)  # what a 1440 px screen leaves at 200 %
-    for index, name in enumerate(subject.title for subject in SUBJECTS):
-        page.get_by_role("tab").nth(index).click()
+    for name in (tab.title for tab in TABS):
+        turn(page, name)
         settled(page)
         assert page.evaluate("() => document.documentElement.scrollWidth") <= 720, name
         main = page.locator(".main-content").bounding_box()

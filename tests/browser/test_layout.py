@@ -3,9 +3,11 @@
 from collections.abc import Callable
 
 import pytest
-from on_page import Visit
+from on_page import Visit, turn
 from playwright.sync_api import Page, expect
 from waiting import until
+
+from app.subjects import TABS
 
 # Counts how often the figures that can be seen now are measured from here on.
 _COUNT_FIGURES = """() => {
@@ -79,13 +81,13 @@ _OVERLAPS = """() => {
 
 # Every source of phase error: the table of them is at its longest.
 _SOURCES = "/?ba=0.1mg&bg=0.4deg/h&vl=9Hz:1g&dly=2ms&ul=30Hz:0.01mm&vre=980ug/g^2&lf=10Hz:-60dBc/Hz%3B1kHz:-99dBc/Hz"
-_ALL = ("SAR", "Explore", "Simulate", "Suborbital", "Budget")
+_ALL = ("Image", "Close it", "Simulate", "Suborbital", "Budget")
 
 
 @pytest.mark.parametrize(
     ("path", "width", "height", "names"),
     [
-        (_SOURCES, 1440, 900, ("Explore", "Budget")),
+        (_SOURCES, 1440, 900, ("Close it", "Budget")),
         *(
             pytest.param("/", *size, _ALL, marks=pytest.mark.slow)
             for size in ((1280, 720), (1440, 900), (1000, 700), (390, 844))
@@ -98,8 +100,8 @@ def test_no_part_of_a_page_is_drawn_over_another(
     page = visit(path, width=width, height=height)
     page.keyboard.press("Escape")  # where the window is narrow the design is a drawer
     for name in names:
-        page.get_by_role("tab", name=name, exact=True).click()
-        if name == "SAR":
+        turn(page, name)
+        if name == "Image":
             expect(page.get_by_text("The runs match the design.")).to_be_visible()
         if name == "Simulate":
             page.get_by_role("button", name="Start", exact=True).click()
@@ -111,8 +113,10 @@ def test_no_part_of_a_page_is_drawn_over_another(
             if width <= 1240:
                 page.get_by_role("button", name="Open", exact=True).click()
             page.get_by_role("button", name="Examples").click()
-        page.wait_for_function("(name) => location.hash === '#' + name.toLowerCase()", arg=name)
-        if name == "Explore":
+        page.wait_for_function(
+            "(name) => location.hash === '#' + name", arg=next(tab.address for tab in TABS if tab.title == name)
+        )
+        if name == "Close it":
             expect(page.get_by_role("table", name="What reduces")).to_be_visible()
         else:
             expect(page.locator(".bk-Figure:visible").last).to_be_visible()

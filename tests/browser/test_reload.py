@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import pytest
-from on_page import Visit
+from on_page import Visit, turn
 from playwright.sync_api import Page, expect
 
 _BACK = "The design you had on this page is back"
@@ -21,7 +21,7 @@ def test_the_design_the_study_and_their_revision_outlive_a_reload(visit: Visit) 
     box.fill("0.1")
     box.press("Enter")
     expect(box).to_have_value("0.1 °/√h")
-    page.get_by_role("tab", name="Suborbital", exact=True).click()
+    turn(page, "Suborbital")
     page.get_by_role("button", name="Inputs", exact=True).click()
     bias = page.get_by_role("textbox", name="Gyro bias, constant", exact=True)
     bias.fill("7, 8, 9")
@@ -42,7 +42,7 @@ def test_the_design_the_study_and_their_revision_outlive_a_reload(visit: Visit) 
 
 
 def test_a_question_outlives_a_reload_without_a_word_of_the_design(visit: Visit) -> None:
-    page = visit("/#explore")
+    page = visit("/#close")
     asked = page.get_by_role("button", name="Probability", exact=True)
     asked.click()
     expect(page.get_by_text("Probability of closing")).to_be_visible()

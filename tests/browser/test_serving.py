@@ -218,7 +218,7 @@ def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on
         page.wait_for_function(IDLE)
         notice = page.get_by_role("alert").first
         for kind, act in (
-            ("RuntimeError", page.get_by_role("tab", name="Theory", exact=True)),
+            ("RuntimeError", page.get_by_role("tab", name="More", exact=True)),
             ("MemoryError", page.get_by_role("button", name="HTML report")),
         ):
             if kind == "MemoryError":
@@ -250,7 +250,7 @@ def test_what_one_visitor_opens_first_another_can_open_too(browser: Browser, tmp
         for page in pages:
             page.get_by_role("tab", name="Sensors", exact=True).click()
             expect(page.get_by_role("button", name="Choose a log")).to_be_visible()
-            page.get_by_role("tab", name="Theory", exact=True).click()
+            page.get_by_role("tab", name="More", exact=True).click()
             expect(page.locator("section.equation math").first).to_be_attached()
         for page in pages:
             page.close()

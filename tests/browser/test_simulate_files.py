@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from on_page import Visit, box, enter
+from on_page import Visit, box, enter, turn
 from playwright.sync_api import Page, expect
 from served import serving
 from waiting import until
@@ -17,7 +17,7 @@ _HEADER = "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg
 
 def open_simulate(visit: Visit) -> Page:
     page = visit()
-    page.get_by_text("Simulate", exact=True).click()
+    turn(page, "Simulate")
     expect(page.get_by_role("button", name="Start", exact=True)).to_be_enabled()
     return page
 
@@ -84,7 +84,7 @@ def forgetful() -> Iterator[str]:
 @pytest.mark.slow
 def test_closing_the_page_ends_its_runs(page: Page, forgetful: str) -> None:
     page.goto(forgetful)
-    page.get_by_text("Simulate", exact=True).click()
+    turn(page, "Simulate")
     expect(page.get_by_role("button", name="Start", exact=True)).to_be_enabled()
     enter(box(page, "Runs"), "2000")
     enter(box(page, "Length [s]"), "2000")

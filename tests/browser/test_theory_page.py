@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import pytest
-from on_page import Visit
+from on_page import Visit, turn
 from playwright.sync_api import Page, expect
 
 from nav_model.equations import ALL_EQUATIONS
@@ -21,7 +21,7 @@ def test_every_equation_is_set_offline_and_a_mark_leads_to_its_equation_and_back
     visit: Visit, fits: Callable[[Page, int], None]
 ) -> None:
     page = visit()
-    page.get_by_text("Theory", exact=True).first.click()
+    turn(page, "Theory")
     expect(page.locator("section.equation math")).to_have_count(len(ALL_EQUATIONS))
     expect(page.locator("#T-2")).to_contain_text("√")
     expect(page.get_by_role("status").first).to_contain_text("checked against independent references")

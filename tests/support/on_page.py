@@ -6,6 +6,8 @@ from typing import Any
 
 from playwright.sync_api import Download, Locator, Page
 
+from app.subjects import TABS
+
 Visit = Callable[..., Page]
 Check = Callable[..., None]
 IDLE = "() => window.Bokeh && Bokeh.documents.length && Bokeh.documents.every(d => d.is_idle)"
@@ -19,6 +21,15 @@ def box(page: Page, label: str) -> Locator:
 def card(page: Page, label: str) -> Locator:
     """The value of a key figure."""
     return page.locator(".tiles .card").filter(has=page.get_by_text(label, exact=True)).locator(".big")
+
+
+def turn(page: Page, title: str) -> None:
+    """Turn to the page of this title, by the first tab of its group where that is closed."""
+    tab = page.get_by_role("tab", name=title, exact=True)
+    if not tab.is_visible():
+        group = next(each.group for each in TABS if each.title == title)
+        page.get_by_role("tab", name=group, exact=True).click()
+    tab.click()
 
 
 def section(page: Page, title: str) -> None:

@@ -46,7 +46,7 @@ def ways_block(budget: Budget, found: tuple[Way, ...]) -> Block:
     if not found:
         said = "Every requirement is met, whatever a single input is." if budget.verdict.closes else (
             "No single input and no unit of the catalogue closes the design. Change two inputs together: the map on "
-            "the Explore page shows which."
+            "the page Close it shows which."
         )  # fmt: skip
         return Text(said)
     return ways_table(found, closes=budget.verdict.closes)

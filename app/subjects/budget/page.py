@@ -25,7 +25,6 @@ from app.session import Session
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.biases import bias_choices
 from app.subjects.budget.closing import ways, ways_block
-from app.subjects.budget.contributors import Contributors
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table, steady_table
 from app.ui.answer_strip import AnswerStrip
@@ -256,15 +255,9 @@ class BudgetPage(View):
                     lambda: details.chart(charts.regime_chart, 340),
                 ),
                 ("Growth of the position error by cause", lambda: details.chart(timelines.position_chart, 340)),
-                ("Your contributors, and allocation", self._contributors),
                 ("Exports", self._exports),
             )
         )
-
-    def _contributors(self) -> Any:
-        part = Contributors(self.session)
-        self._details.also(part.show)
-        return part
 
     def _exports(self) -> Any:
         now = self._details.known

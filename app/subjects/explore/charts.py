@@ -1,4 +1,4 @@
-"""The charts of the Explore page: ranking of inputs, and a map of two inputs."""
+"""The charts of the page Close it: ranking of inputs, and a map of two inputs."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -14,6 +14,7 @@ from nav_model.budget.figures import FIGURES
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.design.file import read_bytes
+from nav_model.design.offers import not_of_the_product
 from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import rank, sentence, silent
 from nav_model.explore.search import Candidate, left_out, search
@@ -123,6 +124,9 @@ def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
             raise InputError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
         if not own:
             raise InputError(path, f"has no [[{kind}]] entries")
+        not_of_the_product(kind, own)
+        if repeated := next((name for name in own if name in entries), None):
+            raise InputError(f"{kind}.{repeated}", f"is in another file too, and again in {path}; give one of them")
         entries |= own
     return entries
 

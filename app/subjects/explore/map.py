@@ -1,4 +1,4 @@
-"""The map of the Explore page: a result over two inputs; a click applies the place to the design."""
+"""The map of the page Close it: a result over two inputs; a click applies the place to the design."""
 
 from html import escape
 from typing import Any

@@ -1,4 +1,4 @@
-"""The Explore page: its questions one at a time, each with its answer above it."""
+"""The page Close it: its questions one at a time, each with its answer above it."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -72,7 +72,7 @@ class ExplorePage(View):
         """Clear the answer to the last question while this one is computed, as a map takes seconds."""
         self.asked, location = event.new, pn.state.location
         if location and "-" in str(location.hash):  # the name of the last question, which would come back
-            location.hash = "#explore"
+            location.hash = "#close"
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
         next_turn(lambda: self.show(self.session.budget))
 
@@ -85,7 +85,7 @@ class ExplorePage(View):
         self._strip.show(replace(answer, sentences=(*answer.sentences, *said)))
 
     def go_to(self, place: str) -> None:
-        """Ask the question whose name begins like the end of an address, such as "sensors" of "#explore-sensors"."""
+        """Ask the question whose name begins like the end of an address, such as "sensors" of "#close-sensors"."""
         place = place.lower().replace(" ", "-")
         name = next((name for name in QUESTIONS if name.lower().replace(" ", "-").startswith(place)), None)
         if name:

@@ -1,4 +1,4 @@
-"""Base class of the questions of the Explore page: a view, and an answer for the strip above it."""
+"""Base class of the questions of the page Close it: a view, and an answer for the strip above it."""
 
 from abc import abstractmethod
 from typing import ClassVar

@@ -1,7 +1,7 @@
 """Which sensors meet the requirements: IMUs that pass with the design's receiver, or pairs of IMU and receiver."""
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -10,13 +10,15 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import chosen
+from app.declared import chosen, held
+from app.document.blocks import Answer
 from app.document.pane import html_of
-from app.library.offers import KINDS, Offers, keep_offers, kept_offers, read_offers
+from app.library.offers import keep_offers, kept_files, remove_offers
 from app.library.place import library
 from app.session import Session
 from app.subjects.explore.console import candidate
 from app.subjects.explore.question import NO_LIMIT, Question
+from app.subjects.explore.ranking import Ranking, ranked
 from app.subjects.explore.tables import search_answer, search_table
 from app.ui.chart_pane import source_note
 from app.ui.downloads import download
@@ -26,13 +28,21 @@ from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.study_settings import StudySettings
 from app.ui.theme import SWITCH
 from app.ui.upload import upload
+from app.work.pool import elsewhere
+from app.work.run import Run
 from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue
-from nav_model.explore.search import Biases, Candidate, left_out, one_currency, search
+from nav_model.design.offers import KINDS, Offers, merged_offers, read_offers
+from nav_model.explore.margins import label_of
+from nav_model.explore.search import Biases, Candidate, check_pairs, one_currency
 
 MAX_BYTES = 200_000
+_MOST_AT_ONCE = 250  # pairs ranked here, in a tenth of a second; more in a worker
+_MOST_NAMES = 20  # in a message
+_MOST_ROWS = 200  # of the table on the page
+_COMPUTING = Answer("Sensors that pass", "open", ("Computing …",))
 _KNOWLEDGE = (
     "Every row is computed with the formulas of the budget. The main error source has the largest share of the "
     "tightest requirement's variance [T-18]. Every IMU has your design's vibration factor, and the residual biases "
@@ -50,18 +60,29 @@ _BIASES: dict[str, Biases] = {
 class SearchPanel(Question):
     """IMUs with the design's receiver, or all pairs; the filter, and the user's own sensors."""
 
+    run = held(Run)
     words = param.String(label="Filter")
     own = chosen(True, {"Your receiver": True, "All receivers": False}, "Receiver")
     biases: Biases = chosen("design", _BIASES, "Residual biases")
 
     def __init__(self, session: Session) -> None:
-        super().__init__(session=session)
+        super().__init__(session=session, run=session.new_run())
         self._own: Offers = {kind: {} for kind in KINDS}
-        self._text = ""
+        self._opened_file = ("", "")
         self._keep = pmui.Button(label="Keep in the library", variant="text", disabled=True, on_click=self._kept)
-        self._found: tuple[Candidate, ...] = ()
+        self._of_library = pmui.Select(
+            label="File in the library", visible=False, width=180, margin=(8, 8), size="small"
+        )
+        self._remove = pmui.Button(
+            label="Remove from the library",
+            variant="text",
+            visible=self._of_library.param.visible,
+            on_click=self._removed,
+        )
+        self._ranking = Ranking()
+        self._in_worker = False
         self._said = html_pane("", margin=(0, 14))
-        self._left_out = html_pane("", margin=(0, 14))
+        self._notes = html_pane("", margin=(0, 14))
         self._table = SortableTable(self._take, margin=(0, 14), stylesheets=[WHOLE])
         self._file = upload(
             "Add your own sensors (TOML)", ".toml", MAX_BYTES, self._opened,
@@ -84,12 +105,14 @@ class SearchPanel(Question):
             self._file,
             self._keep,
             pmui.Button(label="Offers of the library", variant="text", on_click=self._load),
+            self._of_library,
+            self._remove,
             download("Example file", "sensors.toml", lambda: EXAMPLE),
             download("Table: CSV", "search.csv", self._csv),
             align_items="center",
         )
         content = pn.Column(
-            self._said, self._table, self._left_out, html_pane(source_note(_KNOWLEDGE), margin=(4, 14)),
+            self._said, self._table, self._notes, html_pane(source_note(_KNOWLEDGE), margin=(4, 14)),
             sizing_mode="stretch_both", styles={"overflow": "auto"},
         )  # fmt: skip
         return first_screen(tools, left=[content], height="100%")
@@ -98,19 +121,35 @@ class SearchPanel(Question):
         return {**catalogue(kind), **self._own[kind]}
 
     def show(self, budget: Budget) -> None:
-        """Judge every unit or pair again."""
-        self._found = ()
-        if budget.verdict.checks:
-            imus, receivers = self._entries("imu"), {} if self.own else self._entries("gnss")
-            self._found = search(budget.design, imus, receivers, self.biases)
-            silent = "; ".join(f"{name} ({lacks})" for name, lacks in left_out(imus, self.biases).items())
-            self._left_out.object = f'<p class="quiet fine">Not ranked, data sheet incomplete: {escape(silent)}.</p>'
-            unbiased = 0
-            if self.biases == "design" and not any(row.closes for row in self._found):
-                unbiased = sum(row.closes for row in search(budget.design, imus, receivers, "zero"))
-            self.answer = search_answer(self._found, self.own, unbiased)
-        else:
-            self.answer = NO_LIMIT
+        """Judge every unit or pair again; many of them in a worker."""
+        self._in_worker = False
+        if not budget.verdict.checks:
+            self.run.cancel()
+            self._show_ranking(Ranking(), NO_LIMIT)
+            return
+        imus, receivers = self._entries("imu"), {} if self.own else self._entries("gnss")
+        question = budget.design, imus, receivers, self.biases
+        if len(imus) * (1 + len(receivers)) <= _MOST_AT_ONCE:
+            self.run.cancel()
+            self._show_ranking(ranked(*question))
+            return
+        self._show_ranking(Ranking(), _COMPUTING)
+        self._in_worker = True
+        pn.state.execute(lambda: self.run.start(lambda _: elsewhere(ranked, *question)))
+
+    @param.depends("run.running", watch=True)
+    def _ranked(self) -> None:
+        """Show what the worker has found, if that is still what is asked."""
+        if self.run.running or not self._in_worker:
+            return
+        if self.run.message:
+            self._show_ranking(Ranking(), Answer("Not ranked", "warn", (self.run.message,)))
+        elif self.run.result is not None:
+            self._show_ranking(self.run.result)
+
+    def _show_ranking(self, ranking: Ranking, answer: Answer | None = None) -> None:
+        self._ranking = ranking
+        self.answer = answer or search_answer(ranking.rows, self.own, ranking.unbiased)
         self._fill()
 
     @param.depends("own", "biases", watch=True)
@@ -119,15 +158,27 @@ class SearchPanel(Question):
 
     @param.depends("words", watch=True)
     def _fill(self) -> None:
-        """Show the rows that hold every word of the filter."""
+        """Show the first rows that hold every word of the filter."""
         words = self.words.lower().split()
-        whole = search_table(self._found, self.own)
-        texts = (" ".join(cell.text for cell in row).lower() for row in whole.rows)
-        shown = [row for row, text in zip(self._found, texts, strict=True) if all(word in text for word in words)]
-        self._table.html = html_of(search_table(shown, self.own)) if self._found else ""
+        rows = [row for row in self._ranking.rows if all(word in self._text(row) for word in words)]
+        self._table.html = html_of(search_table(rows[:_MOST_ROWS], self.own)) if self._ranking.rows else ""
+        notes = []
+        if len(rows) > _MOST_ROWS:
+            notes.append(f"The first {_MOST_ROWS} of {len(rows)} rows; the filter finds the others, the CSV has all.")
+        if self._ranking.left_out:
+            lacking = "; ".join(f"{name} ({lacks})" for name, lacks in self._ranking.left_out.items())
+            notes.append(f"Not ranked, data sheet incomplete: {lacking}.")
+        self._notes.object = f'<p class="quiet fine">{escape(" ".join(notes))}</p>' if notes else ""
+
+    def _text(self, row: Candidate) -> str:
+        """What a filter finds a row by."""
+        verdict = "closes" if row.closes else "does not close"
+        receiver = "" if self.own else row.gnss
+        parts = (row.imu, receiver, verdict, label_of(row.tightest), row.dominant, *row.doubts)
+        return " ".join(parts).lower()
 
     def _take(self, pair: str) -> None:
-        row = next((row for row in self._found if row.pair == pair), None)
+        row = next((row for row in self._ranking.rows if row.pair == pair), None)
         if row is None:
             return
         changes = dict(row.changes)
@@ -137,49 +188,79 @@ class SearchPanel(Question):
         what = row.imu if self.own else row.pair
         self._say(f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo.")
 
-    def _opened(self, _: str, content: bytes) -> None:
+    async def _opened(self, name: str, content: bytes) -> None:
         self._keep.disabled = True
         try:
             text = content.decode("utf-8-sig")
-            self._add(read_offers(text))
-            self._text, self._keep.disabled = text, False
+            self._add(await elsewhere(read_offers, text))
+            self._opened_file, self._keep.disabled = (name, text), False
         except UnicodeDecodeError as error:
             self._say(f"Not opened. Save the file as UTF-8 text: byte {error.start} is not UTF-8.")
         except InputError as error:
             self._say(f"Not opened. {error}")
 
-    def _add(self, found: Offers) -> None:
-        """Rank these units, too."""
-        own = {kind: {**self._own[kind], **found[kind]} for kind in KINDS}
+    def _add(self, offers: Offers) -> None:
+        """Rank these units, too; one of the same name takes the place of the one before."""
+        own = {kind: {**self._own[kind], **offers[kind]} for kind in KINDS}
+        check_pairs(*(len(catalogue(kind)) + len(own[kind]) for kind in KINDS))
         one_currency(entry for entries in own.values() for entry in entries.values())
+        replaced = [name for kind in KINDS for name in offers[kind] if name in self._own[kind]]
         self._own = own
         self.show(self.session.budget)
-        self._say(f"Added {', '.join(name for entries in found.values() for name in entries)}.")
+        added = f"Added {_listed(name for entries in offers.values() for name in entries)}."
+        self._say(f"{added} In place of those before: {_listed(replaced)}." if replaced else added)
 
     async def _kept(self, _: Any) -> None:
         """Keep the file opened last in the library."""
+        name, text = self._opened_file
         try:
-            await asyncio.to_thread(lambda: keep_offers(library(), str(self._file.filename), self._text))
-            self._say(f"{self._file.filename} is kept in the library.")
+            await asyncio.to_thread(lambda: keep_offers(library(), name, text))
+            self._say(f"{name} is kept in the library.")
         except InputError as error:
             self._say(f"Not kept. {error}")
 
     async def _load(self, _: Any) -> None:
         """Rank what the library holds."""
         try:
-            found, damaged = await asyncio.to_thread(lambda: kept_offers(library()))
-            if any(found.values()):
-                self._add(found)
+            files = await asyncio.to_thread(lambda: kept_files(library()))
+            self._list(files)
+            offers, damaged, repeated = await elsewhere(merged_offers, files)
+            if any(offers.values()):
+                self._add(offers)
             elif not damaged:
                 self._say("The library holds no offers yet. Open a file and keep it.")
         except InputError as error:
             self._say(f"Not opened. {error}")
             return
         if damaged:
-            self._say(f"Left out, as they are damaged: {', '.join(damaged)}. Keep these files again.")
+            self._say(f"Left out, as they are damaged: {_listed(damaged)}. Remove these files, or keep them again.")
+        elif repeated:
+            self._say(f"In several files, of which the one kept last counts: {_listed(repeated)}.")
+
+    async def _removed(self, _: Any) -> None:
+        """Remove the file that is chosen from the library; what is ranked on this page stays."""
+        name = str(self._of_library.value)
+        try:
+            await asyncio.to_thread(lambda: remove_offers(library(), name))
+            self._list(await asyncio.to_thread(lambda: kept_files(library())))
+            self._say(f"{name} was removed from the library. Its units stay on this page until it is loaded again.")
+        except InputError as error:
+            self._say(f"Not removed. {error}")
+
+    def _list(self, files: Sequence[tuple[str, str]]) -> None:
+        """Offer the library's files for removal."""
+        names = [name for name, _ in files]
+        self._of_library.param.update(options=names, value=names[-1] if names else None, visible=bool(names))
 
     def _say(self, text: str) -> None:
         self._said.object = f'<p role="status">{escape(text)}</p>'
 
     def _csv(self) -> str:
-        return csv_of(candidate(row, offers=True) for row in self._found)
+        return csv_of(candidate(row, offers=True) for row in self._ranking.rows)
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Names in a row; of many the first, and how many more."""
+    names = tuple(names)
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return ", ".join(names[:_MOST_NAMES]) + more

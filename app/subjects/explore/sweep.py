@@ -1,4 +1,4 @@
-"""Sweeps on the Explore page: grids of designs, run in a separate process, as a table, a map and files."""
+"""Sweeps on the page Close it: grids of designs, run in a separate process, as a table, a map and files."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Results of the questions of the Explore page, as blocks: the answer first, then the table."""
+"""Results of the questions of the page Close it, as blocks: the answer first, then the table."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The charts of the SAR page, as plain data, from a study of the strategies or a map."""
+"""The charts of the Image page, as plain data, from a study of the strategies or a map."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""The SAR page: the best navigation strategy, its image quality, and the pictures."""
+"""The Image page: the best navigation strategy, its image quality, and the pictures."""
 
 import asyncio
 import json

@@ -82,6 +82,7 @@ OFFERED: dict[str, dict[str, float]] = {
 """What an offer may say, and the units in SI; a price has the three letters of its currency (ISO 4217)."""
 
 _AMOUNT = re.compile(r"\s*(\d+(?:\.\d+)?(?:[eE][+-]?\d{1,2})?)\s*(\S*)\s*")
+_LONGEST_NAME = 100
 _MOST_BYTES = 1_000_000  # the product's own have ten thousand
 _EXTRA: dict[str, dict[str, str]] = {
     "imu": {"gyro_bias": "angular rate", "accelerometer_bias": "acceleration"},
@@ -108,14 +109,22 @@ def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
     tables = read_toml(text, f"{kind} catalogue", "a catalogue file", _MOST_BYTES).get(kind, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{kind} catalogue", f"entries must be [[{kind}]] tables")
-    entries = (_entry(kind, table) for table in tables)
-    return {entry.name: entry for entry in entries}
+    entries: dict[str, Entry] = {}
+    for table in tables:
+        entry = _entry(kind, table)
+        if any(entry.name.casefold() == name.casefold() for name in entries):
+            raise InputError(f"{kind}.{entry.name}", "is the name of two entries; give each its own")
+        entries[entry.name] = entry
+    return entries
 
 
 def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
     name = table.get("name")
     if not isinstance(name, str) or not name:
         raise InputError(f"{kind} catalogue", "an entry has no name")
+    if len(name) > _LONGEST_NAME or not name.isprintable() or name != name.strip():
+        said = f"the name {shown(name)} is not one line of at most {_LONGEST_NAME} characters without outer spaces"
+        raise InputError(f"{kind} catalogue", said)
     values: dict[str, SourcedValue] = {}
     extra: dict[str, SourcedValue] = {}
     offer: dict[str, SourcedValue] = {}

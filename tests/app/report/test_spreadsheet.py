@@ -107,6 +107,8 @@ def contributors() -> tuple[Contributor, ...]:
         Contributor("atmosphere", 1.5, "ce90", "length"),
         Contributor("boresight", 1e-4, "tilt", "angle", processing="real time"),
         Contributor("datum", 0.3, "coast_horizontal_position", "length"),
+        Contributor("fan", 0.02, "paired_echo", "level"),
+        Contributor("converter", 0.05, "islr", "level", kind="systematic"),
         Contributor("after flight", 0.1, "horizontal_position", "length", processing="post-processed"),
     )
 

@@ -18,10 +18,10 @@ async def test_subjects_begin_once_the_first_page_has_loaded(monkeypatch: pytest
         begun.append(design)
 
     room = ModuleType("app.subjects.wind.page")
-    room.__dict__.update(WindPage=object, ahead=ahead)
+    room.__dict__.update(ahead=ahead)
     monkeypatch.setitem(sys.modules, room.__name__, room)
-    wind = Subject("wind", "Wind", "page:WindPage", ahead="page:ahead")
-    monkeypatch.setattr(server, "SUBJECTS", (Subject("rain", "Rain", "page:RainPage"), wind))
+    wind = Subject("wind", ahead="page:ahead")
+    monkeypatch.setattr(server, "SUBJECTS", (Subject("rain"), wind))
     monkeypatch.setattr(server, "_REST", 0.0)
     loaded = asyncio.Event()
     task = asyncio.create_task(server._prepare(loaded))

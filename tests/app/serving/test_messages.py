@@ -46,7 +46,7 @@ def _row(tab: Tab, **done: Any) -> dict[str, Any]:
 
 
 def _messages(tab: Tab) -> list[tuple[str, Any]]:
-    sheet, bar = tab.row(_SLIDER)[0], next(model["id"] for model in tab.objects if "titles" in model["attributes"])
+    sheet, bar = tab.row(_SLIDER)[0], next(model["id"] for model in tab.objects if "tabs" in model["attributes"])
     return [
         ("PATCH-DOC", _row(tab, place="a lot")),
         ("PATCH-DOC", _row(tab, place=[None])),

@@ -9,12 +9,11 @@ from pathlib import Path
 import pytest
 
 import app.subjects
-from app.subjects import STUDIES, SUBJECTS, Subject
+from app.subjects import STUDIES, SUBJECTS, TABS, Subject, Tab, tab_index
 
 
 @pytest.mark.parametrize("subject", SUBJECTS, ids=lambda subject: subject.key)
 def test_what_a_subject_names_is_there(subject: Subject) -> None:
-    assert callable(subject.load("page").show)
     if subject.command:
         commands = argparse.ArgumentParser().add_subparsers()
         subject.load("command").add_to(commands)
@@ -32,11 +31,18 @@ def test_every_room_is_registered_and_no_other() -> None:
     assert list(STUDIES) == ["simulation", "trajectory", "sar", "suborbital"]  # what `navbudget report --with` takes
 
 
-def test_addresses_of_the_pages_stay() -> None:
-    addresses = [subject.title.lower() for subject in SUBJECTS]
-    assert addresses == (
-        ["budget", "simulate", "trajectory", "sar", "suborbital", "explore", "sensors", "review", "theory"]
+@pytest.mark.parametrize("tab", TABS, ids=lambda tab: tab.address)
+def test_every_tab_has_its_page(tab: Tab) -> None:
+    assert callable(tab.load().show)
+
+
+def test_addresses_of_before_lead_to_their_new_place() -> None:
+    before = ["budget", "simulate", "trajectory", "sar", "suborbital", "explore", "sensors", "review", "theory"]
+    places = [tab_index(address) for address in before]
+    assert [TABS[place].title for place in places if place is not None] == (
+        ["Budget", "Simulate", "Flight", "Image", "Suborbital", "Close it", "Sensors", "Review", "Theory"]
     )
+    assert tab_index("nonsense") is None
 
 
 def test_reading_the_registry_loads_no_subject() -> None:

@@ -51,6 +51,24 @@ def _close(ours, exact, size, off):
                 assert abs(mpmath.mpf(float(ours[i, j])) - exact[i, j]) / unit < off
 
 
+def test_doubling_agrees_with_the_factorisation_for_white_position_fixes():
+    """The two ways to [T-8] where both hold: 5,000 designs, every element in units of its two sigmas."""
+    rng = np.random.default_rng(5)
+    low, high = np.log([1e-5, 1e-8, 0.01, 0.01]), np.log([1e-2, 1e-2, 100.0, 100.0])
+    a, w, h, r = np.exp(low + rng.random((5_000, 4)) * (high - low)).T
+    for doubled, level, upright in zip(
+        settled_cycle(a, w, 9.8, h, (r, r))[:2],
+        horizontal_cycle(a, w, 9.8, h, r),
+        vertical_cycle(a, h, r),
+        strict=True,
+    ):
+        p, sigmas = level.matrix(), np.sqrt(np.diagonal(level.matrix(), axis1=1, axis2=2))
+        assert np.max(np.abs(doubled[0].matrix() - p) / sigmas[:, :, None] / sigmas[:, None, :]) < 1e-9
+        units = upright.v11, np.sqrt(upright.v11 * upright.v22), upright.v22
+        for ours, exact, unit in zip(doubled[1], upright, units, strict=True):
+            assert np.max(np.abs(ours - exact) / unit) < 1e-9
+
+
 def variances(moment):
     level, upright = moment
     return [level.p11, level.p22, level.p33, upright.v11, upright.v22]

@@ -3,17 +3,23 @@
 import csv
 import io
 import re
+from pathlib import Path
 from typing import Any
 
 import panel as pn
 import pyarrow.parquet
 import pytest
+from pages import at_once, when_done
 from waiting import soon
 
+import app.subjects.explore.search as search_panel
 from app.document.wording import entered
+from app.library.offers import kept_files
+from app.library.store import Library
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.explore.page import ExplorePage
+from app.subjects.explore.ranking import ranked
 from app.subjects.explore.search import EXAMPLE
 from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.sweep_inputs import NONE
@@ -44,7 +50,8 @@ interval = { value = "0.2 s", status = "confirmed", source = "our bench" }
 
 
 @pytest.fixture
-def explore() -> ExplorePage:
+def explore(monkeypatch: pytest.MonkeyPatch) -> ExplorePage:
+    monkeypatch.setattr(search_panel, "elsewhere", at_once)
     session = Session(first_design())
     made = ExplorePage(session)
     session.param.watch(lambda event: made.show(event.new), "budget")
@@ -62,7 +69,7 @@ def _search(explore: ExplorePage) -> Any:
 
 def _open(explore: ExplorePage, content: bytes) -> str:
     search = _search(explore)
-    search._file.value = content
+    when_done(lambda: search._opened("own.toml", content), search.run)
     return str(search._said.object)
 
 
@@ -102,13 +109,13 @@ def test_a_solved_value_is_taken_and_then_the_design_closes_at_its_limit(explore
 
 def test_imus_with_the_designs_receiver_come_first_and_all_pairs_on_demand(explore: ExplorePage) -> None:
     search = _search(explore)
-    assert {row.gnss for row in search._found} == {OWN_GNSS}
-    margins = [row.margin for row in search._found]
+    assert {row.gnss for row in search._ranking.rows} == {OWN_GNSS}
+    margins = [row.margin for row in search._ranking.rows]
     assert margins == sorted(margins, reverse=True)
     few = len(margins)
     search.own = False
-    assert len(search._found) == few * (1 + len(catalogue("gnss")))
-    own = [row.margin for row in search._found if row.gnss == OWN_GNSS]
+    assert len(search._ranking.rows) == few * (1 + len(catalogue("gnss")))
+    own = [row.margin for row in search._ranking.rows if row.gnss == OWN_GNSS]
     assert own == margins
 
 
@@ -143,7 +150,7 @@ def test_files_add_up_and_one_that_is_refused_changes_nothing_and_is_not_kept(ex
     _open(explore, OWN.encode())
     search = _search(explore)
     added = search._table.html
-    assert {"Our IMU", "Our <b>unit</b>"} <= {row.imu for row in search._found}
+    assert {"Our IMU", "Our <b>unit</b>"} <= {row.imu for row in search._ranking.rows}
     assert "others are in EUR" in _open(explore, EXAMPLE.replace("Our IMU", "New").replace("EUR", "USD").encode())
     assert search._keep.disabled
     search.own = False
@@ -170,6 +177,107 @@ def test_files_that_hold_no_sensors_are_refused_and_change_nothing(
     assert "Not opened" in answer
     assert said in answer
     assert _search(explore)._table.html == before
+
+
+def _many(units: int, receivers: int) -> str:
+    walks = ("angle_random_walk", "0.1 °/√h"), ("velocity_random_walk", "0.05 m/s/√h")
+    imus = [("imu", f"Unit {n}", walks) for n in range(units)]
+    others = [("gnss", f"Receiver {n}", (("position_noise", "3 cm"),)) for n in range(receivers)]
+    return "\n".join(
+        f'[[{kind}]]\nname = "{name}"\n'
+        + "\n".join(f'{key} = {{ value = "{value}", status = "assumed", source = "s" }}' for key, value in values)
+        for kind, name, values in imus + others
+    )
+
+
+def test_files_whose_units_and_receivers_are_too_many_pairs_are_refused_and_change_nothing(
+    explore: ExplorePage,
+) -> None:
+    search = _search(explore)
+    before = search._ranking.rows
+    few = len(catalogue("imu")), len(catalogue("gnss"))
+    said = _open(explore, _many(300, 280).encode())
+    assert f"{few[0] + 300} units with each of {few[1] + 280} receivers" in said
+    assert "at most 5000 are ranked at a time" in said
+    assert search._ranking.rows == before
+    assert "Added" in _open(explore, _many(300, 0).encode())
+    assert "at most 5000" in _open(explore, _many(0, 100).encode())  # they add up
+    assert len(search._ranking.rows) == len(before) + 300
+
+
+def test_many_pairs_are_ranked_in_a_worker_and_the_first_rows_shown(
+    explore: ExplorePage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = _search(explore)
+    search.own = False
+    _open(explore, _many(200, 0).encode())
+    asked: list[Any] = []
+
+    async def worker(function: Any, *arguments: Any) -> Any:
+        asked.append(function)
+        return await at_once(function, *arguments)
+
+    monkeypatch.setattr(search_panel, "elsewhere", worker)
+
+    def step() -> None:
+        search.session.change({"imu.angle_random_walk": 1e-5})
+        assert search.answer.sentences == ("Computing …",)
+        assert not search._table.html  # nothing of the design before
+
+    when_done(step, search.run)
+    assert asked == [ranked]
+    rows = search._ranking.rows
+    assert len(rows) == (len(catalogue("gnss")) + 1) * (200 + len({r.imu for r in rows} & set(catalogue("imu"))))
+    assert search._table.html.count('<button type="button" value=') == 200
+    assert f"The first 200 of {len(rows)} rows" in search._notes.object
+    assert len(list(csv.DictReader(io.StringIO(search._csv())))) == len(rows)
+    last = rows[-1]
+    search.words = f"{last.imu} {last.gnss}"
+    assert f'value="{last.pair}"' in search._table.html
+    search.own = True
+    assert {row.gnss for row in search._ranking.rows} == {OWN_GNSS}  # few again: at once
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("x" * 101, "not one line of at most 100 characters"),
+        ("two\\nlines", "not one line of at most 100 characters"),
+        ("Unit 1", "is the name of two entries"),
+        ("unit 1", "is the name of two entries"),
+        ("ln-200", "is the name of a unit of the product&#x27;s catalogue"),
+    ],
+)
+def test_names_that_would_be_mistaken_are_refused(explore: ExplorePage, name: str, said: str) -> None:
+    assert said in _open(explore, _many(2, 0).replace('"Unit 0"', f'"{name}"').encode())
+
+
+def test_a_unit_that_is_opened_again_takes_the_place_of_the_one_before_and_that_is_said(explore: ExplorePage) -> None:
+    _open(explore, _many(2, 0).encode())
+    said = _open(explore, _many(1, 0).replace("0.1 °/√h", "0.2 °/√h").encode())
+    assert "In place of those before: Unit 0." in said
+
+
+def test_the_librarys_files_are_ranked_kept_and_removed(
+    explore: ExplorePage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = Library(tmp_path / "library.db")
+    monkeypatch.setattr(search_panel, "library", lambda: place)
+    search = _search(explore)
+
+    def press(what: Any) -> str:
+        when_done(lambda: what(None), search.run)
+        return str(search._said.object)
+
+    assert "The library holds no offers yet" in press(search._load)
+    for name, content in (("a.toml", _many(1, 0)), ("b.toml", _many(2, 0))):
+        when_done(lambda name=name, content=content: search._opened(name, content.encode()), search.run)
+        assert f"{name} is kept in the library" in press(search._kept)
+    assert "In several files, of which the one kept last counts: Unit 0." in press(search._load)
+    assert (search._of_library.options, search._of_library.value) == (["a.toml", "b.toml"], "b.toml")
+    assert "b.toml was removed" in press(search._removed)
+    assert kept_files(place) == [("a.toml", _many(1, 0))]
+    assert search._of_library.options == ["a.toml"]
 
 
 def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
@@ -259,18 +367,18 @@ async def test_question_ranges_and_choices_come_back_with_the_link(explore: Expl
 def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(explore: ExplorePage) -> None:
     search = _search(explore)
     assert "Residual biases 0 assumed, in real time." in explore._strip._text.object
-    passing = {row.imu for row in search._found if row.closes}
+    passing = {row.imu for row in search._ranking.rows if row.closes}
     explore.session.change({"imu.accelerometer_bias": 1e-3})
     said = explore._strip._text.object.replace("\xa0", " ")
     assert "None of 15" in said
     assert "Residual biases as in your design: 0.102 mg, in real time." in said
     assert f"With residual biases of zero, {len(passing)} would" in said
     search.biases = "zero"
-    assert {row.imu for row in search._found if row.closes} == passing
+    assert {row.imu for row in search._ranking.rows if row.closes} == passing
     search.biases = "in-run"
     assert "each data sheet" in explore._strip._text.object
     sheet = catalogue("imu")["HG4930"].extra
-    row = next(row for row in search._found if row.imu == "HG4930")
+    row = next(row for row in search._ranking.rows if row.imu == "HG4930")
     search._table._handle_msg(row.pair)
     design = explore.session.design
     assert design.imu.gyro_bias == sheet["gyro_bias"].value
