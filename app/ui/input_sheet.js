@@ -156,6 +156,7 @@ export function render({ model }) {
     row.box.setAttribute("aria-invalid", Boolean(now.error))
     put(row.error, "textContent", now.error)
     put(row.note, "textContent", now.note ?? "")
+    row.note.classList.toggle("converted", Boolean(now.converted))
     put(row.mark, "textContent", now.mark ?? "")
     put(row.mark, "title", now.note ?? "")
     if (now.mark) row.mark.setAttribute("aria-label", `Source of ${row.label}`)

@@ -43,7 +43,8 @@ class SheetInput(ABC):
     @abstractmethod
     def shown(self) -> Row:
         """The part that follows the value: ``text``, and where there is such a thing the slider's ``place``, ``size``
-        [SI], ``unit``, a ``mark`` of the source with its ``note``."""
+        [SI], ``unit``, a ``mark`` of the source with its ``note``, in view at once where something was
+        ``converted``."""
 
     @abstractmethod
     def value(self) -> object:

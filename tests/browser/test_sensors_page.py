@@ -62,6 +62,26 @@ def test_log_to_parameters_to_budget(visit: Visit, tmp_path: Path, accessible: C
     fits(page, 390)
 
 
+def test_rows_of_a_data_sheet_fill_the_design(visit: Visit, accessible: Check) -> None:
+    page = visit()
+    page.get_by_role("tab", name="Sensors").click()
+    page.get_by_role("button", name="IMUs", exact=True).click()
+    page.get_by_label("My IMU: rows of its data sheet").fill(
+        "Angle random walk 0.3 °/√h, bias instability 0.5 °/h, velocity random walk 60 µg/√Hz, scale factor 100 ppm"
+    )
+    page.get_by_role("button", name="Fill in").click()
+    made = page.get_by_role("region", name="Filled in; Undo takes it back")
+    expect(made.get_by_role("row").nth(1)).to_contain_text("Angle random walk 0.3 °/√h")
+    expect(page.get_by_text("scale factor 100 ppm: not known")).to_be_visible()
+    walk = page.get_by_role("textbox", name="Angle random walk", exact=True)
+    expect(walk).to_have_value("0.3 °/√h")
+    noise = page.get_by_role("textbox", name="Position noise", exact=True)
+    noise.fill("0.2 m CEP")
+    noise.press("Tab")
+    expect(page.get_by_text("0.2 m CEP = 0.170 m, 1σ per axis.").locator("visible=true").first).to_be_visible()
+    accessible(page)
+
+
 def test_a_sheet_that_cannot_be_made_is_told_and_nothing_is_saved(visit: Visit) -> None:
     page = visit()
     saved: list[str] = []

@@ -34,11 +34,11 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         value, unit = design[self.key], design.unit(self.key)
         assert value is None or isinstance(value, float | int)
         mark, note = _source(design, self.key)
-        if value is not None and (
-            said := self._declared.conversion(value, design.written.get(self.key, ""), design.baseline)
-        ):
-            note = f"{said}. {note}".strip()
         told: Row = {"text": entered(design, self.key), "size": value, "unit": unit, "mark": mark, "note": note}
+        if value is not None and (
+            made := self._declared.conversion(value, design.written.get(self.key, ""), design.baseline)
+        ):
+            told |= {"note": f"{made}. {note}".strip(), "converted": True}
         if self._scale is not None:
             told["place"] = self._scale.ends[1] if value is None else self._scale.place(value)
         return told

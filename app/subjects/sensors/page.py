@@ -11,6 +11,7 @@ from app.report import document_bytes
 from app.report.supplier import NAMES, supplier_report
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
+from app.subjects.sensors.data_sheet import DataSheetBox
 from app.subjects.sensors.log_panel import LogPanel, paper
 from app.subjects.sensors.tables import origin_answer, origin_table
 from app.ui.answer_strip import AnswerStrip
@@ -42,6 +43,7 @@ class SensorsPage(View):
         super().__init__(session=session)
         self._origins = html_pane(html_of(origin_table(session.design)), margin=(4, 14))
         self.log = LogPanel(session)
+        self.sheet = DataSheetBox(session)
         self.tables = {kind: SortableTable(margin=(0, 14), stylesheets=[WHOLE]) for kind in _KINDS}
         self._shown: dict[Kind, str | None] = {}
         self._mark()
@@ -51,7 +53,7 @@ class SensorsPage(View):
             "What to see",
             {
                 "My log": lambda: _scrolled(self.log, self._supplier(), paper(self._origins)),
-                "IMUs": lambda: _scrolled(self.tables["imu"]),
+                "IMUs": lambda: _scrolled(paper(self.sheet), self.tables["imu"]),
                 "Radars": lambda: _scrolled(self.tables["radar"]),
             },
         )

@@ -176,3 +176,22 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
             assert said in cells
     assert "read at 1\xa0s; white-noise floor" in cells
     assert "not a confidence interval" in cells
+
+
+def test_rows_of_a_data_sheet_are_filled_in(sensors: SensorsPage):
+    box, session = sensors.sheet, sensors.session
+    box.rows.value = "Angle random walk 0.15 °/√h, bias instability (3σ) 0.3 °/h; <b>scale</b> factor 100 ppm"
+    box.fill.clicks += 1
+    assert session.design.imu.angle_random_walk == pytest.approx(math.radians(0.15) / 60)
+    assert session.design.imu.gyro_bias == pytest.approx(math.radians(0.1) / 3600)
+    assert session.design.origins["imu.angle_random_walk"] == "data sheet: Angle random walk 0.15 °/√h"
+    said = " ".join(unescape(re.sub("<[^>]+>", " ", box.answer.object)).split())
+    assert "0.3 °/h 3σ 0.1 °/h bias instability (3σ) 0.3 °/h" in said
+    assert "<b>scale</b> factor 100 ppm: not known" in said
+    assert "<b>" not in box.answer.object
+    session.undo()
+    box.rows.value = "nothing of use"
+    budget = session.budget
+    box.fill.clicks += 1
+    assert session.budget is budget
+    assert "Not understood" in box.answer.object

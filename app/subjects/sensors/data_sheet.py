@@ -1,0 +1,57 @@
+"""Rows of a data sheet, pasted on the page: their values go into the design, and each is told with its text."""
+
+import panel as pn
+import panel_material_ui as pmui
+
+from app.declared import held
+from app.document.blocks import Block, Bullets, Column, Text, numbers, table
+from app.document.pane import html_of
+from app.document.wording import entered, input_in_words
+from app.session import Session
+from app.ui.html_pane import html_pane
+from app.ui.view import View
+from nav_model.base.errors import InputError
+from nav_model.design.data_sheet import SheetValues, read_data_sheet
+from nav_model.design.parts import declaration_of
+
+_EXAMPLE = "Angle random walk 0.15 °/√h, bias instability 0.5 °/h, velocity random walk 0.06 m/s/√h"
+
+
+class DataSheetBox(View):
+    """A box for the rows, a button, and what was made of them."""
+
+    session = held(Session)
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session=session)
+        self.rows = pmui.TextAreaInput(
+            label="My IMU: rows of its data sheet", placeholder=_EXAMPLE, rows=3, max_length=5000,
+            sizing_mode="stretch_width", margin=(12, 14, 4, 14),
+        )  # fmt: skip
+        self.fill = pmui.Button(label="Fill in", variant="contained", margin=(4, 14, 8, 14))
+        self.fill.on_click(lambda _: self._take())
+        self.answer = html_pane("", margin=(0, 14, 10, 14))
+        self._view = pn.Column(self.rows, self.fill, self.answer)
+
+    def _take(self) -> None:
+        try:
+            values = read_data_sheet(self.rows.value_input or self.rows.value or "")
+            problem = self.session.change(values.changes, values.written, values.origins) if values.changes else None
+        except InputError as error:
+            problem, values = error, SheetValues({}, {}, {}, ())
+        self.answer.object = html_of(*([Text(f"Not filled in. {problem}")] if problem else self._blocks(values)))
+
+    def _blocks(self, values: SheetValues) -> list[Block]:
+        blocks: list[Block] = []
+        if values.changes:
+            rows = (
+                (str(declaration_of(key).label), entered(self.session.design, key),
+                 input_in_words(self.session.design, key, value), values.origins[key].partition(": ")[2])
+                for key, value in values.changes.items()
+            )  # fmt: skip
+            heads = [Column("Input"), *numbers("As printed", "1σ per axis"), Column("From")]
+            blocks.append(table("data-sheet", "Filled in; Undo takes it back", heads, rows))
+        if values.rest or not values.changes:
+            rest = values.rest or ("The text has no row with a name and a number.",)
+            blocks.append(Bullets(rest, "Not understood"))
+        return blocks

@@ -1,0 +1,108 @@
+"""Rows of an IMU's data sheet, as they are copied from it, as inputs of a design."""
+
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from nav_model.base.errors import InputError
+from nav_model.base.units import Parsed
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import declaration_of
+
+_LONGEST = 5000  # characters; a whole table has one or two thousand
+_WALKS = ("imu.angle_random_walk", "imu.velocity_random_walk")
+_BIASES = ("imu.gyro_bias", "imu.accelerometer_bias")
+# Words of a row's name -> the inputs that it may be, of which the value's unit decides.
+_NAMES = (
+    (re.compile(r"repeatab|turn.?on|over temp|temperature|rate random|acceleration random", re.I), ()),
+    (re.compile(r"random walk|\b[AV]RW\b|noise", re.I), _WALKS),
+    (re.compile(r"bias.*(?:instab|stab)|in.?run", re.I), _BIASES),
+    (re.compile(r"(?:output|sampl|update|data)\w*\s+(?:data\s+)?(?:rate|frequency)|\bODR\b", re.I), ("imu.rate",)),
+)
+_START = r"(?:gyro\w*\s+|accel\w*\s+)?(?:ARW|VRW|angle|angular|velocity|bias|in.run|noise|output)\b"
+_BETWEEN = re.compile(rf"[;\n|]|[,.]\s*(?=(?!typ|max|rms|one|per|each)[A-Za-z]{{2}})|\s+(?={_START})", re.I)
+_REMARK = re.compile(r"\s*(?:\([^()]*\)|\b(?:at|over|from)\s.*)$")
+_BARE_NUMBER = re.compile(r"(?<![\w(.,-])\d+(?:[.,]\d+)?(?![\w.,%σ-])(?![^()]*\))")
+_ACCURACY = re.compile(r"\d[\d.]*\s*-?\s*(?:σ|sigma|%)|\b(?:peak|p-p|pk)", re.I)
+
+
+class SheetValues(NamedTuple):
+    """What the rows say: inputs in SI, the units they are written in, the text each came from, and what was not
+    understood, with the reason."""
+
+    changes: dict[str, float]
+    written: dict[str, str]
+    origins: dict[str, str]
+    rest: tuple[str, ...]
+
+
+def read_data_sheet(text: str) -> SheetValues:
+    """Values of an IMU from the rows of its data sheet, each a name and a number with its unit.
+
+    "Angle random walk 0.15 °/√h, bias instability 0.5 °/h": rows stand on lines of their own or behind commas. A bias
+    instability is the residual bias until the user knows better. Nothing is guessed: a second value of an input, a
+    name that is not known and a value that cannot be read are in `rest`.
+
+    Raises
+    ------
+    InputError
+        For a text longer than a data sheet's table.
+    """
+    if len(text) > _LONGEST:
+        raise InputError("data sheet", f"The text is longer than {_LONGEST} characters. Paste the table alone.")
+    values = SheetValues({}, {}, {}, ())
+    rest = []
+    for row in _rows(text):
+        name, reason = "", "not known"
+        keys: tuple[str, ...] = ()
+        for number in re.finditer(r"[-+±<≤~]?\s*\d[\d.,]*(?:e[-+]?\d+)?", row):
+            name = row[: number.start()]
+            keys = next((inputs for words, inputs in _NAMES if words.search(name)), ())
+            if keys and _BARE_NUMBER.search(name):  # the columns of least, typical and largest
+                reason = "several numbers. Keep the one that holds"
+                break
+            read = _read(row[number.start() :], name, keys)
+            if isinstance(read, str):
+                reason = read or reason
+                continue
+            key, parsed = read
+            if key in values.changes:
+                reason = f"a second value of {declaration_of(key).label}"
+                continue
+            values.changes[key], values.written[key] = parsed
+            values.origins[key] = f"data sheet: {row}"
+            reason = ""
+            break
+        if reason:
+            rest.append(f"{row}: {reason}")
+    return values._replace(rest=tuple(rest))
+
+
+def _rows(text: str) -> Iterator[str]:
+    """The parts of a text that have a number, each with what stands before it since the last one."""
+    row = ""
+    for part in _BETWEEN.split(text):
+        row = " ".join(f"{row} {part}".split())
+        if re.search(r"\d", part):
+            yield row[:200]
+            row = ""
+    if row:
+        yield row[:200]
+
+
+def _read(text: str, name: str, keys: tuple[str, ...]) -> tuple[str, Parsed] | str:
+    """The input that a value is of, and the value; or why there is none."""
+    remark = _REMARK.search(text)
+    bare = text[: remark.start()] if remark and not _ACCURACY.search(remark[0]) else text
+    column = f"{bare} {name.split()[-1].strip('[]():,')}" if name.split() else bare  # "bias instability [°/h]  0.5"
+    before = _ACCURACY.search(name)  # "bias instability (3σ): 0.3 °/h"
+    reason = ""
+    for key in keys:
+        declaration = declaration_of(key)
+        assert isinstance(declaration, BaseQuantity)
+        for value in (text, bare, column):
+            try:
+                return key, declaration.read(f"{value} {before[0]}" if before else value)
+            except InputError as error:
+                reason = reason or error.reason
+    return reason
