@@ -6,6 +6,7 @@ starting again computes what is missing or was changed. Parts depend on nothing 
 processes and a Dask cluster write the same file.
 """
 
+import fcntl
 import functools
 import hashlib
 import io
@@ -66,8 +67,8 @@ def run_sweep(
     Raises
     ------
     InputError
-        For another ending, a file that the plan was made from, a folder that cannot be written, parts that belong to
-        another sweep or are links, and a part that changes during the run.
+        For another ending, a file that the plan was made from, a folder that cannot be written, an output that
+        another sweep is writing, parts that belong to another sweep or are links, and a part that changes during the run.
     """
     target = Path(output)
     if target.suffix not in SUFFIXES:
@@ -76,7 +77,13 @@ def run_sweep(
         raise InputError(str(target), "is a file that the sweep reads; name another output")
     if target.suffix == ".parquet":
         _arrow()
-    parts = _open_parts(plan, target)
+    with _open_parts(plan, target) as parts:
+        return _run(plan, target, parts, workers, scheduler, progress)
+
+
+def _run(
+    plan: Plan, target: Path, parts: Path, workers: int, scheduler: str | None, progress: ProgressCallback
+) -> int:
     ready = _ready(plan, parts, target.suffix)
     missing = [n for n in range(plan.parts) if n not in ready]
     kept = plan.rows - sum(_size(plan, n) for n in missing)
@@ -114,25 +121,40 @@ def _ready(plan: Plan, parts: Path, suffix: str) -> dict[int, Path]:
     return ready
 
 
-def _open_parts(plan: Plan, target: Path) -> Path:
-    """The folder of parts, new or of the same plan."""
+@contextmanager
+def _open_parts(plan: Plan, target: Path) -> Iterator[Path]:
+    """The folder of parts, new or of the same plan, for this sweep alone: another would remove it in the end.
+
+    The lock is the system's, which releases it even where a process dies: the file alone means nothing.
+    """
     parts = target.with_name(target.name + ".parts")
-    manifest = parts / "plan.json"
-    stated = {"identity": plan.identity, "rows": plan.rows, "rows_per_part": plan.rows_per_part}
-    try:
-        parts.mkdir(exist_ok=True)
-        if parts.is_symlink():
-            raise InputError(str(parts), "is a link; remove it, or choose another output")
-        if not manifest.exists():
-            _write(manifest, json.dumps(stated).encode())
-        elif manifest.read_bytes() != json.dumps(stated).encode():
+    manifest, lock = parts / "plan.json", parts / "lock"
+    stated = json.dumps({"identity": plan.identity, "rows": plan.rows, "rows_per_part": plan.rows_per_part}).encode()
+    with ExitStack() as stack:
+        try:
+            parts.mkdir(exist_ok=True)
+            if parts.is_symlink():
+                raise InputError(str(parts), "is a link; remove it, or choose another output")
+            file = stack.enter_context(lock.open("w"))
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not os.path.samestat(os.fstat(file.fileno()), lock.stat()):
+                raise BlockingIOError
+            if not manifest.exists():
+                _write(manifest, stated)
+            elif manifest.read_bytes() != stated:
+                raise InputError(
+                    str(parts),
+                    "holds parts of another sweep, or its plan.json is damaged; remove it, or choose another output",
+                )
+        except (BlockingIOError, FileNotFoundError) as error:  # the other has removed the folder just now
+            if not parts.parent.is_dir():
+                raise InputError(str(parts), f"cannot be written: {error.strerror}") from error
             raise InputError(
-                str(parts),
-                "holds parts of another sweep, or its plan.json is damaged; remove it, or choose another output",
-            )
-    except OSError as error:
-        raise InputError(str(parts), f"cannot be written: {error.strerror}") from error
-    return parts
+                str(target), "another sweep is writing it; wait until that has ended, or choose another output"
+            ) from error
+        except OSError as error:
+            raise InputError(str(parts), f"cannot be written: {error.strerror}") from error
+        yield parts
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -116,6 +116,25 @@ def _stop_after(rows):
     return progress
 
 
+@pytest.mark.parametrize("moment", [0, 7, 21, "end"])
+def test_a_second_sweep_onto_the_same_output_is_refused_and_harms_nothing(plan_file, tmp_path, moment):
+    plan, out = read_plan(plan_file), tmp_path / "out.csv"
+    refusals = []
+
+    def progress(done, total):
+        if done == (total if moment == "end" else moment):
+            with pytest.raises(InputError, match="another sweep is writing it") as refusal:
+                run_sweep(plan, out)
+            refusals.append(refusal)
+
+    run_sweep(plan, out, progress=progress)
+    assert len(refusals) == 1
+    run_sweep(plan, tmp_path / "whole.csv")
+    assert out.read_bytes() == (tmp_path / "whole.csv").read_bytes()
+    assert sorted(path.name for path in tmp_path.glob("*.parts")) == []
+    assert run_sweep(plan, out) == 0  # and again, once the first has ended
+
+
 def _halve(part, other):
     part.write_bytes(part.read_bytes()[: part.stat().st_size // 2])
 
