@@ -5,19 +5,23 @@ Numba compiles a cached kernel again when its own file has changed, but not when
 file, has: results would come from code that no longer exists. Each kernel here carries the digest of all their files,
 through two private names of Numba's. And processes that need the same kernel at once would each compile it: here one
 does, while the others wait and then load what it wrote. The lock is `flock`'s, which the system releases even where a
-process dies; Windows has none and is not supported.
+process dies; Windows has none and is not supported. A file that is damaged (Numba does not wait for the disk, so one
+may be empty after a loss of power) is removed and written anew; where the disk takes nothing it stays in memory.
 
 Report to send upstream, version and end: docs/upstream/compiled.md
 """
 
 import fcntl
 import hashlib
+import pickle
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache, wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.caching import FunctionCache
 from numba.core.compiler_lock import global_compiler_lock
 
 from nav_model.base import numba_typing
@@ -26,6 +30,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _njit: Any = numba.njit  # Numba's types know not all of its options
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
+_DAMAGED = (
+    EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, TypeError, ValueError
+)  # fmt: skip
+"""What reading a pickle that is cut off or overwritten may raise."""
 _locked: set[Path] = set()  # directories that this process is compiling into
 _ROOMS = ("earth", "simulation", "suborbital")  # whose kernels call each other across files
 
@@ -45,6 +53,28 @@ def room_digest() -> str:
     return digest.hexdigest()
 
 
+class _KernelCache(FunctionCache):
+    """Numba's cache of one kernel on the disk, stamped with the digest of all kernels' files."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        self._cache_file._source_stamp = (self._cache_file._source_stamp, room_digest())
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """What was compiled for a signature; None where there is nothing; a damaged index is removed."""
+        try:
+            return super().load_overload(signature, target)  # type: ignore[no-untyped-call]
+        except _DAMAGED:
+            with suppress(OSError):  # a folder that others own
+                Path(self._cache_file._index_path).unlink()
+            return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep what was compiled, where the disk takes it."""
+        with suppress(OSError, *_DAMAGED):
+            super().save_overload(signature, compiled)  # type: ignore[no-untyped-call]
+
+
 def _one_process_at_a_time(compile_: Callable[..., Any], directory: Path) -> Callable[..., Any]:
     """`compile_`, which loads from `directory` or compiles into it, behind a lock on a file there.
 
@@ -57,8 +87,12 @@ def _one_process_at_a_time(compile_: Callable[..., Any], directory: Path) -> Cal
         with global_compiler_lock:
             if directory in _locked:
                 return compile_(signature)
-            directory.mkdir(parents=True, exist_ok=True)
-            with (directory / "compiling.lock").open("w") as file:
+            try:
+                directory.mkdir(parents=True, exist_ok=True)
+                file = (directory / "compiling.lock").open("w")
+            except OSError:  # a full disk: nothing will be kept there either
+                return compile_(signature)
+            with file:
                 fcntl.flock(file, fcntl.LOCK_EX)  # released as the file is closed
                 _locked.add(directory)
                 try:
@@ -74,14 +108,13 @@ def kernel(function: F) -> F:
 
     Where no directory is writable the kernel is compiled for this process only.
     """
+    compiled: Any = _njit(nogil=True, **_OPTIONS)(function)
     try:
-        compiled: Any = _njit(cache=True, nogil=True, **_OPTIONS)(function)
+        compiled._cache = _KernelCache(function)
     except RuntimeError as error:
         if "cannot cache" not in str(error):
             raise
-        return cast(F, _njit(nogil=True, **_OPTIONS)(function))
-    index = compiled._cache._cache_file
-    index._source_stamp = (index._source_stamp, room_digest())
+        return cast(F, compiled)
     compiled.compile = _one_process_at_a_time(compiled.compile, Path(compiled.stats.cache_path))
     return cast(F, compiled)
 

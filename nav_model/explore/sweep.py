@@ -68,7 +68,8 @@ def run_sweep(
     ------
     InputError
         For another ending, a file that the plan was made from, a folder that cannot be written, an output that
-        another sweep is writing, parts that belong to another sweep or are links, and a part that changes during the run.
+        another sweep is writing, parts that belong to another sweep or are links, and a part that changes during the
+        run.
     """
     target = Path(output)
     if target.suffix not in SUFFIXES:

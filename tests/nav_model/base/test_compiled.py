@@ -39,6 +39,54 @@ def test_a_fresh_process_takes_everything_from_the_cache():
     assert compiled == 0
 
 
+def _add(folder: Path, value: int, more: str = "") -> tuple[int, int]:
+    """What a small kernel of its own folder gives, and how often Numba compiled, in a fresh process."""
+    (folder / "adding.py").write_text(
+        "from nav_model.base.compiled import kernel\n@kernel\ndef add(a):\n    return a + 1\n", encoding="utf-8"
+    )
+    code = (
+        f"from numba.core.event import install_recorder\nfrom adding import add\n{more}\n"
+        f"with install_recorder('numba:compile') as compiled:\n    total = add({value})\n"
+        "print(total, len(compiled.buffer))"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment["PYTHONPATH"] = str(ROOM.parent)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    total, compiled = done.stdout.split()
+    return int(total), int(compiled)
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize("content", [b"", b"\0" * 4096, b"half"])
+def test_a_damaged_file_of_the_cache_is_written_anew(tmp_path: Path, kind: str, content: bytes) -> None:
+    assert _add(tmp_path, 1) == (2, 2)  # an event at the start, one at the end
+    assert _add(tmp_path, 2) == (3, 0)
+    (file,) = (tmp_path / "__pycache__").glob(f"*.{kind}")
+    file.write_bytes(file.read_bytes()[:-100] if content == b"half" else content)
+    assert _add(tmp_path, 3) == (4, 2)
+    assert _add(tmp_path, 4) == (5, 0)
+
+
+_FULL = """
+import errno, builtins
+shipped = builtins.open
+def full(file, mode="r", *more, **options):
+    if "w" in mode:
+        raise OSError(errno.ENOSPC, "No space left on device")
+    return shipped(file, mode, *more, **options)
+import io
+builtins.open = io.open = full
+"""
+
+
+def test_with_a_full_disk_a_kernel_is_compiled_for_the_process(tmp_path: Path) -> None:
+    assert _add(tmp_path, 1, _FULL) == (2, 2)
+    assert not list((tmp_path / "__pycache__").glob("*.nb?"))
+
+
 @pytest.mark.slow
 def test_without_a_place_to_write_the_simulator_still_flies(tmp_path):
     """An installation of root's, run by another user without a home: a read-only container."""
@@ -127,6 +175,17 @@ def test_as_shipped_a_changed_callee_goes_unnoticed(tmp_path):
     assert outer() == "1"
     (tmp_path / "callee.py").write_text("from numba import njit\n@njit(cache=True)\ndef inner():\n    return 22\n")
     assert outer() == "1"
+
+
+def test_as_shipped_an_empty_file_of_the_cache_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "adding.py").write_text("from numba import njit\n@njit(cache=True)\ndef add(a):\n    return a + 1\n")
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    command = [sys.executable, "-c", "from adding import add; add(1)"]
+    subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=True)
+    (file,) = (tmp_path / "__pycache__").glob("*.nbi")
+    file.write_bytes(b"")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert "EOFError" in done.stderr
 
 
 MEET = """
