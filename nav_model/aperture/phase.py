@@ -10,7 +10,7 @@ residual after removing a least-squares polynomial is the sum of the higher coef
 """
 
 from collections.abc import Mapping
-from functools import reduce
+from functools import partial, reduce
 from operator import add
 from typing import NamedTuple
 
@@ -35,7 +35,7 @@ class PhaseVariances(NamedTuple):
     """Line-of-sight variances [m²] of one source over the aperture.
 
     ``quadratic`` and ``cubic`` are of the coefficients of x² and x³ with x = -1 at the aperture's start and
-    +1 at its end; ``detrended`` is the mean over the aperture of what is left after autofocus.
+    +1 at its end; ``detrended`` is the mean over the aperture of the residual after autofocus.
     """
 
     quadratic: Array
@@ -43,10 +43,11 @@ class PhaseVariances(NamedTuple):
     detrended: Array
 
 
-# Mean residual variance over [0, T] of noise integrated twice (accelerometer) and three times (gyro), after a
-# least-squares polynomial of order 1, 2, 3 is removed: coefficients of T³ and of T⁵. [T-14], [S-6]
-_ACCELEROMETER_LEFT = {1: 1 / 420, 2: 1 / 2520, 3: 1 / 6930}
-_GYRO_LEFT = {1: 17 / 30240, 2: 1 / 55440, 3: 1 / 540540}
+# Mean residual variance over [0, T] after a least-squares polynomial of order 1, 2, 3 is removed. [T-14], [S-6]
+_WHITE_ACCELERATION = {1: 1 / 420, 2: 1 / 2520, 3: 1 / 6930}  # of T³: noise integrated twice
+_WHITE_JERK = {1: 17 / 30240, 2: 1 / 55440, 3: 1 / 540540}  # of T⁵: integrated three times
+_ACCELERATION = {1: 1 / 720, 2: 0.0, 3: 0.0}  # of T⁴: constant
+_JERK = {1: 1 / 100800, 2: 1 / 100800, 3: 0.0}  # of T⁶: constant, its acceleration zero in mid-aperture
 
 
 def phase_budget(
@@ -86,46 +87,45 @@ def phase_budget(
     ValueError
         For an order that has no closed form here.
     """
-    if autofocus_order not in _ACCELEROMETER_LEFT:
+    if autofocus_order not in _ACCELERATION:
         raise ValueError(f"autofocus_order: {autofocus_order!r} is not one of 1, 2, 3")
     p33, sigma_a, sigma_w, b, d, g, t, tc = (
         as_numbers(x) for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
     )
-    level, upright = line_of_sight_weights(grazing_angle)
-    s_a, s_g = sigma_a**2, level * (g * sigma_w) ** 2
-    constant_curvature = 1.0 if autofocus_order == 1 else 0.0
-    linear_curvature = 1.0 if autofocus_order <= 2 else 0.0
-
-    def steady(acceleration: Array) -> PhaseVariances:
-        """An acceleration of this variance, constant over the aperture."""
-        return PhaseVariances(
-            acceleration * t**4 / 64,
-            np.zeros_like(acceleration * t),
-            constant_curvature * acceleration * t**4 / 720,
-        )
-
-    jerk = level * (g * d) ** 2
+    # Tilt, and what the gyro makes of it, is on the horizontal axis alone, whose weight in the line of sight is this.
+    horizontal, vertical = line_of_sight_weights(grazing_angle)
+    s_a, s_g = sigma_a**2, horizontal * (g * sigma_w) ** 2
+    # A gyro bias is a jerk: its acceleration in mid-aperture has grown since the last fix.
+    jerk, middle = horizontal * (g * d) ** 2, (tc + t / 2) ** 2
+    constant = partial(_of_acceleration, t=t, order=autofocus_order)
+    by_bias = constant(jerk * middle)
     return {
-        "initial tilt": steady(level * g**2 * p33),
+        "initial tilt": constant(horizontal * g**2 * p33),
         "accelerometer noise": PhaseVariances(
             (10 / 7) * s_a * t**3 / 64,
             (25 / 4) * (7 / 3960) * s_a * t**3,
-            _ACCELEROMETER_LEFT[autofocus_order] * s_a * t**3,
+            _WHITE_ACCELERATION[autofocus_order] * s_a * t**3,
         ),
         "gyro noise": PhaseVariances(
             (181 / 462) * s_g * t**5 / 64,
             (25 / 4) * (7 / 61776) * s_g * t**5,
-            _GYRO_LEFT[autofocus_order] * s_g * t**5,
+            _WHITE_JERK[autofocus_order] * s_g * t**5,
         ),
         # Each axis has its own bias, so the weights add up to one.
-        "accelerometer bias": steady((level + upright) * b**2),
+        "accelerometer bias": constant((horizontal + vertical) * b**2),
         "gyro bias": PhaseVariances(
-            jerk * (tc + t / 2) ** 2 * t**4 / 64,
+            by_bias.quadratic,
             jerk * t**6 / 2304,
-            jerk * (constant_curvature * (tc + t / 2) ** 2 * t**4 / 720 + linear_curvature * t**6 / 100800),
+            by_bias.detrended + _JERK[autofocus_order] * jerk * t**6,
         ),
-        "coast before aperture": steady(s_g * tc),
+        "coast before aperture": constant(s_g * tc),
     }
+
+
+def _of_acceleration(variance: Array, t: Array, order: int) -> PhaseVariances:
+    """An acceleration of this variance [m²/s⁴] that is constant over the aperture t [s]."""
+    quadratic = variance * t**4
+    return PhaseVariances(quadratic / 64, np.zeros_like(quadratic), _ACCELERATION[order] * quadratic)
 
 
 def total(budget: Mapping[str, PhaseVariances]) -> PhaseVariances:

@@ -18,7 +18,7 @@ from nav_model.sar.smoother import rts_smooth, smoother_gain
 from nav_model.simulation.kalman import error_dynamics, propagate, update
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.trajectory import plan_trajectory
-from nav_model.simulation.truth import specific_force_and_rate, true_states
+from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
 
 _STATES = 9
 _BETWEEN_FIXES = 16  # times per fix interval at which gains are computed; between them corrections are interpolated
@@ -86,61 +86,53 @@ def flown_smoother(spec: SimulationSpec, fix_times: Array, first: int, end: int 
     end : int, optional
         Positions are needed after the fixes before this one. Default: after every fix.
     """
-    wanted = range(first, len(fix_times) - 1 if end is None else end)
-    within = fix_times[wanted.start : wanted.stop + 1]
-    dense = [np.linspace(one, other, _BETWEEN_FIXES + 1) for one, other in pairwise(within)]
-    rate = spec.filter.propagation_rate
-    steps = np.arange(1, math.floor(fix_times[-1] * rate) + 1) / rate
-    outside = steps[(steps < within[0]) | (steps > within[-1])]
-    moments = np.unique(np.concatenate([outside[outside < fix_times[-1]], fix_times, *dense]).round(9))
-    trajectory = plan_trajectory(spec.trajectory, spec.duration)
-    middle = (moments + np.concatenate([[0.0], moments[:-1]])) / 2
-    path = true_states(trajectory, middle)
-    force = np.einsum("nij,nj->ni", path.matrix, specific_force_and_rate(trajectory, middle)[:, :3])
+    corrected = range(first, len(fix_times) - 1 if end is None else end)  # fixes after which positions are needed
+    moments = _moments(spec, fix_times, fix_times[corrected.start : corrected.stop + 1])
+    path, force = _true_path(spec, moments)
     state = np.concatenate([path.position, path.velocity], axis=1)
-
-    start = spec.initial
-    sigma = np.repeat([start.position, start.velocity, start.tilt], 3)
-    sigma[8] = start.yaw
-    covariance, work, dynamics = np.diag(sigma**2), np.empty((4, _STATES, _STATES)), np.empty((_STATES, _STATES))
-    none = np.zeros(6)
+    covariance, f_matrix, work = (
+        _initial_covariance(spec),
+        np.empty((_STATES, _STATES)),
+        np.empty((4, _STATES, _STATES)),
+    )
     densities = (
         spec.imu.accelerometer.random_walk * spec.imu.vibration_factor,
         spec.imu.gyro.random_walk * spec.imu.vibration_factor,
     )
-    noise = np.array([*spec.gnss.axis_noise, *spec.gnss.axis_velocity_noise]) ** 2
+    variances = np.array([*spec.gnss.axis_noise, *spec.gnss.axis_velocity_noise]) ** 2
+    rows = np.eye(len(variances), _STATES)
     prior, posterior, transitions = [], [], []
-    stretch: list[tuple[float, Array, Array]] = []  # since the last fix: time, covariance, transition
+    nodes: list[tuple[float, Array, Array]] = []  # since the last fix: time, covariance, transition from that fix
     node_time, node_fix, node_gain = [], [], []
-    forward, before, fix = np.eye(_STATES), 0.0, 0
+    phi, before, fix = np.eye(_STATES), 0.0, 0
     for moment, place, f, matrix in zip(moments, state, force, path.matrix, strict=True):
+        # P along the path, and from the first fix on Phi since the last fix, to third order in the step.
         elapsed, before = moment - before, moment
-        error_dynamics(place, f, matrix, dynamics)
-        propagate(covariance, dynamics, f, elapsed, *densities, none, none, work)
+        error_dynamics(place, f, matrix, f_matrix)
+        propagate(covariance, f_matrix, f, elapsed, *densities, np.zeros(6), np.zeros(6), work)
         if fix > first:
-            grown = dynamics * elapsed
-            forward = (np.eye(_STATES) + grown + grown @ grown / 2 + grown @ grown @ grown / 6) @ forward
-        if fix - 1 in wanted:
-            stretch.append((moment, covariance.copy(), forward))
+            step = f_matrix * elapsed
+            phi = (np.eye(_STATES) + step + step @ step / 2 + step @ step @ step / 6) @ phi
+        if fix - 1 in corrected:
+            nodes.append((moment, covariance.copy(), phi))
         if fix == len(fix_times) or abs(moment - fix_times[fix]) > 1e-8:
             continue
-        if stretch:
-            times, covariances, since = (np.array(each) for each in zip(*stretch, strict=True))
+        # At a fix: gains of the times since the last one, with Phi from each of them to here.
+        if nodes:
+            times, covariances, since = (np.array(each) for each in zip(*nodes, strict=True))
             node_time += times.tolist()
             node_fix += [fix - first] * len(times)
-            node_gain += list(smoother_gain(covariances, forward @ np.linalg.inv(since), covariance)[:, :3])
+            node_gain += list(smoother_gain(covariances, phi @ np.linalg.inv(since), covariance)[:, :3])
         if fix > first:
-            transitions.append(forward)
+            transitions.append(phi)
         if fix >= first:
             prior.append(covariance.copy())
-        for seen, variance in enumerate(noise):
-            row = np.zeros(_STATES)
-            row[seen] = 1.0
+        for row, variance in zip(rows, variances, strict=True):
             update(covariance, row, 0.0, variance, np.zeros(_STATES), work)
         if fix >= first:
             posterior.append(covariance.copy())
-        forward = np.eye(_STATES)
-        stretch = [(moment, covariance.copy(), forward)] if fix in wanted else []
+        phi = np.eye(_STATES)
+        nodes = [(moment, covariance.copy(), phi)] if fix in corrected else []
         fix += 1
     return FlownSmoother(
         np.stack(prior),
@@ -150,3 +142,27 @@ def flown_smoother(spec: SimulationSpec, fix_times: Array, first: int, end: int 
         np.array(node_fix, int),
         np.array(node_gain).reshape(-1, 3, _STATES),
     )
+
+
+def _moments(spec: SimulationSpec, fix_times: Array, within: Array) -> Array:
+    """Times [s] to carry the covariance to: the filter's steps, the fixes, and densely between the fixes `within`."""
+    dense = [np.linspace(start, stop, _BETWEEN_FIXES + 1) for start, stop in pairwise(within)]
+    rate = spec.filter.propagation_rate
+    steps = np.arange(1, math.floor(fix_times[-1] * rate) + 1) / rate
+    outside = steps[(steps < within[0]) | (steps > within[-1])]
+    return np.unique(np.concatenate([outside[outside < fix_times[-1]], fix_times, *dense]).round(9))
+
+
+def _true_path(spec: SimulationSpec, moments: Array) -> tuple[TruthStates, Array]:
+    """True states amid the steps to every moment, and the specific force there, (n, 3), north, east, down [m/s²]."""
+    trajectory = plan_trajectory(spec.trajectory, spec.duration)
+    middle = (moments + np.concatenate([[0.0], moments[:-1]])) / 2
+    path = true_states(trajectory, middle)
+    return path, np.einsum("nij,nj->ni", path.matrix, specific_force_and_rate(trajectory, middle)[:, :3])
+
+
+def _initial_covariance(spec: SimulationSpec) -> Array:
+    """Of the filter as it begins, (9, 9)."""
+    sigma = np.repeat([spec.initial.position, spec.initial.velocity, spec.initial.tilt], 3)
+    sigma[8] = spec.initial.yaw
+    return np.diag(sigma**2)
