@@ -38,9 +38,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    options = _parser().parse_args(arguments)
+    options = _parser().parse_args(_with_values(sys.argv[1:] if arguments is None else arguments))
     spare_what_is_read(options)
     return int(options.run(options))
+
+
+def _with_values(arguments: Sequence[str]) -> list[str]:
+    """Arguments in which "--columns -,time" is one, since argparse takes what begins with - for an option.
+
+    >>> _with_values(["allan", "--columns", "-,time", "-"])
+    ['allan', '--columns=-,time', '-']
+    """
+    whole: list[str] = []
+    for argument in arguments:
+        if argument.startswith("-,") and whole and whole[-1].startswith("--"):
+            whole[-1] += f"={argument}"
+        else:
+            whole.append(argument)
+    return whole
 
 
 def _parser() -> argparse.ArgumentParser:

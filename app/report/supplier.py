@@ -123,8 +123,10 @@ def _decision(unit: Unit, degrees: float) -> str:
     return f"{said}: navbudget allan LOG --against DESIGN computes both and decides." if unit == "imu" else f"{said}."
 
 
-def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answer, Table]:
-    """Whether a log shows what is required of the inertial unit, and why, axis by axis."""
+def acceptance_blocks(
+    design: Design, rows: Sequence[Acceptance], reading: Sequence[str] = ()
+) -> tuple[Answer, Table]:
+    """Whether a log shows what is required of the inertial unit, and why, by axis; `reading`: how it was read."""
     failed = [axis_label(row.name) for row in rows if not row.passes]
     said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"All {len(rows)} axes pass."
     answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {said}",))
@@ -139,6 +141,8 @@ def acceptance_blocks(design: Design, rows: Sequence[Acceptance]) -> tuple[Answe
         for row in rows
     )
     note = f"A reading is accepted if it proves the required value with {100 * CONFIDENCE:.0f} % confidence."
+    if reading:
+        note += f" The log was read as: {'; '.join(reading)}."
     return answer, table(
         "acceptance",
         "This log against the supplier's sheet",

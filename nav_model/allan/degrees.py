@@ -6,8 +6,10 @@ those of that paper ("Uncertainty of stability variances based on finite differe
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nav_model.allan.noise_terms import FloatArray
 
@@ -22,6 +24,7 @@ _LAG_CORRELATION = (
 )  # magnitude, of second differences of white phase, one and two averaging times apart
 
 
+@lru_cache(maxsize=1 << 15)
 def degrees_of_freedom(alpha: int, factor: int, samples: int) -> float:
     """Equivalent degrees of freedom of the overlapping Allan variance of `samples` rates.
 
@@ -66,6 +69,21 @@ def degrees_of_freedom(alpha: int, factor: int, samples: int) -> float:
         middle = float(_covariance(np.zeros(1), step, alpha)[0]) ** 2
         return _MOST_TERMS * log_term / (_basic_sum(alpha, _MOST_TERMS, _MOST_TERMS, step, step) * middle)
     return _MOST_TERMS / _basic_sum(alpha, _MOST_TERMS, _MOST_TERMS, step, math.inf)
+
+
+def pooled_degrees(alpha: int, factor: int, lengths: NDArray[np.int64]) -> float:
+    """The same of the mean over stretches of these lengths, each weighted by its number of pairs.
+
+    Stretches are taken as independent. Those of less than three averaging times, of which little is known, count as
+    one degree of freedom each.
+    """
+    used = lengths[lengths >= 2 * factor]
+    variance, pairs = 0.0, float(np.sum(used + 1 - 2 * factor))
+    for length, count in zip(*np.unique(used, return_counts=True), strict=True):
+        weight = float(length + 1 - 2 * factor) / pairs
+        freedom = degrees_of_freedom(alpha, factor, int(length)) if length >= 3 * factor else 1.0
+        variance += float(count) * weight**2 / freedom
+    return 1.0 / variance
 
 
 def _basic_sum(alpha: int, terms: int, pairs: int, per_time: float, factor: float) -> float:

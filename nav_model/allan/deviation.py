@@ -7,9 +7,12 @@ installs packages for tests and documentation.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nav_model.allan.degrees import degrees_of_freedom
+from nav_model.allan.degrees import pooled_degrees
+from nav_model.allan.imu_log import NO_BREAKS
 from nav_model.allan.noise_terms import FloatArray
+from nav_model.allan.sampling import Rows
 
 TAUS_PER_DECADE = 12
 _BLOCK = 1 << 14  # samples at a time: what is added up stays in the processor's cache
@@ -48,8 +51,11 @@ def overlapping_allan_deviation(
     tau_s: FloatArray | None = None,
     alpha: FloatArray | None = None,
     confidence: float = 0.95,
+    breaks: Rows = NO_BREAKS,
 ) -> AllanDeviation:
     """Overlapping Allan deviation of a rate signal, with confidence limits.
+
+    Over gaps in the signal it is the mean over the stretches between them, each with its number of pairs as weight.
 
     Parameters
     ----------
@@ -58,12 +64,15 @@ def overlapping_allan_deviation(
     interval_s : float
         Between two samples [s].
     tau_s : array, shape (times,), optional
-        Averaging times [s]: whole multiples of `interval_s` up to a third of the log. Default: `averaging_times`.
+        Averaging times [s]: whole multiples of `interval_s` up to a third of the longest stretch. Default:
+        `averaging_times`.
     alpha : array, shape (times,), optional
         Slope of the noise that dominates at each averaging time (NOISE_ALPHA), on which the degrees of freedom
         depend. Default: white rate noise.
     confidence : float
         Share of cases in which the limits (chi-square) hold the true deviation.
+    breaks : array, optional
+        The first sample after each gap.
 
     Returns
     -------
@@ -81,34 +90,40 @@ def overlapping_allan_deviation(
     >>> round(float(found.deviation[0]), 3)
     0.707
     """
-    taus = averaging_times(len(rate_signal), interval_s) if tau_s is None else np.asarray(tau_s, dtype=np.float64)
+    edges = np.concatenate([[0], breaks, [len(rate_signal)]])
+    lengths = np.diff(edges)
+    longest = int(lengths.max())
+    taus = averaging_times(longest, interval_s) if tau_s is None else np.asarray(tau_s, dtype=np.float64)
     factors = np.round(taus / interval_s).astype(np.int64)
-    bad = (np.abs(factors * interval_s - taus) > 1e-6 * taus) | (factors < 1) | (3 * factors > len(rate_signal))
+    bad = (np.abs(factors * interval_s - taus) > 1e-6 * taus) | (factors < 1) | (3 * factors > longest)
     if len(taus) == 0 or np.any(bad):
         worst = taus[bad][0] if len(taus) else "none given"
         raise ValueError(
             f"tau_s: {worst} s; averaging times are whole multiples of {interval_s:g} s "
-            f"up to a third of the log ({len(rate_signal) // 3 * interval_s:g} s)"
+            f"up to a third of the log ({longest // 3 * interval_s:g} s)"
         )
     # In units of the sample: an angle for a rate. Without the mean, which cancels anyway, no digits are lost.
     phase = np.concatenate([[0.0], np.cumsum(rate_signal - np.mean(rate_signal))])
-    deviation = np.array([_deviation(phase, factor) for factor in factors])
+    stretch = np.repeat(np.arange(len(lengths)), lengths) if len(lengths) > 1 else None
+    deviation = np.array([_deviation(phase, factor, stretch) for factor in factors])
     slopes = np.zeros(len(taus)) if alpha is None else np.asarray(alpha)
-    degrees = np.array(
-        [degrees_of_freedom(int(a), int(m), len(rate_signal)) for a, m in zip(slopes, factors, strict=True)]
-    )
+    degrees = np.array([pooled_degrees(int(a), int(m), lengths) for a, m in zip(slopes, factors, strict=True)])
     low, high = _limits(deviation, degrees, confidence)
     return AllanDeviation(taus, deviation, low, high)
 
 
-def _deviation(phase: FloatArray, factor: int) -> float:
-    """At one averaging time in samples (SP 1065 equation 11)."""
-    pairs, squares = len(phase) - 2 * factor, 0.0
+def _deviation(phase: FloatArray, factor: int, stretch: NDArray[np.int64] | None) -> float:
+    """At one averaging time in samples (SP 1065 equation 11), over pairs of averages within one `stretch`."""
+    pairs, squares, used = len(phase) - 2 * factor, 0.0, 0
     for start in range(0, pairs, _BLOCK):
-        early, middle, late = (phase[start + k * factor :][: min(_BLOCK, pairs - start)] for k in range(3))
+        count = min(_BLOCK, pairs - start)
+        early, middle, late = (phase[start + k * factor :][:count] for k in range(3))
         second = late - 2.0 * middle + early
+        if stretch is not None:
+            second = second[stretch[start:][:count] == stretch[start + 2 * factor - 1 :][:count]]
+        used += len(second)
         squares += float(np.sum(np.square(second, out=second)))
-    return float(np.sqrt(squares / pairs / 2.0) / factor)
+    return float(np.sqrt(squares / used / 2.0) / factor)
 
 
 def _limits(deviation: FloatArray, degrees: FloatArray, confidence: float) -> tuple[FloatArray, FloatArray]:

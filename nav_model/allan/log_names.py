@@ -1,16 +1,21 @@
 """Names and units of the columns or arrays of an inertial log, in the layouts that are in use.
 
 Understood: `gyro_x [deg/s]`, `gx_dps`, `wx(rad/s)`, `acc_x_g`, `az`, EuRoC's `w_RS_S_x [rad s^-1]`, ROS's
-`angular_velocity.x` (SI by REP 103), increments `dtheta_x`, `dvel_z`, counts with `gyro_dps_per_count`.
+`/imu/data/angular_velocity.x`, PX4's `gyro_rad[0]`, increments `dtheta_x`, `dvel_z`, counts with
+`gyro_dps_per_count`. The units are those of `nav_model.base.units`.
 """
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Final
 
-from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.base.errors import InputError
+from nav_model.base.units import parse_quantity
+
+COUNTS: Final = ("counts", "raw", "lsb")
 
 
 @dataclass(frozen=True)
@@ -24,156 +29,187 @@ class Scale:
 
 @dataclass(frozen=True)
 class Meaning:
-    """Role ("time", "gyro", "accelerometer", "temperature"), axis 0..2 or None, unit text or None."""
+    """Role ("time", "gyro", "accelerometer", "temperature"), axis 0..2 or None, unit text or None.
+
+    `convention`: whose convention the unit is, where the name does not say it.
+    """
 
     role: str
     axis: int | None
     unit: str | None
+    convention: str = ""
 
 
-_G = STANDARD_GRAVITY
-
-# unit -> (factor to SI, increments per sample)
-_UNITS: Final[dict[str, dict[str, tuple[float, bool]]]] = {
-    "gyro": {
-        "rad/s": (1.0, False),
-        "mrad/s": (1e-3, False),
-        "deg/s": (DEGREE, False),
-        "mdeg/s": (DEGREE * 1e-3, False),
-        "deg/h": (DEGREE / 3600.0, False),
-        "rad": (1.0, True),
-        "mrad": (1e-3, True),
-        "urad": (1e-6, True),
-        "deg": (DEGREE, True),
-        "arcsec": (DEGREE / 3600.0, True),
-    },
-    "accelerometer": {
-        "m/s2": (1.0, False),
-        "g": (_G, False),
-        "mg": (_G * 1e-3, False),
-        "ug": (_G * 1e-6, False),
-        "m/s": (1.0, True),
-        "mm/s": (1e-3, True),
-        "g.s": (_G, True),
-        "ug.s": (_G * 1e-6, True),
-    },
-    "time": {"s": (1.0, False), "ms": (1e-3, False), "us": (1e-6, False), "ns": (1e-9, False)},
-    "temperature": {"degc": (1.0, False)},
+# Dimension of the values of a role, and whether they are increments over one sample.
+_DIMENSIONS: Final = {
+    "gyro": (("angular rate", False), ("angle", True)),
+    "accelerometer": (("acceleration", False), ("speed", True)),
+    "time": (("time", False),),
 }
-
-_UNIT_SPELLINGS: Final = {
-    "dps": "deg/s",
-    "mdps": "mdeg/s",
-    "dph": "deg/h",
-    "rads": "rad/s",
-    "radps": "rad/s",
-    "rps": "rad/s",
-    "mps2": "m/s2",
-    "ms2": "m/s2",
-    "mss": "m/s2",
-    "m/s/s": "m/s2",
-    "mps": "m/s",
-    "ugs": "ug.s",
-    "gs": "g.s",
-    "sec": "s",
-    "seconds": "s",
-    "c": "degc",
-    "celsius": "degc",
+_OFFERED: Final = {
+    "gyro": ("rad/s", "mrad/s", "deg/s", "mdeg/s", "deg/h", "rad", "mrad", "urad", "deg", "arcsec"),
+    "accelerometer": ("m/s2", "g", "mg", "ug", "m/s", "mm/s", "g s", "ug s"),
 }
+_RUN_TOGETHER: Final = {
+    "ms2": "m/s2", "mss": "m/s2", "mps2": "m/s2", "mps": "m/s", "rads": "rad/s", "radps": "rad/s", "rps": "rad/s",
+    "degs": "deg/s", "degps": "deg/s", "gs": "g s", "ugs": "ug s", "usec": "us", "nsec": "ns", "msec": "ms",
+    "usecs": "us", "nsecs": "ns", "msecs": "ms", "secs": "s", "nanosec": "ns", "nanosecs": "ns",
+}  # fmt: skip
 
 _ROLES: Final = (
-    ("time", r"(imu|sensor)?(t|time|timestamp|stamp|tow|timeofweek|seconds|sec)"),
-    ("temperature", r"(imu|gyro|acc|sensor)?(temp|temperature)"),
-    ("gyro", r"(imu)?(g|gyr|gyro|gyroscope|gyros|w|omega|angularvelocity|angularrate|wrss|wibb)"),
-    ("gyro", r"(imu)?(dtheta|dang|dangle|deltatheta|deltaangle|dth)"),
-    ("accelerometer", r"(imu)?(a|f|acc|accel|accelerometer|accelerometers|acceleration|linearacceleration)"),
-    ("accelerometer", r"(imu)?(specificforce|force|arss|fib|fibb|dvel|dv|deltav|deltavelocity)"),
+    ("time", r"t|time|times|timefine|timestamp|timestamps|stamp|tow|timeofweek|seconds|secs|sec"),
+    ("temperature", r"(gyro|acc|accel)?(temp|temperature)"),
+    ("gyro", r"g|gyr|gyro|gyroscope|gyros|gyrorotation|w|omega|wrss|wibb"),
+    ("gyro", r"angularvelocity|angularrate|angvel|rotationrate|dtheta|dang|dangle|deltatheta|deltaangle|dth"),
+    ("accelerometer", r"a|f|acc|accel|accelerometer|accelerometers|acceleration|accelerometeracceleration"),
+    ("accelerometer", r"linearacceleration|linacc|specificforce|force|arss|fib|fibb"),
+    ("accelerometer", r"dvel|dv|deltav|deltavelocity|velinc"),
+)  # fmt: skip
+_NEUTRAL: Final = frozenset(
+    re.findall(
+        r"\w+",
+        "imu sensor sensors combined field msg message data body calibrated cal corrected filtered measured"
+        " compensated output value in header sample since start startup elapsed system device host unix epoch"
+        " utc log logging gps txt scaled",
+    )
 )
-_SI_BY_STANDARD: Final = {"angularvelocity": "rad/s", "linearacceleration": "m/s2"}
+_OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
+_UNIT_MAY_START: Final = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
+_SI: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
+# What a name says of the unit, and by whose convention.
+_BY_NAME: Final = {
+    "angularvelocity": ("rad/s", "REP 103"), "linearacceleration": ("m/s2", "REP 103"),
+    "seconds": ("s", ""), "secs": ("s", ""), "sec": ("s", ""), "timefine": ("0.1 ms", "MT Manager"),
+}  # fmt: skip
+_BY_INDEX: Final = {"gyro_rad": "rad/s", "delta_angle": "rad", "delta_velocity": "m/s"}
+# Layouts whose units are known by another column: pattern of that, whose they are, what gyro and accelerometer are.
+_LAYOUTS: Final = (
+    (r"alpha_?x", "Kalibr", r"omega", r"alpha"),
+    (r"packetcounter", "MT Manager", r"gyr", r"acc"),
+    (r"timeus", "ArduPilot", r"gyr", r"acc"),
+)
 
 
 def units_of(role: str) -> dict[str, bool]:
-    """Units that the values of a role may have -> whether they are increments over one sample."""
-    return {unit: per_sample for unit, (_, per_sample) in _UNITS[role].items()}
+    """Units that are offered for the values of a role -> whether they are increments over one sample."""
+    return {unit: scale_of(role, unit).per_sample for unit in _OFFERED[role]}
 
 
 def scale_of(role: str, unit: str) -> Scale:
     """Scale of a unit text such as "deg/s", "°/s", "0.05 deg/s" (counts of 0.05 deg/s) or "0.1 arcsec"
     (increments). That a number is of a count may be said: "0.05 deg/s a count", "0.05 deg/s per count".
 
-    Raises InputError under ``gyro_unit`` or ``accelerometer_unit``, with the units allowed.
+    Raises InputError under ``gyro_unit``, ``accelerometer_unit`` or ``time_unit``, with units that are allowed.
     """
-    match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.+?)(?:(?:\s+a|\s+per|\s*/)\s*count)?\s*", unit)
-    text = _normal_unit(match.group(2)) if match else ""
-    number = 1.0
-    if match and match.group(1):
-        try:
-            number = float(match.group(1))
-        except ValueError:
-            text = ""
-    allowed = _UNITS[role]
-    if text not in allowed or not 0.0 < number < math.inf:
-        raise InputError(
-            f"{role}_unit",
-            f"{unit!r} is not understood; allowed: {', '.join(allowed)}, or a number and one of these per count",
-            unit,
-        )
-    factor, per_sample = allowed[text]
-    return Scale(number * factor, per_sample, unit.strip())
+    match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.*?)(?:(?:\s+a|\s+per|\s*/)\s*count)?\s*", unit)
+    number, text = (match[1] or "1", match[2]) if match else ("", unit)
+    for spelling in _spellings(text):
+        for dimension, per_sample in _DIMENSIONS[role]:
+            with suppress(InputError):
+                factor = parse_quantity(f"{number} {spelling}", dimension).value
+                if 0.0 < factor < math.inf:
+                    return Scale(factor, per_sample, unit.strip())
+    allowed = ", ".join(_OFFERED.get(role, ("s", "ms", "us", "ns")))
+    raise InputError(
+        f"{role}_unit",
+        f"{unit!r} is not understood; allowed: {allowed}, or a number and one of these per count",
+        unit,
+    )
+
+
+def _spellings(text: str) -> Iterator[str]:
+    """A unit as it is, and as it may be meant in a name: "m_s2", "deg_per_s", "mps2", "DPS"."""
+    text = re.sub(r"^in[\s_]+", "", text.strip(" _"))
+    for plain in (text, text.lower()):
+        yield plain
+        yield re.sub(r"_(?:per_)?", "/", plain)
+        if (squeezed := re.sub(r"[\s_^.]", "", plain)) in _RUN_TOGETHER:
+            yield _RUN_TOGETHER[squeezed]
+
+
+def _known(role: str, unit: str) -> bool:
+    if role == "temperature":
+        return unit.lower().strip(" °") in ("c", "degc", "deg c", "celsius")
+    with suppress(InputError):
+        return bool(scale_of(role, unit))
+    return unit.lower() in COUNTS
+
+
+def meanings_of(names: Sequence[str]) -> list[Meaning | None]:
+    """Meaning of each of the columns of a file, which may show together what unit they are in by convention."""
+    meanings = [meaning_of(name) for name in names]
+    plain = ["".join(_words(name)) for name in names]
+    for mark, program, *patterns in _LAYOUTS:
+        if not any(re.fullmatch(mark.replace("_?", ""), name) for name in plain):
+            continue
+        for at, name in enumerate(plain):
+            for role, pattern in zip(_SI, patterns, strict=True):
+                match = re.fullmatch(rf"{pattern}([xyz])", name)
+                known = meanings[at]
+                if match and (known is None or known.unit is None):
+                    meanings[at] = Meaning(role, "xyz".index(match[1]), _SI[role], program)
+    return meanings
 
 
 def meaning_of(name: str) -> Meaning | None:
     """Meaning of a column or array name, None when it is not one of an inertial log's quantities."""
-    bare, unit = _split_unit(name.strip().strip('"').lstrip("#%").strip())
-    words = [word for word in re.split(r"[^a-zA-Z0-9]+", bare.lower()) if word]
-    if not words:
-        return None
-    found = _from_words(words, unit)
-    if found is None and unit is None:
-        # The unit may be at the end of the name: gyro_x_dps, acc_g, imu_ms.
-        for count in (1, 2):
-            text = _normal_unit("_".join(words[-count:]))
-            shorter = _from_words(words[:-count], text) if len(words) > count else None
-            if shorter is not None and (text in _UNITS[shorter.role] or text in ("counts", "raw")):
-                return shorter if text in _UNITS[shorter.role] else Meaning(shorter.role, shorter.axis, "counts")
-    return found
+    text = name.strip().strip('"').lstrip("#%").strip()
+    index = re.fullmatch(r"(.*)[\[(.]([0-2])[\])]?", text)
+    if index:
+        meaning = _meaning(index[1])
+        if meaning is None or meaning.axis is not None or meaning.role not in _SI:
+            return _behind_a_topic(text)
+        axis, unit = int(index[2]), _BY_INDEX.get(re.split("[./]", index[1])[-1].lower())
+        return Meaning(meaning.role, axis, unit, "PX4") if unit else replace(meaning, axis=axis)
+    return _meaning(text) or _behind_a_topic(text)
 
 
-def _from_words(words: list[str], unit: str | None) -> Meaning | None:
-    joined = "".join(words)
-    for stem, axis in _stems(joined):
-        for role, pattern in _ROLES:
-            if re.fullmatch(pattern, stem) is None:
-                continue
-            if len(stem) == 1 and role in ("gyro", "accelerometer") and axis is None:
-                continue
-            if unit is not None and unit not in _UNITS[role] and unit not in ("counts", "raw"):
-                continue
-            return Meaning(role, axis, unit or _SI_BY_STANDARD.get(stem))
+def _behind_a_topic(text: str) -> Meaning | None:
+    """Meaning of a name behind those of a topic and its messages: "/imu/data/angular_velocity/x"."""
+    parts = re.split(r"[./]+", text)
+    for start in range(1, len(parts)):
+        if not _OF_SOMETHING_ELSE.search("".join(parts[:start]).lower()) and (
+            found := _meaning(".".join(parts[start:]))
+        ):
+            return found
     return None
 
 
-def _stems(joined: str) -> list[tuple[str, int | None]]:
+def _meaning(text: str) -> Meaning | None:
+    match = re.fullmatch(r"(.*?)[\s_]*[\[({](.*)[\])}]\s*", text)
+    if match and match[1]:
+        meaning = _from_words(_words(match[1]))
+        if meaning is None:
+            return None
+        unit = match[2].strip()
+        if meaning.role in _SI or _known(meaning.role, unit):
+            return replace(meaning, unit=unit, convention="")
+        return meaning if meaning.role == "time" else None
+    meaning = _from_words(_words(text))
+    if meaning is not None:
+        return meaning
+    for start in reversed([found.start() for found in _UNIT_MAY_START.finditer(text)]):
+        meaning = _from_words(_words(text[:start]))
+        if meaning is not None and _known(meaning.role, text[start:].strip(" _")):
+            return replace(meaning, unit=text[start:].strip(" _"), convention="")
+    return None
+
+
+def _words(text: str) -> list[str]:
+    """Words of a name in small letters: at signs, digits and capitals."""
+    return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+", text)]
+
+
+def _from_words(words: list[str]) -> Meaning | None:
+    words = words[2:] if words[:1] == ["imu"] and len(words) > 1 and words[1].isdigit() else words
+    joined = "".join(word for word in words if word not in _NEUTRAL)
     stems: list[tuple[str, int | None]] = [(joined, None)]
     if len(joined) > 1 and joined[-1] in "xyz":
         stems.append((joined[:-1], "xyz".index(joined[-1])))
     elif len(joined) > 2 and joined[0] in "xyz":
         stems.append((joined[1:], "xyz".index(joined[0])))
-    return stems
-
-
-def _split_unit(name: str) -> tuple[str, str | None]:
-    match = re.fullmatch(r"(.*?)[\s_]*[\[(]([^\])]*)[\])]\s*", name)
-    if match is None or not match.group(1):
-        return name, None
-    return match.group(1), _normal_unit(match.group(2))
-
-
-def _normal_unit(text: str) -> str:
-    unit = text.strip().lower().replace("°", "deg").replace("µ", "u").replace("μ", "u").replace("²", "2")
-    unit = re.sub(r"\s*(s|sec)\s*\^?\s*-\s*2$", "/s2", unit)
-    unit = re.sub(r"\s*(s|sec)\s*\^?\s*-\s*1$", "/s", unit)
-    unit = unit.replace("^", "").replace("**", "").replace("·", ".").replace("*", ".").replace(" ", "")
-    unit = unit.replace("_", "").replace("sec2", "s2").replace("degrees", "deg").replace("hr", "h")
-    unit = re.sub(r"/sec$", "/s", unit)
-    return _UNIT_SPELLINGS.get(unit, unit)
+    for stem, axis in stems:
+        for role, pattern in _ROLES:
+            if re.fullmatch(pattern, stem) and not (len(stem) == 1 and role in _SI and axis is None):
+                return Meaning(role, axis, *_BY_NAME.get(stem, (None, "")))
+    return None

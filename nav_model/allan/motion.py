@@ -7,16 +7,23 @@ and its mean density is the effective random walk squared. The design's `vibrati
 bench value.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
-from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.noise_terms import FloatArray
+from nav_model.allan.imu_log import AxisSignal, ImuLog
 from nav_model.allan.result import UNITS, Provenance
-from nav_model.allan.vibration import BLOCK_S, block_densities, declared_spectrum, vibration_spectrum
+from nav_model.allan.vibration import (
+    BLOCK_S,
+    block_count,
+    block_densities,
+    block_length,
+    declared_spectrum,
+    vibration_spectrum,
+)
 from nav_model.allan.warnings import saturated_share
 from nav_model.base.errors import InputError
 from nav_model.design.rows import Row
@@ -84,30 +91,30 @@ def analyse_motion(
     """
     bench = bench or BenchNoise()
     _check(bench)
-    nyquist = log.rate_hz / 2.0
-    length = round(BLOCK_S * log.rate_hz)
-    first = int(np.ceil(BAND_FROM_HZ * length / log.rate_hz))
-    if length // 2 - first < _FEWEST_COEFFICIENTS:
-        least = 2 * (BAND_FROM_HZ + _FEWEST_COEFFICIENTS / BLOCK_S)
-        said = f"noise is measured from {BAND_FROM_HZ:g} Hz to half the rate, which needs {least:g} Hz"
-        raise InputError(log.file_name, f"{log.rate_hz:g} Hz is too slow: {said}.")
-    if log.samples < 2 * length:
-        raise InputError(log.file_name, f"{log.duration_s:.3g} s are too short; {2 * BLOCK_S:g} s are needed.")
     axes = log.axes()
-    found = []
-    for index, (name, quantity, signal) in enumerate(axes):
+    rate_hz = min(axis.rate_hz for axis in axes)
+    if BLOCK_S * (rate_hz / 2.0 - BAND_FROM_HZ) < _FEWEST_COEFFICIENTS:
+        least = 2 * (BAND_FROM_HZ + _FEWEST_COEFFICIENTS / BLOCK_S)
+        needed = f"noise is measured from {BAND_FROM_HZ:g} Hz to half the rate, which needs {least:g} Hz"
+        raise InputError(log.file_name, f"{rate_hz:g} Hz is too slow: {needed}.")
+    if min(map(block_count, axes)) < 2:
+        longest = max(float(axis.lengths.max()) / axis.rate_hz for axis in axes)
+        without = " without a gap" if log.breaks else ""
+        raise InputError(log.file_name, f"{longest:.3g} s{without} are too short; {2 * BLOCK_S:g} s are needed.")
+    results = []
+    for index, axis in enumerate(axes):
         if progress is not None:
-            progress(index / len(axes), name)
-        if cut := saturated_share(signal):
+            progress(index / len(axes), axis.name)
+        if cut := saturated_share(axis.signal):
             raise InputError(
                 log.file_name,
-                f"{name} is saturated: {cut:.2%} of its samples are at the largest or smallest value, so its noise "
-                "is clipped. Record the log with a wider range, or cut out that part.",
+                f"{axis.name} is saturated: {cut:.2%} of its samples are at the largest or smallest value, so its "
+                "noise is clipped. Record the log with a wider range, or cut out that part.",
             )
-        found.append(_axis(name, quantity, signal, log.rate_hz, length, first))
+        results.append(_axis(axis, rate_hz / 2.0))
     noise = MotionAnalysis(
-        axes=tuple(found),
-        band_hz=(BAND_FROM_HZ, nyquist),
+        axes=tuple(results),
+        band_hz=(BAND_FROM_HZ, rate_hz / 2.0),
         gyro_factor=None,
         accelerometer_factor=None,
         vibration_factor=None,
@@ -148,11 +155,13 @@ def _check(bench: BenchNoise) -> None:
             raise InputError(f"bench.{field}", f"{value} is not allowed. Give a positive number.", value)
 
 
-def _axis(name: str, quantity: str, signal: FloatArray, rate_hz: float, length: int, first: int) -> AxisMotionNoise:
-    density = np.mean(block_densities(signal, length, rate_hz)[:, first : length // 2], axis=1)
+def _axis(axis: AxisSignal, highest_hz: float) -> AxisMotionNoise:
+    length = block_length(axis.rate_hz)
+    first, last = (math.ceil(edge * length / axis.rate_hz - 1e-9) for edge in (BAND_FROM_HZ, highest_hz))
+    density = np.mean(block_densities(axis)[:, first : min(last, length // 2)], axis=1)
     effective = float(np.sqrt(density.mean()))
     low, typical, high = (float(value) for value in np.sqrt(np.percentile(density, [5.0, 50.0, 95.0])))
-    return AxisMotionNoise(name, quantity, effective, typical, low, high, factor=None)
+    return AxisMotionNoise(axis.name, axis.quantity, effective, typical, low, high, factor=None)
 
 
 def _triad(factors: list[float | None]) -> float | None:
@@ -190,4 +199,5 @@ def motion_to_json(result: MotionAnalysis) -> dict[str, Any]:
         "sha256": result.provenance.sha256,
         "rate_hz": result.provenance.rate_hz,
         "duration_s": result.provenance.duration_s,
+        "reading": list(result.provenance.reading),
     }

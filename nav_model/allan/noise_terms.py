@@ -49,7 +49,7 @@ def allan_variance(term: str, coefficient: float, tau_s: FloatArray) -> FloatArr
     return np.asarray(coefficient**2 * shapes[term])
 
 
-def cosine_variances(index: FloatArray, samples: int, interval_s: float) -> FloatArray:
+def cosine_variances(index: FloatArray, samples: int | FloatArray, interval_s: float) -> FloatArray:
     """Variance of each orthonormal DCT-II coefficient of the rate samples, per unit Q², N², B², K²: shape (4,
     len(index)).
 
@@ -79,9 +79,9 @@ def cosine_variances(index: FloatArray, samples: int, interval_s: float) -> Floa
     return np.stack([quantization, white, flicker * finite_log / interval_s, walk])
 
 
-def cosine_ramp(index: FloatArray, samples: int, interval_s: float) -> FloatArray:
+def cosine_ramp(index: FloatArray, samples: int | FloatArray, interval_s: float) -> FloatArray:
     """Orthonormal DCT-II coefficients of the signal t = n·interval_s (unit slope); zero for even `index`."""
     k = np.asarray(index, dtype=np.float64)
     half = np.pi * k / (2.0 * samples)
     odd = np.mod(k, 2.0)
-    return -odd * math.sqrt(2.0 / samples) * interval_s * np.cos(half) / (2.0 * np.sin(half) ** 2)
+    return -odd * np.sqrt(2.0 / samples) * interval_s * np.cos(half) / (2.0 * np.sin(half) ** 2)

@@ -9,6 +9,7 @@ import numpy as np
 from nav_model.allan.deviation import AllanDeviation
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
+from nav_model.allan.sampling import Rows
 from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 
 CONFIDENCE_INTERVAL: Final = "95 % confidence"
@@ -78,7 +79,8 @@ class Provenance:
 class AxisNoise:
     """Noise of one axis.
 
-    `quantity` is "gyro" (rad/s) or "accelerometer" (m/s²). `coefficients` maps each of noise_terms.TERMS to a
+    `quantity` is "gyro" (rad/s) or "accelerometer" (m/s²), sampled at `rate_hz` in stretches of `lengths` samples
+    between gaps. `coefficients` maps each of noise_terms.TERMS to a
     Coefficient or None; `not_resolved` holds the reason of each None and `would_resolve` the log that would
     show it; `at_most` the 95 % limit of those that the log is consistent with none of. `white_floor` is the fitted N
     and `effective_at_1s` the slope -1/2 line read over the decade about 1 s (None where the log is too short or
@@ -88,6 +90,8 @@ class AxisNoise:
 
     name: str
     quantity: str
+    rate_hz: float
+    lengths: Rows
     mean: float
     standard_deviation: float
     deviation: AllanDeviation
@@ -176,6 +180,8 @@ def _axis_json(axis: AxisNoise) -> dict[str, Any]:
     effective = axis.effective_at_1s
     return {
         "name": axis.name,
+        "rate_hz": axis.rate_hz,
+        "stretches": len(axis.lengths),
         **{term: _coefficient_json(axis.coefficients[term], *units[term]) for term in TERMS},
         "not_resolved": dict(axis.not_resolved),
         "would_resolve": dict(axis.would_resolve),

@@ -4,13 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nav_model.allan.imu_log import NO_BREAKS
 from nav_model.allan.noise_terms import FloatArray, cosine_ramp, cosine_variances
+from nav_model.allan.sampling import Rows
 
 SINGLE_COEFFICIENTS = 128
 BINS_PER_DECADE = 40
 # Of the strongest bin. Doubles leave 1e-28; the least that a 24-bit count leaves of its own range is 1e-15.
 _EMPTY = 1e-24
 _EMPTY_SHARE = 0.2
+_NODES = 16  # of a bin; stretches of every length are among its coefficients
 
 
 @dataclass(frozen=True)
@@ -43,17 +46,20 @@ class CosineSpectrum:
         return bool(empty.mean() > _EMPTY_SHARE)
 
 
-def cosine_spectrum(rate_signal: FloatArray, interval_s: float) -> CosineSpectrum:
-    """Transform one axis, shape (samples,), sampled every `interval_s` [s]; ValueError under 512 samples."""
-    from scipy.fft import dct
+def cosine_spectrum(rate_signal: FloatArray, interval_s: float, breaks: Rows = NO_BREAKS) -> CosineSpectrum:
+    """Transform one axis, shape (samples,), sampled every `interval_s` [s]; ValueError under 512 samples.
 
-    samples = len(rate_signal)
-    if samples < 4 * SINGLE_COEFFICIENTS:
-        raise ValueError(f"log has {samples} samples; at least {4 * SINGLE_COEFFICIENTS} are needed for a fit")
-    coefficient = dct(rate_signal - rate_signal.mean(), norm="ortho", overwrite_x=True)
+    Each stretch between `breaks` is transformed by itself. The coefficients of all of them, in the order of their
+    frequencies, make one spectrum: what a term adds to each depends on its number and its stretch's length.
+    """
     singles = SINGLE_COEFFICIENTS
-    decades = np.log10(samples / (singles + 1))
-    edges = np.geomspace(singles + 1, samples, max(2, int(decades * BINS_PER_DECADE) + 1))
+    coefficient, index, length = _coefficients(rate_signal, breaks)
+    total = len(coefficient)
+    if total < 4 * singles:
+        raise ValueError(f"log has {len(rate_signal)} samples; at least {4 * singles} are needed for a fit")
+    frequency = index / (2.0 * length * interval_s)
+    decades = np.log10(total / (singles + 1))
+    edges = np.geomspace(singles + 1, total, max(2, int(decades * BINS_PER_DECADE) + 1))
     starts = np.unique(np.round(edges).astype(np.int64))
     starts = np.concatenate([np.arange(1, singles + 1), starts])
     first, last = starts[:-1], starts[1:]
@@ -64,34 +70,47 @@ def cosine_spectrum(rate_signal: FloatArray, interval_s: float) -> CosineSpectru
     peak_index = np.array(
         [a + int(np.argmax(squared[a:b])) if b - a > 1 else a for a, b in zip(first, last, strict=True)]
     )
-    centre = (first + last - 1) / 2.0
-    to_hz = 1.0 / (2.0 * samples * interval_s)
-    shapes = _bin_mean_shapes(first, last, samples, interval_s)
     return CosineSpectrum(
         interval_s=interval_s,
         singles=singles,
-        frequency_hz=centre * to_hz,
+        frequency_hz=np.add.reduceat(frequency[: last[-1]], first) / count,
         power=power,
         count=count,
         peak=largest / np.where(power > 0.0, power, 1.0),
-        peak_frequency_hz=peak_index * to_hz,
+        peak_frequency_hz=frequency[peak_index],
         amplitude=coefficient[1 : singles + 1].copy(),
-        shapes=shapes,
-        ramp=cosine_ramp(centre[:singles], samples, interval_s),
+        shapes=_bin_mean_shapes(first, last, index, length, interval_s),
+        ramp=cosine_ramp(index[1 : singles + 1], length[1 : singles + 1], interval_s),
     )
 
 
-def _bin_mean_shapes(
-    first: np.ndarray[tuple[int], np.dtype[np.int64]],
-    last: np.ndarray[tuple[int], np.dtype[np.int64]],
-    samples: int,
-    interval_s: float,
-) -> FloatArray:
-    """Mean over each bin of the per-term variances, by a five-point Gauss rule (bins are 6 % wide)."""
-    nodes, weights = np.polynomial.legendre.leggauss(5)
+def _coefficients(rate_signal: FloatArray, breaks: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """DCT-II coefficients of all stretches, sorted by frequency; the number of each in its stretch, and the stretch's
+    length. The first entry is the mean, which is left out."""
+    from scipy.fft import dct
+
+    if not len(breaks):
+        coefficient = dct(rate_signal - rate_signal.mean(), norm="ortho", overwrite_x=True)
+        samples = len(coefficient)
+        return coefficient, np.arange(samples, dtype=np.float64), np.broadcast_to(float(samples), samples)
+    stretches = [stretch for stretch in np.split(rate_signal, breaks) if len(stretch) > 1]
+    coefficient = np.concatenate([dct(stretch, norm="ortho")[1:] for stretch in stretches])
+    index = np.concatenate([np.arange(1.0, len(stretch)) for stretch in stretches])
+    length = np.concatenate([np.full(len(stretch) - 1, float(len(stretch))) for stretch in stretches])
+    order = np.argsort(index / length, kind="stable")
+    coefficient, index, length = (
+        np.concatenate([[lead], values[order]]) for lead, values in ((0.0, coefficient), (0.0, index), (1.0, length))
+    )
+    return coefficient, index, length
+
+
+def _bin_mean_shapes(first: Rows, last: Rows, index: FloatArray, length: FloatArray, interval_s: float) -> FloatArray:
+    """Mean over each bin of the per-term variances, by a Gauss rule over its coefficients (bins are 6 % wide)."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     middle = (first + last - 1) / 2.0
     half_width = (last - first) / 2.0 * (last - first > 1)
     total = np.zeros((4, len(first)))
     for node, weight in zip(nodes, weights, strict=True):
-        total += weight / 2.0 * cosine_variances(middle + half_width * node, samples, interval_s)
+        at = np.rint(middle + half_width * node).astype(np.int64)
+        total += weight / 2.0 * cosine_variances(index[at], length[at], interval_s)
     return total

@@ -15,13 +15,14 @@ from nav_model.allan.deviation import (
     averaging_times,
     overlapping_allan_deviation,
 )
-from nav_model.allan.imu_log import ImuLog
+from nav_model.allan.imu_log import AxisSignal, ImuLog
 from nav_model.allan.likelihood import Estimate
-from nav_model.allan.noise_terms import STOCHASTIC_TERMS, TERMS, FloatArray, allan_variance
+from nav_model.allan.noise_terms import STOCHASTIC_TERMS, TERMS, allan_variance
 from nav_model.allan.remedy import Cause, what_would_resolve
 from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance
 from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings, saturated_share
+from nav_model.base.arrays import Array
 
 # Both shares were set on the available logs: 0.93 and more for the ADIS16405 gyros, 0.34 to 0.56 for its
 # accelerometers under a 0.6 Hz line.
@@ -51,28 +52,27 @@ def analyse_log(log: ImuLog, progress: Callable[[float, str], None] | None = Non
     real-log departures, deviation.py for curves.
     """
     axes = log.axes()
-    interval_s = 1.0 / log.rate_hz
     results = []
-    for index, (name, quantity, signal) in enumerate(axes):
+    for index, axis in enumerate(axes):
         if progress is not None:
-            progress(index / len(axes), name)
-        results.append(_analyse_axis(name, quantity, signal, interval_s, log.temperature_c))
+            progress(index / len(axes), axis.name)
+        results.append(_analyse_axis(axis, log.temperature_c))
     if progress is not None:
         progress(1.0, "done")
     return LogAnalysis(tuple(results), Provenance.of(log), log_warnings(log))
 
 
-def _analyse_axis(
-    name: str, quantity: str, signal: FloatArray, interval_s: float, temperature_c: FloatArray | None
-) -> AxisNoise:
-    signal = np.ascontiguousarray(signal, dtype=np.float64)
-    of_axis = partial(_axis_noise, name, quantity, signal, interval_s)
+def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:
+    signal = np.ascontiguousarray(axis.signal, dtype=np.float64)
+    interval_s, breaks = 1.0 / axis.rate_hz, axis.breaks
+    of_axis = partial(_axis_noise, axis._replace(signal=signal))
 
     def without_noise(why: _Missing, warning: str) -> AxisNoise:
         """An axis that holds no noise to fit, with the reason under every coefficient."""
+        deviation = overlapping_allan_deviation(signal, interval_s, breaks=breaks)
         return of_axis(
-            dict.fromkeys(TERMS, why), deviation=overlapping_allan_deviation(signal, interval_s), white_floor=0.0,
-            effective_at_1s=None, band_hz=0.5 / interval_s, lines_hz=(), model_error=0.0, warnings=(warning,),
+            dict.fromkeys(TERMS, why), deviation=deviation, white_floor=0.0, effective_at_1s=None,
+            band_hz=0.5 / interval_s, lines_hz=(), model_error=0.0, warnings=(warning,),
         )  # fmt: skip
 
     if np.all(signal == signal[0]):
@@ -82,7 +82,7 @@ def _analyse_axis(
         reason = f"not resolved: {cut:.2%} of the samples are at a limit of the sensor's range, which clips its noise"
         warning = f"saturated: {cut:.2%} of the samples are at the largest or smallest value"
         return without_noise(_Missing(reason, "saturated"), warning)
-    spectrum = cosine_spectrum(signal, interval_s)
+    spectrum = cosine_spectrum(signal, interval_s, breaks)
     if spectrum.repeats:
         reason = (
             "not resolved: the signal repeats itself exactly, so that its spectrum is empty between lines; no "
@@ -92,13 +92,13 @@ def _analyse_axis(
         return without_noise(_Missing(reason, "repeating"), warning)
     found = fit_axis(spectrum)
     squares = dict(zip(STOCHASTIC_TERMS, found.fit.squares, strict=True))
-    taus = averaging_times(len(signal), interval_s)
-    deviation = overlapping_allan_deviation(signal, interval_s, taus, _dominant_alpha(found, taus))
+    taus = averaging_times(int(axis.lengths.max()), interval_s)
+    deviation = overlapping_allan_deviation(signal, interval_s, taus, _dominant_alpha(found, taus), breaks=breaks)
     effective = _effective_at_1s(deviation)
     outcomes: dict[str, Coefficient | _Missing] = {}
     for term in TERMS:
         estimate = found.fit.ramp if term == "ramp" else _root(squares[term])
-        outcomes[term] = _coefficient(term, quantity, estimate, found, deviation, effective)
+        outcomes[term] = _coefficient(term, axis.quantity, estimate, found, deviation, effective)
     return of_axis(
         outcomes,
         deviation=deviation,
@@ -112,26 +112,26 @@ def _analyse_axis(
 
 
 def _axis_noise(
-    name: str,
-    quantity: str,
-    signal: FloatArray,
-    interval_s: float,
+    axis: AxisSignal,
     outcomes: Mapping[str, Coefficient | _Missing],
     **fitted: Any,
 ) -> AxisNoise:
     """The axis with what was found of each term, and with the other fields as they are `fitted`."""
     resolved = {term: found for term, found in outcomes.items() if isinstance(found, Coefficient)}
     missing = {term: found for term, found in outcomes.items() if isinstance(found, _Missing)}
+    longest_s = float(axis.lengths.max()) / axis.rate_hz
     return AxisNoise(
-        name=name,
-        quantity=quantity,
-        mean=float(signal.mean()),
-        standard_deviation=float(signal.std(ddof=1)),
+        name=axis.name,
+        quantity=axis.quantity,
+        rate_hz=axis.rate_hz,
+        lengths=axis.lengths,
+        mean=float(axis.signal.mean()),
+        standard_deviation=float(axis.signal.std(ddof=1)),
         coefficients={term: resolved.get(term) for term in outcomes},
         not_resolved={term: why.reason for term, why in missing.items()},
         at_most={term: why.limit for term, why in missing.items() if why.limit is not None},
         would_resolve={
-            term: what_would_resolve(why.cause, term, resolved, len(signal) * interval_s, interval_s)
+            term: what_would_resolve(why.cause, term, resolved, longest_s, 1.0 / axis.rate_hz)
             for term, why in missing.items()
         },
         **fitted,
@@ -203,7 +203,7 @@ def _effective_at_1s(deviation: AllanDeviation) -> float | None:
     return float(np.exp(level.mean()))
 
 
-def _dominant_alpha(found: AxisFit, tau_s: FloatArray) -> FloatArray:
+def _dominant_alpha(found: AxisFit, tau_s: Array) -> Array:
     """Dominant noise type at each averaging time, for the degrees of freedom of the Allan estimates."""
     terms = [*STOCHASTIC_TERMS, "ramp"]
     values = [math.sqrt(square.value) for square in found.fit.squares] + [found.fit.ramp.value]

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.noise_terms import FloatArray
+from nav_model.allan.imu_log import AxisSignal, ImuLog
+from nav_model.base.arrays import Array
 from nav_model.base.units import format_quantity, parse_quantity
 from nav_model.design.parts import declaration_of
 from nav_model.design.rows import Row, Rows
@@ -27,14 +27,13 @@ def vibration_spectrum(log: ImuLog) -> tuple[Row, ...]:
     know where the radar looks. Hann-windowed blocks of 5 s without their mean and trend (Welch's method). Empty
     without accelerometers, for less than two blocks, or where fewer than two bands fit below half the rate.
     """
-    signal = log.accelerometer
-    length = round(BLOCK_S * log.rate_hz)
-    if signal is None or len(signal) < 2 * length:
+    axes = [axis for axis in log.axes() if axis.quantity == "accelerometer"]
+    if not axes or block_count(axes[0]) < 2:
         return ()
-    densities = [2 * np.mean(block_densities(axis, length, log.rate_hz), axis=0) for axis in signal.T]
-    density = np.max(densities, axis=0)
-    frequency = np.arange(len(density)) * log.rate_hz / length
-    count = int(np.log(log.rate_hz / 2 / LOWEST_HZ) / np.log(_RATIO))
+    rate_hz = axes[0].rate_hz
+    density = np.max([2 * np.mean(block_densities(axis), axis=0) for axis in axes], axis=0)
+    frequency = np.arange(len(density)) * rate_hz / block_length(rate_hz)
+    count = int(np.log(rate_hz / 2 / LOWEST_HZ) / np.log(_RATIO))
     edges = LOWEST_HZ * _RATIO ** np.arange(count + 1)
     rows = []
     for low, high in pairwise(edges):
@@ -54,14 +53,26 @@ def declared_spectrum() -> Rows:
     return declaration
 
 
-def block_densities(signal: FloatArray, length: int, rate_hz: float) -> FloatArray:
-    """Two-sided density [unit²/Hz] of each block of so many samples, shape (blocks, length // 2 + 1).
+def block_length(rate_hz: float) -> int:
+    """Samples of a block of BLOCK_S seconds."""
+    return round(BLOCK_S * rate_hz)
 
-    Each block is Hann-windowed without its mean and trend, which keeps strong slow motion from leaking into the rest.
+
+def block_count(axis: AxisSignal) -> int:
+    """Whole blocks of BLOCK_S seconds between the gaps of an axis."""
+    return int(np.sum(axis.lengths // block_length(axis.rate_hz)))
+
+
+def block_densities(axis: AxisSignal) -> Array:
+    """Two-sided density [unit²/Hz] of each block of BLOCK_S seconds, shape (blocks, samples of a block // 2 + 1).
+
+    Blocks lie between gaps. Each is Hann-windowed without its mean and trend, which keeps strong slow motion from
+    leaking into the rest.
     """
     from scipy.signal import detrend
 
+    length = block_length(axis.rate_hz)
     window = np.hanning(length)
-    blocks = len(signal) // length
-    stacked = detrend(signal[: blocks * length].reshape(blocks, length), axis=1)
-    return np.asarray(np.abs(np.fft.rfft(stacked * window, axis=1)) ** 2 / (window @ window) / rate_hz)
+    blocks = [stretch[: len(stretch) // length * length].reshape(-1, length) for stretch in axis.stretches]
+    stacked = detrend(blocks[0] if len(blocks) == 1 else np.concatenate(blocks), axis=1)
+    return np.asarray(np.abs(np.fft.rfft(stacked * window, axis=1)) ** 2 / (window @ window) / axis.rate_hz)

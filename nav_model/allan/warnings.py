@@ -3,7 +3,7 @@
 import numpy as np
 
 from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.noise_terms import FloatArray
+from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
 
 _BLOCKS = 60
@@ -16,28 +16,32 @@ _TEMPERATURE_SHARE = 0.5
 _FEWEST_LEVELS = 4
 _FEWEST_CUT = 8  # samples at a limit
 _CUT_RATIO = 1.5  # of those over the ones at the next value
+_ROUNDING = 1e-5  # of a step between levels
+_END_VALUES = 256
 
 
-def saturated_share(signal: FloatArray) -> float:
+def saturated_share(signal: Array) -> float:
     """Share of samples at a limit of the sensor's range; 0 where no limit is seen.
 
     Noise becomes rarer towards its largest value. If the largest (or smallest) value occurs far more often than the
     value next to it, larger ones were cut off. Signals with three levels or fewer are coarse and give no answer.
+    Differences of a running total have its rounding: values that near to each other are one level.
     """
-    inner = signal
-    for _ in range(_FEWEST_LEVELS - 1):
-        inner = inner[inner < np.max(inner)]
-        if not len(inner):
-            return 0.0
-    at_limits = 0
-    for sign in (1.0, -1.0):
-        end = sign * float(np.max(sign * signal))
-        inside = signal[signal != end]
-        count = len(signal) - len(inside)
-        beside = int(np.count_nonzero(inside == sign * np.max(sign * inside)))
-        if count >= _FEWEST_CUT and count > _CUT_RATIO * beside:
-            at_limits += count
-    return at_limits / len(signal)
+    largest, smallest = signal.max(), signal.min()
+    near = _ROUNDING * (largest - smallest)
+    if max(np.sum(signal >= largest - near), np.sum(signal <= smallest + near)) < _FEWEST_CUT:
+        return 0.0
+    values, counts = np.unique(signal, return_counts=True)
+    gaps = np.diff(values)
+    if not len(gaps):
+        return 0.0
+    rounding = _ROUNDING * max(gaps[:_END_VALUES].max(), gaps[-_END_VALUES:].max())
+    of_level = np.bincount(np.concatenate([[0], np.cumsum(gaps > rounding)]), counts)
+    if len(of_level) < _FEWEST_LEVELS:
+        return 0.0
+    ends = (of_level[0], of_level[1]), (of_level[-1], of_level[-2])
+    cut = sum(float(end) for end, beside in ends if end >= _FEWEST_CUT and end > _CUT_RATIO * beside)
+    return cut / len(signal)
 
 
 def log_warnings(log: ImuLog) -> tuple[str, ...]:
@@ -56,7 +60,7 @@ def log_warnings(log: ImuLog) -> tuple[str, ...]:
     return tuple(found)
 
 
-def axis_warnings(signal: FloatArray, interval_s: float, temperature_c: FloatArray | None) -> tuple[str, ...]:
+def axis_warnings(signal: Array, interval_s: float, temperature_c: Array | None) -> tuple[str, ...]:
     """Warnings of one axis: bursts of vibration, temperature, coarse resolution."""
     found = []
     steps = np.diff(signal)
@@ -73,7 +77,7 @@ def axis_warnings(signal: FloatArray, interval_s: float, temperature_c: FloatArr
     return tuple(found)
 
 
-def _burst(steps: FloatArray, interval_s: float) -> str | None:
+def _burst(steps: Array, interval_s: float) -> str | None:
     """Loudest of equal blocks of the first differences against the median one."""
     length = len(steps) // _BLOCKS
     loudness = steps[: length * _BLOCKS].reshape(_BLOCKS, length).std(axis=1)
@@ -91,7 +95,7 @@ def _burst(steps: FloatArray, interval_s: float) -> str | None:
     )
 
 
-def _temperature(signal: FloatArray, temperature_c: FloatArray) -> str | None:
+def _temperature(signal: Array, temperature_c: Array) -> str | None:
     length = len(signal) // _BLOCKS
     slow = signal[: length * _BLOCKS].reshape(_BLOCKS, length).mean(axis=1)
     heat = temperature_c[: length * _BLOCKS].reshape(_BLOCKS, length).mean(axis=1)

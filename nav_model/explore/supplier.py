@@ -16,7 +16,7 @@ from typing import Literal
 
 import numpy as np
 
-from nav_model.allan.degrees import degrees_of_freedom
+from nav_model.allan.degrees import degrees_of_freedom, pooled_degrees
 from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -170,8 +170,7 @@ def judge_log(lines: tuple[Required, ...], log: LogAnalysis) -> tuple[Acceptance
                 log.provenance.file_name,
                 f"has no Allan deviation at {AVERAGING:g} s; a longer or faster log is needed",
             )
-        factor = round(float(taus[near]) * log.provenance.rate_hz)
-        degrees = degrees_of_freedom(0, factor, log.provenance.samples)
+        degrees = pooled_degrees(0, round(float(taus[near]) * axis.rate_hz), axis.lengths)
         reading = float(axis.deviation.deviation[near]) * math.sqrt(float(taus[near]))
         limit = accepted_share(degrees) * line.value
         found.append(Acceptance(axis.name, line.key, reading, limit, line.value, degrees))

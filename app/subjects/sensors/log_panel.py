@@ -11,6 +11,7 @@ import panel_material_ui as pmui
 import param
 
 from app.declared import held
+from app.document.blocks import Text
 from app.document.pane import html_of
 from app.report.supplier import acceptance_blocks
 from app.session import Session
@@ -21,7 +22,7 @@ from app.subjects.sensors.tables import (
     motion_answer,
     motion_table,
     offer,
-    provenance_text,
+    reading_text,
     remedies,
     warnings,
 )
@@ -269,20 +270,21 @@ class StaticResult(View):
 
 
 def _static_head(analysis: LogAnalysis) -> str:
-    return f"<h3>Log at rest: {html.escape(analysis.provenance.file_name)}</h3>" + html_of(offer(analysis))
+    return "<h3>Log at rest</h3>" + html_of(reading_text(analysis.provenance), offer(analysis))
 
 
 def _accepted(design: Design, analysis: LogAnalysis) -> str:
     """The log against what the design requires of its inertial unit, or why that cannot be said."""
     try:
-        return html_of(*acceptance_blocks(design, judge_log(required(design, "imu"), analysis)))
+        rows = judge_log(required(design, "imu"), analysis)
+        return html_of(*acceptance_blocks(design, rows, analysis.provenance.reading))
     except InputError as error:
         return f'<p class="quiet">Not judged by the supplier\'s sheet. {html.escape(str(error))}</p>'
 
 
 def _static_tables(analysis: LogAnalysis) -> str:
-    told = provenance_text(analysis.provenance)
-    return html_of(told, *coefficient_tables(analysis), *remedies(analysis), *warnings(analysis))
+    digest = Text(f"SHA-256 {analysis.provenance.sha256}.")
+    return html_of(*coefficient_tables(analysis), *remedies(analysis), *warnings(analysis), digest)
 
 
 class MotionResult(View):
@@ -294,7 +296,7 @@ class MotionResult(View):
         self.analysis: MotionAnalysis | None = None
         self._parts = parts = Follower(lambda: self.analysis)
         self.head = parts.text(_motion_head, (10, 14, 0, 14))
-        self.table = parts.text(lambda analysis: html_of(motion_table(analysis)), (0, 14, 10, 14))
+        self.table = parts.text(_motion_table, (0, 14, 10, 14))
         self.use = _button("Use this factor in the design")
         self.use.on_click(lambda _: adopt(lambda: adopt_vibration_factor(session.design, parts.known())))
         self.spectrum = _button("Use its vibration spectrum")
@@ -319,7 +321,11 @@ class MotionResult(View):
 
 
 def _motion_head(analysis: MotionAnalysis) -> str:
-    return "<h3>Log in motion</h3>" + html_of(provenance_text(analysis.provenance), motion_answer(analysis))
+    return "<h3>Log in motion</h3>" + html_of(reading_text(analysis.provenance), motion_answer(analysis))
+
+
+def _motion_table(analysis: MotionAnalysis) -> str:
+    return html_of(motion_table(analysis), Text(f"SHA-256 {analysis.provenance.sha256}."))
 
 
 def _look(label: str, helper_text: str, width: int) -> dict[str, Any]:

@@ -66,11 +66,11 @@ def _origin(design: Design, key: str) -> Cell:
     return Cell(text) if item.confirmed else Cell(text, f"⚠ {item.status} source", "warn")
 
 
-def provenance_text(provenance: Provenance) -> Text:
-    """File, digest, rate, duration, and how the file was understood."""
+def reading_text(provenance: Provenance) -> Text:
+    """File, rate, duration, and how the file was understood."""
     return Text(
         f"{provenance.file_name}: {provenance.samples} samples at {number(provenance.rate_hz, 6, given=True)} Hz, "
-        f"{_duration(provenance.duration_s)}. Read as: {'; '.join(provenance.reading)}. SHA-256 {provenance.sha256}."
+        f"{_duration(provenance.duration_s)}. Read as: {'; '.join(provenance.reading)}."
     )
 
 

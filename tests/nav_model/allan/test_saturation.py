@@ -35,6 +35,19 @@ def test_a_coarse_or_a_fine_log_is_not_saturated(step: float, mean: float) -> No
         assert saturated_share(np.round(signal / step) * step if step else signal) == 0.0
 
 
+@pytest.mark.parametrize(("count", "start"), [(1.0, 0.0), (1e-6, 10.0), (np.radians(0.1 / 3600.0), 0.0)])
+def test_increments_of_a_running_total_in_whole_counts_are_not_saturated(count: float, start: float) -> None:
+    """Each total is a rounded product, so that equal increments differ in their last digits."""
+    for seed in range(80):
+        rng = np.random.default_rng(seed)
+        spread, mean = 10.0 ** rng.uniform(-0.3, 1.0), (0.0, 1000.0 * rng.random())[seed % 2]
+        total = start + np.floor(np.cumsum(mean + spread * rng.standard_normal(60_000))) * count
+        assert saturated_share(np.diff(total)) == 0.0
+    clipped = np.clip(np.round(mean + 20.0 * rng.standard_normal(60_000)), mean - 25.0, mean + 25.0)
+    found = saturated_share(np.diff(np.cumsum(clipped) * count + start))
+    assert found == pytest.approx(np.mean(np.abs(clipped - mean) >= 25.0), rel=1e-3)
+
+
 def test_the_clipped_axis_is_told_and_the_others_are_analysed() -> None:
     signal = np.stack([_noise(2), np.clip(_noise(3), -0.6, 0.6), _noise(4)], axis=1) * 1e-3
     x, y, z = analyse_log(ImuLog(signal, None, 100.0)).axes

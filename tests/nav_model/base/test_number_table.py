@@ -17,13 +17,12 @@ def read(text: str | bytes, places=(0, 1), times=(), rows: int = 10_000, most_by
     return open_table(content, "table.csv").columns(places, rows, most_bytes, times)
 
 
-@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
-@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize(
+    ("delimiter", "decimal"), [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), (" ", "."), (" ", ",")]
+)
 def test_numbers_are_those_that_pandas_reads(delimiter: str, decimal: str):
     rng = np.random.default_rng(7)
     table = rng.standard_normal((30_000, 4)) * 10.0 ** rng.integers(-9, 12, (30_000, 4))  # in several pieces
-    if delimiter == decimal == ",":
-        pytest.skip("has two meanings, and is refused")
     frame = pd.DataFrame(table, columns=["a", "b", "c", "d"])
     if delimiter != " ":  # a blank cannot part an empty field
         frame = frame.mask(rng.random(table.shape) < 0.01)

@@ -71,8 +71,20 @@ def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureF
 
 def test_standard_input_and_its_bad_row(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     class Standard:
-        buffer = io.BytesIO(log(1) + b"1,2,3,4,5,6\n1,2,nan,4,5,6\n")
+        buffer = io.BytesIO(log(1) + b"1,2,3,4,5,6\n1,2,x,4,5,6\n")
 
     monkeypatch.setattr("sys.stdin", Standard)
     assert main(["allan", "-", "--rate", "100"]) == 2
-    assert "navbudget: standard input: line 4, column 3: 'nan'" in capsys.readouterr().err
+    assert "navbudget: standard input: line 4, column 3: 'x'" in capsys.readouterr().err
+
+
+def test_columns_may_begin_with_one_that_is_skipped(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    rows = np.column_stack([np.arange(3000), np.arange(3000) / 100.0, table()[:3000]])
+    path = tmp_path / "bare.csv"
+    np.savetxt(path, rows, delimiter=",", fmt="%.9g")
+    names = "-,time,gyro_x,gyro_y,gyro_z,accelerometer_x,accelerometer_y,accelerometer_z"
+    units = ["--gyro-unit", "rad/s", "--accelerometer-unit", "m/s2"]
+    for columns in (["--columns", names], [f"--columns={names}"]):
+        data = told(capsys, "allan", str(path), *columns, *units)
+        assert len(data["axes"]) == 6
+        assert data["provenance"]["reading"][0] == "rate 100 Hz from time"

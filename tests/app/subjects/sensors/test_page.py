@@ -53,7 +53,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert not session.running
     assert "bench.csv" in panel.static.head.object
     for shown in ("bench.csv", analysis.provenance.sha256, "100\xa0Hz"):
-        assert shown in panel.static.tables.object
+        assert shown in panel.static.head.object + panel.static.tables.object
     assert "&lt; " in panel.static.tables.object  # a limit for what the log does not resolve
     assert "Which log would resolve the rest" in panel.static.tables.object
     before = session.budget
