@@ -13,7 +13,7 @@ Examples
 ... quadratic_phase = "45°"
 ... ''')
 >>> budget = analyse(design)
->>> f"{budget.sar.quadratic:.3f} rad"  # 1 sigma, over the aperture
+>>> f"{budget['quadratic_phase', 'real time'].sigma:.3f} rad"  # 1 sigma, over the aperture
 '0.259 rad'
 >>> [(check.name, round(check.margin, 2)) for check in budget.verdict.checks]
 [('quadratic_phase', 0.67), ('along_track_quadratic_phase', 0.8)]

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from textwrap import indent
 
 import pytest
 
@@ -14,12 +15,21 @@ pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[1]
 PROGRAMS = {"navbudget": f"{sys.executable} -m app", "python": sys.executable}
-EXERCISE = re.search(r"^## A first change.*?^## ", (ROOT / "CONTRIBUTING.md").read_text("utf-8"), re.M | re.S)
 
 
-def _steps() -> list[str]:
-    assert EXERCISE
-    return re.split(r"^(?=\*\*\d\. )", EXERCISE[0], flags=re.M)[1:]
+def _steps(title: str) -> list[str]:
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+    exercise = re.search(rf"^## {title}.*?^## ", text, re.M | re.S)
+    assert exercise
+    return re.split(r"^(?=\*\*\d\. )", exercise[0], flags=re.M)[1:]
+
+
+def _copy(tree: Path) -> None:
+    away = shutil.ignore_patterns("__pycache__")
+    for folder in ("nav_model", "app", "tests/nav_model", "tests/support", "examples"):
+        shutil.copytree(ROOT / folder, tree / folder, symlinks=True, ignore=away)
+    for name in ("pyproject.toml", "tests/conftest.py"):
+        shutil.copy(ROOT / name, tree / name)
 
 
 def _insert(file: Path, text: str, code: str) -> None:
@@ -63,13 +73,9 @@ def _run(tree: Path, block: str) -> None:
 
 
 def test_the_exercise_goes_as_printed(tmp_path: Path) -> None:
-    away = shutil.ignore_patterns("__pycache__")
-    for folder in ("nav_model", "app", "tests/nav_model", "tests/support", "examples"):
-        shutil.copytree(ROOT / folder, tmp_path / folder, symlinks=True, ignore=away)
-    for name in ("pyproject.toml", "tests/conftest.py"):
-        shutil.copy(ROOT / name, tmp_path / name)
+    _copy(tmp_path)
     changed = set()
-    for step in _steps():
+    for step in _steps("A first change"):
         for text, kind, block in re.findall(r"(.*?)^```(\w+)\n(.*?)^```", step, re.M | re.S):
             if kind == "console":
                 _run(tmp_path, block)
@@ -83,3 +89,95 @@ def test_the_exercise_goes_as_printed(tmp_path: Path) -> None:
     assert len(changed) == 3
     subprocess.run([sys.executable, "-m", "ruff", "check", *changed], cwd=tmp_path, check=True)
     subprocess.run([sys.executable, "-m", "ruff", "format", "--check", *changed], cwd=tmp_path, check=True)
+
+
+EVERYWHERE = r"""
+import io
+import openpyxl
+from app.report.comparison import difference_tables
+from app.report.spreadsheet import workbook_bytes
+from app.subjects.budget.key_figures import key_figures
+from app.subjects.budget.tables import processing_table, requirement_table
+from nav_model import analyse
+from nav_model.budget.allocation import allocate
+from nav_model.budget.json import to_json
+from nav_model.design.file import parse_design
+from nav_model.explore.rank import rank
+from nav_model.explore.solve import solve
+from nav_model.explore.sweep import whole_sweep
+from nav_model.explore.sweep_plan import parse_plan
+from nav_model.explore.trade_map import trade_map
+
+NAME, LABEL = "ground_range_shift", "Ground range shift"
+FILE = '''
+[requirements]
+ground_range_shift = "5 m"
+[[limits]]
+name = "tighter"
+on = "ground_range_shift"
+limit = "2 m"
+confidence = 2
+[[contributors]]
+name = "map"
+value = "0.4 m"
+enters = "ground_range_shift"
+[processing]
+mode = "MODE"
+'''
+SWEEP = '''
+design = { processing = { mode = "MODE" } }
+results = ["ground_range_shift"]
+[vary]
+gnss.position_noise = ["1 cm", "1 m"]
+'''
+
+
+def labels(table):
+    return [getattr(row[0], "text", row[0]) for row in table.rows]
+
+
+for mode in ("real time", "post-processed"):
+    design = parse_design(FILE.replace("MODE", mode).encode(), "design")
+    budget, plain = analyse(design), analyse(design.replace({}, own=type(design.own)()))
+    figure = budget.figure(NAME)
+    assert abs(figure.sigma - (plain.figure(NAME).sigma ** 2 + 0.4**2) ** 0.5) < 1e-12  # the contributor enters
+    assert abs(sum(figure.shares.values()) - 1) < 1e-9 and figure.shares["map"] > 0
+    checks = {check.name: check for check in budget.verdict.checks}
+    assert checks[NAME].value == figure.sigma and checks["tighter"].value == 2 * figure.sigma
+    assert LABEL in [tile.label for tile in key_figures(budget).items]
+    assert LABEL in labels(processing_table(budget))
+    assert LABEL in labels(requirement_table(budget))
+    assert LABEL in labels(difference_tables([budget, plain], ["A", "B"])[1])
+    book = openpyxl.load_workbook(io.BytesIO(workbook_bytes(budget)), data_only=True)
+    assert LABEL in [row[0].value for row in book["Budget"].iter_rows()]
+    key = mode.replace(" ", "_").replace("-", "_")
+    assert to_json(budget)["figures"][key][NAME + "_sigma_m"] == figure.sigma
+    assert {entry.source for entry in allocate(budget, NAME).entries} >= {"GNSS noise", "map"}
+    assert any(item.key == "gnss.position_noise" and item.slope > 0 for item in rank(design, NAME))
+    assert {answer.requirement for answer in solve(design)[0].each} == {NAME, "tighter"}
+    assert trade_map(design, "imu.angle_random_walk", "gnss.position_noise", NAME, size=4).z.shape == (4, 4)
+    assert len(whole_sweep(parse_plan(SWEEP.replace("MODE", mode).encode()))[NAME + "_sigma_m"]) == 2
+print("everywhere")
+"""
+
+
+def _put_before(file: Path, place: str, step: str) -> None:
+    (code,) = re.findall(r"^```python\n(.*?)^```", step, re.M | re.S)
+    source = file.read_text("utf-8")
+    assert source.count(place) == 1
+    file.write_text(source.replace(place, f"{code}\n{place}"), "utf-8")
+
+
+def test_a_figure_is_one_declaration_and_one_formula(tmp_path: Path) -> None:
+    """No other file is touched, and the figure is in everything that reads figures."""
+    _copy(tmp_path)
+    declare, formula, check = _steps("A second change")
+    declare = re.sub(r"^(\w*\(.*?^\))", lambda call: f"{indent(call[1], '    ')},", declare, flags=re.M | re.S)
+    _put_before(tmp_path / "nav_model/design/figures.py", '    _limited(\n        "ce90"', declare)
+    _put_before(tmp_path / "nav_model/budget/real_time.py", "    @property\n    def ce90(", formula)
+    _run(tmp_path, re.findall(r"^```console\n(.*?)^```", check, re.M | re.S)[0])
+    done = subprocess.run(
+        [sys.executable, "-c", EVERYWHERE],
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.stdout == "everywhere\n", done.stderr

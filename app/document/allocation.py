@@ -10,7 +10,7 @@ from app.document.wording import printable
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.allocation import Allocation, allocate
-from nav_model.budget.result import Check
+from nav_model.budget.verdict import Check
 from nav_model.design import Design
 from nav_model.design.own import Allotment
 

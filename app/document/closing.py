@@ -6,7 +6,7 @@ from typing import NamedTuple
 from app.document.blocks import Cell, Table, table
 from app.document.wording import input_in_words
 from nav_model.design import Design, Value
-from nav_model.design.contributors import figure_in_sentence
+from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import declaration_of
 from nav_model.explore.solve import Solution, offer
 

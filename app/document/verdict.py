@@ -9,10 +9,9 @@ from app.document.numbers import margin_in_short, percent, show_in, signed_perce
 from app.document.wording import MOMENTS
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.result import Check, Verdict
-from nav_model.budget.verdict import required
+from nav_model.budget.verdict import Check, Verdict, required
 from nav_model.design import Design
-from nav_model.design.contributors import figure_in_sentence
+from nav_model.design.figures import figure_in_sentence
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -84,7 +83,7 @@ def verdict_of(budget: Budget) -> Answer:
     verdict, design = budget.verdict, budget.design
     tightest = verdict.tightest
     if tightest is None:
-        largest = max(budget.sar.lines, key=lambda line: line.share)
+        largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         return Answer(
             "Not checked",
             "open",
@@ -123,7 +122,7 @@ def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
     """The verdict in one line: the tightest requirement, shown like the figures below it, and what dominates it."""
     tightest = budget.verdict.tightest
     if tightest is None:
-        largest = max(budget.sar.lines, key=lambda line: line.share)
+        largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
     value, limit, at = shown_check(budget.design, tightest, display)

@@ -20,13 +20,12 @@ from app.library.seal import CHANGED, doubt_about, signature_of
 from app.library.store import Conflict, Library, Revision, as_revision, find, insert, new_id, now
 from app.library.texts import clean, moment
 from nav_model.base.errors import InputError
-from nav_model.budget.figures import FIGURES
-from nav_model.design.contributors import label_of
+from nav_model.design.figures import REQUIRED, label_of
 from nav_model.design.parts import all_keys
 
 MAX_ITEMS = 6
 """The most revisions one review, or one comparison, takes: what fits side by side."""
-RESULTS = tuple(FIGURES)
+RESULTS = tuple(REQUIRED)
 """Names of the results that a comment or a decision can be about."""
 
 

@@ -27,16 +27,16 @@ from app.document.wording import labelled, printable, title_of
 from app.report.inputs import shown_value, sourced_value
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
-from nav_model.budget.figures import SETTLED, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import limit_on
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING, label_of
+from nav_model.design.figures import FIGURES, REQUIRED, label_of
 from nav_model.design.parts import INPUTS
 
 _COLUMNS = 5  # designs that fit side by side on a page
 _LINES = 7  # curves a reader can tell apart
-_COMPARED = (*SETTLED, *COASTING, "quadratic_phase", "along_track_quadratic_phase", "detrended_phase")
+_COMPARED = tuple(REQUIRED)
 
 
 def comparison_chapter(
@@ -120,10 +120,10 @@ def _figures(
     sigmas = {name: [found[name] for found in by_design] for name in _COMPARED}
 
     def cell(name: str, design: int) -> Told:
-        limit, pair, sigma = limit_on(name), "horizontal" in name, sigmas[name][design]
+        limit, pair, sigma = limit_on(name), FIGURES[name].pair, sigmas[name][design]
         text = (
             show_in(sigma, limit.unit, limit.dimension)
-            if display == ONE_SIGMA
+            if display == ONE_SIGMA or limit.dimension == "level"
             else display.show(sigma, limit.dimension, pair=pair)
         )
         best = min(sigmas[name]) < max(sigmas[name]) and sigma == min(sigmas[name])
@@ -131,7 +131,7 @@ def _figures(
 
     def told(name: str) -> str:
         label = label_of(name)
-        return label if display == ONE_SIGMA else f"{label}, {display.named(pair='horizontal' in name)}"
+        return label if display == ONE_SIGMA else f"{label}, {display.named(pair=FIGURES[name].pair)}"
 
     def values(columns: range, part: str) -> Table:
         return table(
@@ -253,11 +253,10 @@ def phase_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> BarCha
     """Quadratic and detrended phase of some budgets."""
 
     def bar(budget: Budget, label: str) -> Bar:
-        image = budget.smoothed or budget.sar
-        phases = np.array([image.quadratic, image.detrended])
+        phases = np.array([budget.figure(name).sigma for name in ("quadratic_phase", "detrended_phase")])
         first, second = map(float, np.degrees(phases))
         first_mm, second_mm = map(float, 1000 * phase_to_metres(phases, budget.sar.wavelength))
-        marks = "[P-5]" if budget.smoothed else "[S-5], [T-15], [S-6]"
+        marks = "[P-5]" if budget.post_processed else "[S-5], [T-15], [S-6]"
         return Bar(label, first, second, first_mm, second_mm, marks)
 
     return BarChart(

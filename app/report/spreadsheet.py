@@ -24,12 +24,12 @@ from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
-from nav_model.budget.result import Check
+from nav_model.budget.verdict import Check
 from nav_model.design import Design
-from nav_model.design.contributors import UNSCALED, label_of
 from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.figures import FIGURES, REQUIRED, label_of
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -237,11 +237,8 @@ class _Sheets:
         first = row = self._start(sheet, "Every figure of the budget in real time", columns)
         for row, (symbol, dimension) in enumerate(self.traces.sums.items(), first):
             line, figure = self.cells.named[symbol], symbol.removeprefix("real_time_")
-            unit = (
-                _unit_of(self.design, f"requirements.{FIGURES[figure]}")
-                if figure in FIGURES
-                else _Unit.of("", dimension)
-            )
+            key = REQUIRED.get(figure)
+            unit = _unit_of(self.design, f"requirements.{key}") if key else _Unit.of("", dimension)
             sheet.write_row(row, 0, (line.label, None, unit.symbol, line.mark))
             shown = self.level if unit.symbol == "dB" else self.figure
             sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", shown, unit.number(line.value))
@@ -254,8 +251,8 @@ class _Sheets:
         processing = REAL_TIME if live else POST_PROCESSED
         both = self.budget.verdict, self.budget.other_verdict
         verdict = next(verdict for verdict in both if verdict.processing == processing)
-        names = (*FIGURES, *(limit.name for limit in self.design.limits))
-        fixed = {} if live else figures(replace(inputs_of(self.design), post_processed=True), names)
+        names = (*REQUIRED, *(limit.name for limit in self.design.limits))
+        fixed = {} if live else figures(replace(inputs_of(self.design), processing=POST_PROCESSED), names)
         columns = {
             "Requirement": 38, "Value, 1σ": 14, "Factor": 8, "Value checked": 14, "Limit": 12, "Unit": 8,
             "Margin": 10, "Met": 12, "Equation": 16, "State": 22, "Main error source (as computed)": 40,
@@ -285,8 +282,8 @@ class _Sheets:
     def _check(self, sheet: Any, row: int, name: str, check: Check | None, fixed: Any) -> None:
         """One requirement: its limit is a cell of Inputs, its value that of real time or a `fixed` number."""
         at = row + 1
-        if name in FIGURES:
-            key = f"requirements.{FIGURES[name]}"
+        if name in REQUIRED:
+            key = f"requirements.{REQUIRED[name]}"
             unit, limit, given = _unit_of(self.design, key), symbol_of(key), cast("float | None", self.design[key])
             symbol, follows = f"real_time_{name}", True
         else:
@@ -297,7 +294,7 @@ class _Sheets:
                 symbol = f"real_time_{own.on}"
         line = self.cells.named[symbol]
         usual = self.design.requirements.confidence
-        confidence = check.confidence if check else None if name in UNSCALED else usual
+        confidence = check.confidence if check else usual if name not in FIGURES or FIGURES[name].scaled else None
         factor = confidence or 1.0
         said = "=1" if confidence is None else "=requirements_confidence" if follows else f"={factor!r}"
         sigma = float(line.value if fixed is None else fixed)

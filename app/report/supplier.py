@@ -10,7 +10,7 @@ from app.document.blocks import Answer, Bullets, Cell, Chapter, Report, Row, Sec
 from app.document.wording import input_in_words, printable, title_of
 from nav_model.allan.result import axis_label
 from nav_model.design import Design
-from nav_model.design.contributors import RESPONSE
+from nav_model.design.figures import RESPONSE
 from nav_model.design.parts import declaration_of
 from nav_model.equations.literature import WORKS
 from nav_model.explore.supplier import (

@@ -14,37 +14,18 @@ import numpy as np
 from app.document.wording import MOMENTS
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
-from nav_model.analytic.discrete import Sawtooth
+from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.aperture import geometry, phase
 from nav_model.base.traced import Traced, Workings
-from nav_model.budget.contributors import NONE, Part, entering, parts_of, random_and_systematic
-from nav_model.budget.fast import LEVELS
-from nav_model.budget.figures import (
-    FIGURES,
-    IMAGING,
-    PLACING,
-    SETTLED,
-    along_track_phase,
-    begun,
-    figures,
-    free_growth,
-    free_shifts,
-    in_outage,
-    outage,
-    phase_sources,
-    placing,
-    sampled,
-    settled,
-    sigmas,
-)
+from nav_model.budget.contributors import Part, contributors_of, random_and_systematic
 from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
-from nav_model.budget.provenance import steady_marks
-from nav_model.budget.verdict import limit_on, outage_mark
+from nav_model.budget.navigation import steady_marks
+from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
-from nav_model.design.contributors import BY_ORDER, COASTING, IN_OUTAGE, RESPONSE, label_of
+from nav_model.design.figures import FIGURES, LEVELS, REQUIRED, RESPONSE, STEADY, label_of, of_kind
 from nav_model.design.parts import declaration_of
-from nav_model.processing.geolocation import circular_error, ground_covariance
+from nav_model.design.processing import REAL_TIME
 
 _WITHOUT_FORMULA: tuple[str, ...] = (
     "motion.", "oscillator.", "gnss.correlated_noise", "gnss.correlation_time", "processing.leg_after",
@@ -77,7 +58,7 @@ class Traces:
     """
 
     def __init__(self, design: Design) -> None:
-        self.design, self.plain = design, replace(inputs_of(design), post_processed=False)
+        self.design, self.plain = design, RealTime(inputs_of(design))
         self.workings = Workings(first=4)  # under title and heads
         self.followed: set[str] = set()
         self.sums: dict[str, str] = {}
@@ -86,13 +67,14 @@ class Traces:
         rule = zip(RULE, longest_rule(), strict=True)  # the one that integrates the outage, in cells
         self.rule: Any = tuple(Traced(name, part, self.workings) for name, part in rule)
         self.x = self._inputs()
-        self.own = parts_of(design, self.x.wavelength)
-        saw = self._settled()
-        self._outage(saw)
-        self._image(saw["start"])
-        self._place(saw["start"])
+        self.entering = contributors_of(design, self.x.wavelength)
+        self.model = RealTime(self.x, self.rule)
+        self._settled()
+        self._outage()
+        self._image()
+        self._place()
         self._checked()
-        self._limits(saw)
+        self._limits()
 
     def _cell(self, key: str) -> Any:
         value: Any = self.design[key]
@@ -110,7 +92,7 @@ class Traces:
         name, design = self.workings.name, self.design
         self.workings.head("Inputs as the formulas use them")
         without, instead = _WITHOUT_FORMULA, {"gnss.vertical_position_noise": "gnss.position_noise"}
-        if self.plain.velocity is None:
+        if self.plain.x.velocity is None:
             without = (*without, "gnss.velocity", "gnss.vertical_velocity")
         else:
             instead["gnss.vertical_velocity_noise"] = "gnss.velocity_noise"
@@ -132,39 +114,45 @@ class Traces:
         if x.velocity is not None:
             named += [("velocity_vertical", "vertical velocity", "m/s"), ("velocity_interval", "interval", "s")]
         changes: dict[str, Any] = {symbol: name(symbol, getattr(x, symbol), *said) for symbol, *said in named}
-        if (bias := self.plain.rectified) is not None:
+        if (bias := self.plain.x.rectified) is not None:
             changes["rectified"] = name("rectified", bias, "bias caused by vibration", "m/s²", "[P-12]")
         mark, parts = "[P-8]", ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope")
         changes["fast"] = {}
-        for number, (source, own) in enumerate(self.plain.fast.items(), 1):
+        for number, (source, fast) in enumerate(self.plain.x.fast.items(), 1):
             cells = {
-                part: name(f"source_{number}_{part}", getattr(own, part), f"{source}, {part}", "m²", mark, taken=True)
+                part: name(
+                    f"source_{number}_{part}", getattr(fast, part), f"{source}, {part}", "m²", mark, taken=True
+                )
                 for part in parts
             }
-            changes["fast"][source] = replace(own, **cells)
-        return replace(x, post_processed=False, **changes)
+            changes["fast"][source] = replace(fast, **cells)
+        return replace(x, **changes)
 
     def _sum(self, symbol: str, of: Any, label: str, dimension: str, mark: str, *, taken: bool = False) -> None:
         self.workings.name(symbol, of, label, _SI.get(dimension, dimension), mark, taken=taken)
         self.sums[symbol] = dimension
 
-    def _figure(self, figure: str, of: Any, dimension: str, mark: str, *, taken: bool = False, key: str = "") -> None:
-        """A figure that a requirement limits, with the contributors that enter it in cells of their own.
+    def _figure(
+        self, figure: str, of: Any, mark: str = "", *, taken: bool = False, key: str = "", limit: str = ""
+    ) -> None:
+        """A figure, with the contributors that enter it in cells of their own; or a contributor by itself.
 
-        `key` is what its cells are called after where `figure` is a name of the user's own.
+        `key` is what its cells are called after, and `limit` its name, where a limit of the user's own asks for it.
         """
-        key = key or figure
-        if parts := entering(self.own, figure, post_processed=False):
-            unit, found = _SI[dimension], []
+        key, label = key or figure, label_of(limit or figure)
+        dimension = FIGURES[figure].dimension if figure in FIGURES else self._dimensions[figure]
+        mark = mark or (FIGURES[figure].mark if figure in FIGURES else "")
+        if parts := self.entering.entering(figure, REAL_TIME):
+            figure, unit, sized = limit or figure, _SI[dimension], []
             for part in parts:
                 symbol = f"contributor_{len(self.contributors.get(figure, ())) + 1}_{key}"
-                size = self.workings.name(symbol, part.size, f"{part.name}, 1σ in {label_of(figure)}", unit)
-                found.append(replace(part, size=size))
-                self.contributors.setdefault(figure, []).append(found[-1])
-            root, systematic = random_and_systematic(of, found)
-            of = self.workings.name(f"root_{key}", root, f"{label_of(figure)}, random", unit, mark, taken=taken)
+                size = self.workings.name(symbol, part.size, f"{part.name}, 1σ in {label}", unit)
+                sized.append(replace(part, size=size))
+                self.contributors.setdefault(figure, []).append(sized[-1])
+            root, systematic = random_and_systematic(of, sized)
+            of = self.workings.name(f"root_{key}", root, f"{label}, random", unit, mark, taken=taken)
             of, taken = of + systematic, False
-        self._sum(f"real_time_{key}", of, label_of(figure), dimension, mark, taken=taken)
+        self._sum(f"real_time_{key}", of, label, dimension, mark, taken=taken)
 
     def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
         """Both channels' covariances, every element in a cell."""
@@ -184,134 +172,120 @@ class Traces:
         for part, variance in of.items():
             yield self.workings.name(symbol.format(part), variance, f"{label}, {part}", "m²", mark)
 
-    def _settled(self) -> dict[str, Sawtooth]:
-        x, marks = self.x, steady_marks(self.design)
-        closed_form = self.plain.slow is None and self.plain.velocity is None
+    def _settled(self) -> None:
+        """The filter, its covariances in cells that the model then goes on from."""
+        x, marks, model, plain = self.x, steady_marks(self.design), self.model, self.plain
+        closed_form = plain.x.slow is None and plain.x.velocity is None
         head = self.workings.head
         head("Steady state, average between fixes [T-3], [T-4], [P-6]")
-        saw = {"closed": self._channels(settled(x), "closed", marks)}
+        model.closed = self._channels(model.closed, "closed", marks)
         head("Just before a fix and just after it [T-8]")
-        both = sampled(x if closed_form else self.plain)
-        for state in ("prior", "posterior"):
-            saw[state] = self._channels(getattr(both, state), state, ("[T-8]",) * 2, taken=not closed_form)
-        start, closed = begun(self.plain), settled(self.plain)
-        if np.allclose(np.hstack(start), np.hstack(closed), rtol=1e-12, atol=0):
-            saw["start"] = saw["closed"]
+        ends = (model if closed_form else plain).cycle
+        model.cycle = Cycle(
+            *(
+                self._channels(getattr(ends, state), state, ("[T-8]",) * 2, taken=not closed_form)
+                for state in ("prior", "posterior")
+            )
+        )
+        if np.allclose(np.hstack(plain.at_last_fix), np.hstack(plain.closed), rtol=1e-12, atol=0):
+            model.at_last_fix = model.closed
         else:
             head("At the last fix before the aperture: no less than just after a fix, and with a slow GNSS error")
-            saw["start"] = self._channels(start, "start", marks, taken=True)
+            model.at_last_fix = self._channels(plain.at_last_fix, "start", marks, taken=True)
         head("Steady state, 1σ")
         for state, when in MOMENTS.items():
-            for figure, sigma in sigmas(saw["start" if state == "closed" else state], x).items():
-                mark = "[T-8]" if state != "closed" else marks["vertical" in figure]
-                label = f"{label_of(figure)}, {when}"
-                self._sum(f"{state}_{figure}", sigma, label, limit_on(figure).dimension, mark)
+            then = model.at(model.moment(state))
+            for name in STEADY:
+                mark = "[T-8]" if state != "closed" else marks["vertical" in name]
+                label = f"{label_of(name)}, {when}"
+                self._sum(f"{state}_{name}", then.value(name), label, FIGURES[name].dimension, mark)
         kappa = steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)
         self._sum("gyro_dominance", kappa, "Gyro dominance", "", "[T-6]")
-        level, upright = saw["closed"]
+        horizontal, vertical = model.closed
         products = (
-            steady.lambda_dt(level.p11, x.s, x.interval),
-            steady.lambda_dt(upright.v11, x.s_vertical, x.interval),
+            steady.lambda_dt(horizontal.p11, x.s, x.interval),
+            steady.lambda_dt(vertical.v11, x.s_vertical, x.interval),
         )
         self._sum("lambda_dt", np.maximum(*products), "Filter bandwidth times fix interval", "", "[T-8]")
         asymptotes = steady.gyro_dominated(x.sigma_w, x.s, x.g)
         kinds = {"position": "length", "velocity": "speed", "tilt": "angle"}
         for (part, dimension), variance in zip(kinds.items(), asymptotes, strict=True):
             self._sum(f"asymptote_{part}", np.sqrt(variance), f"{part.capitalize()}, gyro alone", dimension, "[T-7]")
-        return saw
 
-    def _outage(self, saw: Mapping[str, Sawtooth]) -> None:
-        x = self.x
+    def _outage(self) -> None:
+        x, model, t = self.x, self.model, self.x.duration
         self.workings.head("At the end of the outage")
-        t = x.duration
-        free = free_growth(x, saw["closed"], t)
+        polynomial = model.polynomial_position(t)
         perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, t)
-        tilted = growth.initial_tilt(saw["closed"].horizontal.p33, x.g, t)
-        for label, variance, dimension, mark in (
-            ("Horizontal position, polynomial", free["position_horizontal"], "length", "[T-9]"),
-            ("Vertical position, polynomial", free["position_vertical"], "length", "[T-10]"),
-            ("Horizontal velocity, polynomial", free["coast_horizontal_velocity"], "speed", "[T-9]"),
-            ("Vertical velocity, polynomial", free["coast_vertical_velocity"], "speed", "[T-10]"),
-            ("Tilt, polynomial", free["coast_tilt"], "angle", "[T-9]"),
-            ("Yaw growth", free["coast_heading"], "angle", "[T-5]"),
-            ("Horizontal position, perfect start", perfect[0], "length", "[T-11]"),
-            ("Vertical position, perfect start", perfect[1], "length", "[T-11]"),
-            ("Horizontal position from initial tilt", tilted, "length", "[T-12]"),
+        tilted = growth.initial_tilt(model.closed.horizontal.p33, x.g, t)
+        for label, sigma, dimension, mark in (
+            ("Horizontal position, polynomial", np.sqrt(polynomial[0]), "length", "[T-9]"),
+            ("Vertical position, polynomial", np.sqrt(polynomial[1]), "length", "[T-10]"),
+            ("Horizontal position, perfect start", np.sqrt(perfect[0]), "length", "[T-11]"),
+            ("Vertical position, perfect start", np.sqrt(perfect[1]), "length", "[T-11]"),
+            ("Horizontal position from initial tilt", np.sqrt(tilted), "length", "[T-12]"),
         ):
             symbol = "end_" + label.lower().replace(", ", "_").replace(" ", "_")
-            self._sum(symbol, np.sqrt(variance), f"{label}, at the end of the outage", dimension, mark)
-        for figure, variance in zip(COASTING, outage(x, saw["posterior"], t, self.rule), strict=True):
-            self._figure(figure, np.sqrt(variance), "length", "[T-17]")
+            self._sum(symbol, sigma, f"{label}, at the end of the outage", dimension, mark)
+        for name in of_kind("outage"):
+            self._figure(name, model.value(name))
 
-    def _limits(self, saw: Mapping[str, Sawtooth]) -> None:
+    def _limits(self) -> None:
         """What limits of the user's own limit, where that is no figure of before."""
+        self._dimensions = {contributor.name: contributor.dimension for contributor in self.design.contributors}
         if self.design.limits:
             self.workings.head("Limited by requirements of your own")
         for number, limit in enumerate(self.design.limits, 1):
-            if limit.on in (*FIGURES, *PLACING) and not in_outage(limit):
+            if f"real_time_{limit.on}" in self.sums and limit.at is None:
                 continue
             of: Any = np.float64(0.0)
-            time: Any = self.x.duration
             if limit.at is not None:
-                time = Traced(repr(limit.at), np.float64(limit.at), self.workings)
-            if limit.on in COASTING:
-                of = np.sqrt(outage(self.x, saw["posterior"], time, self.rule)[COASTING.index(limit.on)])
-            elif limit.on in IN_OUTAGE:
-                of = np.sqrt(free_growth(self.x, saw["closed"], time)[limit.on])
-            elif limit.on in BY_ORDER:
-                other = replace(self.x, autofocus_order=BY_ORDER[limit.on])
-                left = phase.total(phase_sources(other, saw["start"].horizontal))
-                of = self.workings.cell("to_phase") * np.sqrt(left.detrended)
-            elif limit.on in RESPONSE:
-                others = {name: parts for name, parts in self.plain.own.items() if name != limit.name}
-                of = figures(replace(self.plain, own=others), (limit.name,))[limit.name]
-            taken, mark = limit.on in RESPONSE, outage_mark(limit.on)
-            self._figure(limit.name, of, limit.dimension, mark, taken=taken, key=own_key(number))
+                time: Any = Traced(repr(limit.at), np.float64(limit.at), self.workings)
+                of = self.model.value(limit.on, time)
+            elif limit.on in FIGURES:
+                of = (self.plain if limit.on in RESPONSE else self.model).value(limit.on)
+            self._figure(limit.on, of, taken=limit.on in RESPONSE, key=own_key(number), limit=limit.name)
 
-    def _image(self, start: Sawtooth) -> None:
-        x = self.x
+    def _image(self) -> None:
+        x, model = self.x, self.model
         self.workings.head("Phase over the aperture, by source: variances along the line of sight [S-5], [S-6]")
-        to_phase = self.workings.name("to_phase", x.to_phase, "phase of a metre", "rad/m", "[T-13]")
-        for number, (source, made) in enumerate(phase_sources(x, start.horizontal).items(), 1):
-            cells = self._variances(f"{{}}_{number}", made._asdict(), source, "[S-5], [S-6]")
+        model.to_phase = self.workings.name("to_phase", x.to_phase, "phase of a metre", "rad/m", "[T-13]")
+        for number, (source, variances) in enumerate(model.phases.items(), 1):
+            cells = self._variances(f"{{}}_{number}", variances._asdict(), source, "[S-5], [S-6]")
             self.sources[source] = phase.PhaseVariances(*cells)
-        whole = phase.total(self.sources)
-        along = along_track_phase(x, start.horizontal)
-        marks = ("[S-5]", "[S-2]", "[S-6]", "[T-15], [S-6]")
-        values = (*(to_phase * np.sqrt(part) for part in whole),)
-        for figure, value, mark in zip(IMAGING, (values[0], along, *values[1:]), marks, strict=True):
-            self._figure(figure, value, "angle", mark)
+        model.phases = self.sources
+        for name in of_kind("phase"):
+            if name in REQUIRED:
+                self._figure(name, model.value(name))
         cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
         self._sum("cell_length", cell, "Azimuth cell", "length", "[S-3]")
         self._sum("aperture_length", x.aperture * x.speed, "Length of the aperture", "length", "[S-3]")
-        for figure, value in figures(replace(self.plain, own=NONE), LEVELS).items():
-            mark = {"paired_echo": "[P-9]", "islr": "[P-11]"}[figure]
-            self._figure(figure, value, "level", mark, taken=bool(self.plain.fast))
+        for name in LEVELS:
+            self._figure(name, self.plain.value(name), taken=bool(x.fast))
 
-    def _place(self, start: Sawtooth) -> None:
-        x = self.x
+    def _place(self) -> None:
+        model = self.model
         self.workings.head("Where the image lies [P-7]")
-        shifts = free_shifts(x, start)
-        moved = type(shifts)(*self._variances("shift_{}", shifts._asdict(), "variance of the shift", "[P-7]"))
-        ground = ground_covariance(moved, x.grazing_angle, x.scene_height_error, x.squint)
-        parts = dict(zip(("azimuth", "across", "both"), ground, strict=True))
+        shift = model.shift
+        model.shift = type(shift)(*self._variances("shift_{}", shift._asdict(), "variance of the shift", "[P-7]"))
+        parts = dict(zip(("azimuth", "across", "both"), model.ground, strict=True))
         one, other, both = self._variances("ground_{}", parts, "on the ground", "[P-7]")
-        placed = placing(x, moved, [figure for figure in PLACING if figure not in ("ce90", "cep")])
-        placed |= {"ce90": circular_error(one, other, both), "cep": circular_error(one, other, both, share=0.5)}
-        for figure in PLACING:
-            self._figure(figure, placed[figure], "length", "[P-7]")
+        model.ground = one, other, both
+        for name in of_kind("place"):
+            self._figure(name, model.value(name))
 
     def _checked(self) -> None:
         """Figures of the steady state at the point of the fix cycle that the design's limits hold for."""
         self.workings.head("Steady state that is checked")
-        marks = steady_marks(self.design) if self.plain.steady_state == "closed" else ("[T-8]", "[T-8]")
-        for figure in SETTLED:
-            states = {state: self.workings.cell(f"{state}_{figure}") for state in MOMENTS}
-            prior, closed, posterior = states.values()
-            choice = f'IF({CHOICE}="prior",{prior.text},IF({CHOICE}="closed",{closed.text},{posterior.text}))'
+        closed = self.plain.x.steady_state == "closed"
+        for name in STEADY:
+            states = {state: self.workings.cell(f"{state}_{name}") for state in MOMENTS}
+            prior, average, posterior = states.values()
+            choice = f'IF({CHOICE}="prior",{prior.text},IF({CHOICE}="closed",{average.text},{posterior.text}))'
             taken = any(state.taken for state in states.values())
-            of = Traced(choice, states[self.plain.steady_state].value, self.workings, taken)
-            self._figure(figure, of, limit_on(figure).dimension, marks["vertical" in figure])
+            of = Traced(choice, states[self.plain.x.steady_state].value, self.workings, taken)
+            mark = steady_marks(self.design)["vertical" in name] if closed else "[T-8]"
+            self._figure(name, of, mark)
 
 
 def own_key(number: int) -> str:

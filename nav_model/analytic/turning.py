@@ -108,10 +108,10 @@ def bent_variance(weights: Array, start: Array, *free: ArrayLike) -> Array:
     return np.asarray(free_quadratic_variance(weights, start, *free) - free_quadratic_variance(still, start, *free))
 
 
-def smoothed_bent_variance(weights: Array, found: Mapping[str, Array], of: str = "") -> Array:
-    """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis, of "cubic_" for the cubic."""
+def smoothed_bent_variance(weights: Array, covariances: Mapping[str, Array]) -> Array:
+    """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis."""
     q, v, p = (weights[..., k] for k in range(3))
-    turned, curved, with_turned, with_curved, both = (found[of + name] for name in TURNING)
+    turned, curved, with_turned, with_curved, both = (covariances[name] for name in TURNING)
     own = v**2 * turned + p**2 * curved
     shared = q * v * with_turned + q * p * with_curved + v * p * both
     return np.asarray(own + 2 * shared)

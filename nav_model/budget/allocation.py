@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice, shown
-from nav_model.budget.contributors import entering, turned
-from nav_model.budget.result import Budget, Check
-from nav_model.design.contributors import RESPONSE
+from nav_model.budget.contributors import as_phase
+from nav_model.budget.result import Budget
+from nav_model.budget.verdict import Check
+from nav_model.design.figures import RESPONSE
 from nav_model.design.own import Allotment
-from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.paired_echo import NOTHING
 
 
@@ -104,7 +104,7 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
             check.name,
         )
     locked = {
-        lock.name: turned(lock.value, lock.dimension, check.dimension, budget.sar.wavelength)
+        lock.name: as_phase(lock.value, lock.dimension, check.dimension, budget.sar.wavelength)
         for lock in plan.locks
         if lock.requirement == check.name
     }
@@ -140,8 +140,7 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
 
 def _sizes(budget: Budget, check: Check) -> tuple[dict[str, float], frozenset[str]]:
     """Size of each source of a figure at the confidence of its limit, and the names of the systematic ones."""
-    post = budget.design.processing.mode == POST_PROCESSED
-    parts = entering(budget.steady_state.own, check.name, post_processed=post)
+    parts = budget.x.contributors.entering(check.on, budget.processing)
     systematic = frozenset(part.name for part in parts if part.systematic)
     root = check.sigma - sum(float(part.size) for part in parts if part.systematic)
     factor = check.confidence or 1.0

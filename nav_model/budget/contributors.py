@@ -7,15 +7,18 @@ ECSS-E-ST-60-10C, for adding the systematic one.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from nav_model.base.frozen import FrozenMapping
 from nav_model.design import Design
-from nav_model.design.contributors import BOTH, ENTERED, SYSTEMATIC, Contributor
-from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.design.contributors import BOTH, SYSTEMATIC, Contributor
+from nav_model.design.figures import FIGURES
+
+Shares = Mapping[str, float]
+"""Source -> its share of a figure; they add up to one."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +31,20 @@ class Part:
     processing: str
 
 
-Shares = Mapping[str, float]
-Parts = Mapping[str, tuple[Part, ...]]
-"""Figure, or limit of the user's own -> what enters it."""
+@dataclass(frozen=True)
+class Contributors:
+    """What enters each figure (`in_figures`), and each contributor by itself (`alone`), as a limit on it has it."""
 
-NONE: Parts = FrozenMapping({})
+    in_figures: Mapping[str, tuple[Part, ...]] = field(default_factory=lambda: FrozenMapping({}))
+    alone: Mapping[str, tuple[Part, ...]] = field(default_factory=lambda: FrozenMapping({}))
+
+    def entering(self, name: str, processing: str) -> tuple[Part, ...]:
+        """What enters a figure in one processing, or the contributor of that name."""
+        parts = (self.in_figures if name in FIGURES else self.alone).get(name, ())
+        return tuple(part for part in parts if part.processing in (BOTH, processing))
+
+    def __bool__(self) -> bool:
+        return bool(self.in_figures)
 
 
 @dataclass(frozen=True)
@@ -40,44 +52,39 @@ class Composed:
     """A figure with its contributors: 1σ in SI, the share of each source, and its size; numbers or arrays.
 
     A share is the figure's logarithmic derivative by the source's size, so that all add up to one: that in the
-    variance where nothing is systematic.
+    variance where nothing is systematic. ``model`` is the figure without contributors. ``basis`` says which of the
+    model's results it is (prior, refined, formula ...), ``mark`` where that comes from.
     """
 
     sigma: Any
     shares: Mapping[str, Any]
     sizes: Mapping[str, Any]
+    model: Any
+    basis: str = ""
+    mark: str = ""
 
 
-def parts_of(design: Design, wavelength: Any) -> Parts:
-    """What enters each figure of a design, with the wavelength [m] that turns lengths into phases.
-
-    A limit on a figure has what enters that figure; a limit on a contributor has the contributor alone, unturned.
-    """
-    found: dict[str, tuple[Part, ...]] = {}
+def contributors_of(design: Design, wavelength: Any) -> Contributors:
+    """What enters each figure of a design, with the wavelength [m] that turns lengths into phases."""
+    in_figures: dict[str, tuple[Part, ...]] = {}
     alone: dict[str, tuple[Part, ...]] = {}
-    for one in design.contributors:
-        if one.counted:
-            part = Part(one.name, size_of(one, wavelength), one.kind == SYSTEMATIC, one.processing)
-            found[one.enters] = (*found.get(one.enters, ()), part)
-            alone[one.name] = (Part(one.name, one.counted, one.kind == SYSTEMATIC, one.processing),)
-    of_limits = {limit.name: (alone | found).get(limit.on, ()) for limit in design.limits}
-    return FrozenMapping(found | of_limits)
+    for contributor in design.contributors:
+        if contributor.counted:
+            systematic, processing = contributor.kind == SYSTEMATIC, contributor.processing
+            part = Part(contributor.name, size_of(contributor, wavelength), systematic, processing)
+            in_figures[contributor.enters] = (*in_figures.get(contributor.enters, ()), part)
+            alone[contributor.name] = (Part(contributor.name, contributor.counted, systematic, processing),)
+    return Contributors(FrozenMapping(in_figures), FrozenMapping(alone))
 
 
-def size_of(one: Contributor, wavelength: Any) -> Any:
+def size_of(contributor: Contributor, wavelength: Any) -> Any:
     """1σ of the figure that a contributor enters, SI, with its allowance."""
-    return turned(one.counted, one.dimension, ENTERED[one.enters], wavelength)
+    return as_phase(contributor.counted, contributor.dimension, FIGURES[contributor.enters].dimension, wavelength)
 
 
-def turned(value: Any, dimension: str, into: str, wavelength: Any) -> Any:
+def as_phase(value: Any, dimension: str, into: str, wavelength: Any) -> Any:
     """A value in a figure of the dimension `into`: a length along the line of sight as a phase where that is one."""
     return 4 * math.pi / wavelength * value if (dimension, into) == ("length", "angle") else value
-
-
-def entering(parts: Parts, figure: str, *, post_processed: bool) -> tuple[Part, ...]:
-    """What enters a figure in one processing."""
-    counted = (BOTH, POST_PROCESSED if post_processed else REAL_TIME)
-    return tuple(part for part in parts.get(figure, ()) if part.processing in counted)
 
 
 def with_contributors(sigma: Any, parts: Iterable[Part]) -> Any:
@@ -94,11 +101,13 @@ def random_and_systematic(sigma: Any, parts: Iterable[Part]) -> tuple[Any, Any]:
     return root, sum(part.size for part in parts if part.systematic)
 
 
-def composed(sigma: Any, shares: Mapping[str, Any], parts: tuple[Part, ...]) -> Composed:
+def composed(
+    sigma: Any, shares: Mapping[str, Any], parts: tuple[Part, ...], basis: str = "", mark: str = ""
+) -> Composed:
     """A figure of the model, 1σ, whose `shares` are those in its variance, with what enters it; numbers or arrays."""
     sizes = {source: sigma * share**0.5 for source, share in shares.items()}
     if not parts:
-        return Composed(sigma, shares, sizes)
+        return Composed(sigma, shares, sizes, sigma, basis, mark)
     root, systematic = random_and_systematic(sigma, parts)
     whole = root + systematic
     scale = sigma * sigma / (root * whole)
@@ -107,4 +116,4 @@ def composed(sigma: Any, shares: Mapping[str, Any], parts: tuple[Part, ...]) -> 
         size = part.size
         mixed[part.name] = size / whole if part.systematic else size * size / (root * whole)
         sizes[part.name] = size
-    return Composed(whole, FrozenMapping(mixed), sizes)
+    return Composed(whole, FrozenMapping(mixed), sizes, sigma, basis, mark)

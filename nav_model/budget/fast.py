@@ -20,9 +20,6 @@ from nav_model.processing.fast_motion import Curve, Fast, Source, density_of, th
 VIBRATION, UNSENSED, OSCILLATOR = "vibration", "unsensed motion", "oscillator"
 """Names of the sources in every budget."""
 
-LEVELS = ("paired_echo", "islr")
-"""Figures that are amplitudes over a target's, said in decibels."""
-
 Value = Callable[[str], Array]
 
 
@@ -159,7 +156,7 @@ def not_flown(design: Design) -> tuple[str, ...]:
 
 
 def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
-    """Both figures of `LEVELS`, as amplitudes over a target's: the highest paired echo, and the scattered energy."""
+    """Amplitudes over a target's, by figure: the highest paired echo, and the root of the scattered energy."""
     sources, lobe = tuple(made), ideal_null_cells(window)
     exponent = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)
     return {
@@ -168,7 +165,7 @@ def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) 
     }
 
 
-def stays(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
+def power_at_target(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
     """Power that stays at a target, and the same with only the errors within ten null distances."""
     sources, lobe = tuple(made), ideal_null_cells(window)
     near = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe, "near")

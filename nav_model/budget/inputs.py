@@ -13,13 +13,12 @@ from nav_model.aperture import geometry
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.errors import InputError
-from nav_model.budget.contributors import NONE, Parts, parts_of
+from nav_model.budget.contributors import Contributors, contributors_of
 from nav_model.budget.fast import fast_sources, rectified
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.own import Limit
 from nav_model.design.parts import INPUTS, Radar
-from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.fast_motion import Fast
 
 RECTIFICATION = "vibration rectification"
@@ -67,13 +66,13 @@ class Inputs:
     velocity: Array | None
     velocity_vertical: Array | None
     velocity_interval: Array | None
-    post_processed: bool
+    processing: str
     leg_after: Array
     scene_height_error: Array
     window: str
     fast: Mapping[str, Fast]
     rectified: Array | None
-    own: Parts
+    contributors: Contributors
     limits: tuple[Limit, ...]
 
     @property
@@ -184,12 +183,12 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         velocity_interval=(
             value("gnss.velocity_interval") if given("gnss.velocity_interval") else value("gnss.interval")
         ),
-        post_processed=design.processing.mode == POST_PROCESSED,
+        processing=design.processing.mode,
         leg_after=value("processing.leg_after"),
         scene_height_error=value("processing.scene_height_error"),
         window=radar.window,
         fast=fast_sources(design, value, wavelength, aperture),
         rectified=rectified(design, value),
-        own=parts_of(design, wavelength) if design.contributors else NONE,
+        contributors=contributors_of(design, wavelength) if design.contributors else Contributors(),
         limits=design.limits,
     )

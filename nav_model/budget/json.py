@@ -1,6 +1,7 @@
 """A budget as plain JSON-ready data, with the names of the contract. SI throughout."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, fields
 from typing import Any
 
@@ -8,9 +9,14 @@ from nav_model.aperture.impulse_response import ImpulseResponse
 from nav_model.budget.allocation import Allocation
 from nav_model.budget.contributors import size_of
 from nav_model.budget.provenance import cautions, provenance
-from nav_model.budget.result import Budget, Check, Placement, PostProcessed, Sigmas, Spectral, Verdict
-from nav_model.design.contributors import BY_ORDER, COASTING, ENTERED, Contributor
+from nav_model.budget.result import Budget
+from nav_model.budget.verdict import Check, Verdict
+from nav_model.design.contributors import Contributor
+from nav_model.design.figures import FIGURES
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
+
+_PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase")
 
 
 def to_json(budget: Budget) -> dict[str, Any]:
@@ -22,7 +28,8 @@ def to_json(budget: Budget) -> dict[str, Any]:
         budget.sar,
         budget.verdict,
     )
-    ends = [coast.checked[name] for name in COASTING]
+    ends = [budget[name, REAL_TIME] for name in ("coast_horizontal_position", "coast_vertical_position")]
+    lines = budget.phase_lines(REAL_TIME)
     return {
         "design": {"name": design.name, "content_hash": design.content_hash, "inputs": dict(design.items())},
         "steady_state": {
@@ -32,7 +39,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "asymptote": dict(
                 zip(("position_sigma_m", "velocity_sigma_m_s", "tilt_sigma_rad"), steady.asymptote, strict=True)
             ),
-            "shares": {kind: dict(shares) for kind, shares in steady.shares.items()},
+            "shares": {name: _model_shares(budget, name) for name in steady.closed},
             "discrete": {"prior": _sigmas(steady.prior), "posterior": _sigmas(steady.posterior)},
         },
         "coast": {
@@ -56,9 +63,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "aperture_length_m": sar.aperture_length,
             "cell_length_m": sar.cell_length,
             "autofocus_order": sar.autofocus_order,
-            "quadratic_phase_sigma_rad": sar.quadratic,
-            "cubic_phase_sigma_rad": sar.cubic,
-            "detrended_phase_sigma_rad": sar.detrended,
+            **_sigmas_of(budget, REAL_TIME, *_PHASES, "along_track_quadratic_phase"),
             "lines": [
                 {
                     "source": line.source,
@@ -68,25 +73,39 @@ def to_json(budget: Budget) -> dict[str, Any]:
                     "share": line.share,
                     "detrended_share": line.detrended_share,
                 }
-                for line in sar.lines
+                for line in lines
             ],
-            "initial_tilt_shares": dict(sar.tilt_shares),
-            "along_track_quadratic_phase_sigma_rad": sar.along_track_quadratic,
-            "impulse_response": _response(sar.impulse_response, sar.cell_length),
-            "impulse_response_after_autofocus": _response(sar.after_autofocus, sar.cell_length),
+            "initial_tilt_shares": dict(budget.tilt_shares),
+            "impulse_response": _response(budget.response(REAL_TIME), sar.cell_length),
+            "impulse_response_after_autofocus": _response(budget.response_after_autofocus(), sar.cell_length),
         },
         "processing": {"mode": verdict.processing},
-        "post_processed": _post_processed(budget.post_processed),
+        "post_processed": _post_processed(budget),
         "geolocation": {
-            "real_time": _placement(budget.placement),
-            "post_processed": _placement(budget.post_processed_placement),
+            "real_time": _placement(budget, REAL_TIME),
+            "post_processed": _placement(budget, POST_PROCESSED),
         },
-        "spectral": _spectral(budget.spectral),
+        "spectral": _spectral(budget),
+        "figures": {
+            "real_time": _sigmas_of(budget, REAL_TIME, *FIGURES),
+            "post_processed": _sigmas_of(budget, POST_PROCESSED, *FIGURES),
+        },
         "contributors": [_contributor(one, sar.wavelength) for one in design.contributors],
         "verdict": verdict_json(verdict),
         "other_verdict": verdict_json(budget.other_verdict),
         "cautions": list(cautions(budget)),
-        "provenance": {key: asdict(entry) for key, entry in provenance(budget).items()},
+        "provenance": {
+            **{key: asdict(entry) for key, entry in provenance(budget).items()},
+            **{
+                f"figures.{processing.replace(' ', '_').replace('-', '_')}.{FIGURES[name].column}": {
+                    "equation": mark,
+                    "method": basis,
+                    "note": "with contributors",
+                }
+                for name, processing in budget
+                for basis, mark in (budget.origin(name, processing),)
+            },
+        },
     }
 
 
@@ -107,34 +126,42 @@ def verdict_json(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _post_processed(smoothed: PostProcessed) -> dict[str, Any]:
-    shares = smoothed.shares["quadratic_phase"]
+def _sigmas_of(budget: Budget, processing: str, *names: str) -> dict[str, float]:
+    """Figures with contributors under their columns' names, SI."""
+    return {FIGURES[name].column: budget[name, processing].sigma for name in names}
+
+
+def _model_shares(budget: Budget, name: str) -> dict[str, float]:
+    """Shares in the variance of a figure of real time without contributors."""
+    figure = budget[name, REAL_TIME]
+    sources = [source for source in figure.shares if source not in budget.x.contributors.alone]
+    return {source: (figure.sizes[source] / figure.model) ** 2 for source in sources}
+
+
+def _post_processed(budget: Budget) -> dict[str, Any]:
+    figures = {name: budget[name, POST_PROCESSED] for name in FIGURES}
+    sigmas = {name: figure.sigma for name, figure in figures.items()}
     return {
-        **_sigmas(smoothed.sigmas),
-        "quadratic_phase_sigma_rad": smoothed.quadratic,
-        "cubic_phase_sigma_rad": smoothed.cubic,
-        "detrended_phase_sigma_rad": smoothed.detrended,
-        "detrended_phase_by_order_sigma_rad": {str(BY_ORDER[name]): left for name, left in smoothed.by_order.items()},
-        "along_track_quadratic_phase_sigma_rad": smoothed.along_track_quadratic,
-        "turning_quadratic_phase_sigma_rad": smoothed.turning_quadratic,
+        **_sigmas(sigmas),
+        **_sigmas_of(budget, POST_PROCESSED, *_PHASES, "along_track_quadratic_phase"),
+        "detrended_phase_by_order_sigma_rad": {str(order): sigmas[f"detrended_phase_{order}"] for order in (1, 2, 3)},
+        "turning_quadratic_phase_sigma_rad": budget.beside("turning_quadratic_phase"),
         "turning_detrended_phase_by_order_sigma_rad": {
-            str(n): left for n, left in enumerate(smoothed.turning_by_order, 1)
+            str(order): budget.beside(f"turning_detrended_phase_{order}") for order in (1, 2)
         },
-        "azimuth_shift_sigma_m": smoothed.azimuth_shift,
+        "azimuth_shift_sigma_m": budget.beside("slope_shift"),
         "method": "state space",
-        "lines": [{"source": source, "share": share} for source, share in shares.items()],
+        "lines": [{"source": source, "share": share} for source, share in figures["quadratic_phase"].shares.items()],
     }
 
 
-def _placement(placement: Placement) -> dict[str, Any]:
-    azimuth, across, both = placement.ground
+def _placement(budget: Budget, processing: str) -> dict[str, Any]:
+    azimuth, across, both = budget.ground(processing)
     return {
-        "range_m": placement.range,
-        "azimuth_m": placement.azimuth,
+        "range_m": budget["range_shift", processing].sigma,
+        "azimuth_m": budget["azimuth_shift", processing].sigma,
         "ground_covariance_m2": [[azimuth, both], [both, across]],
-        "ce90_m": placement.ce90,
-        "cep_m": placement.cep,
-        "le90_m": placement.le90,
+        **_sigmas_of(budget, processing, "ce90", "cep", "le90"),
     }
 
 
@@ -152,7 +179,8 @@ def _check(check: Check) -> dict[str, Any]:
     return said
 
 
-def _spectral(spectral: Spectral) -> dict[str, Any]:
+def _spectral(budget: Budget) -> dict[str, Any]:
+    spectral, islr = budget.spectral, budget["islr", REAL_TIME]
     return {
         "echoes": [
             {
@@ -164,15 +192,15 @@ def _spectral(spectral: Spectral) -> dict[str, Any]:
             }
             for echo in spectral.echoes
         ],
-        "islr_db": _decibels(spectral.levels["islr"]),
-        "peak_loss_db": _decibels(math.sqrt(spectral.stays)),
-        "islr_shares": dict(spectral.shares["islr"]),
+        "islr_db": _decibels(islr.model),
+        "peak_loss_db": _decibels(math.sqrt(spectral.power_at_target)),
+        "islr_shares": _model_shares(budget, "islr"),
     }
 
 
 def _contributor(one: Contributor, wavelength: float) -> dict[str, Any]:
     """A contributor with its 1σ in the figure that it enters, allowance included; zero for none."""
-    dimension, sigma = ENTERED[one.enters], float(size_of(one, wavelength))
+    dimension, sigma = FIGURES[one.enters].dimension, float(size_of(one, wavelength))
     if dimension == "level":
         sigma = _decibels(max(sigma, NOTHING))
     unit = {"angle": "rad", "length": "m", "speed": "m/s", "level": "dB", "loss": "dB"}[dimension]
@@ -183,11 +211,11 @@ def _decibels(amplitude: float) -> float:
     return 20 * math.log10(amplitude)
 
 
-def _sigmas(sigmas: Sigmas) -> dict[str, Any]:
+def _sigmas(sigmas: Mapping[str, float]) -> dict[str, Any]:
     return {
-        "position_sigma_m": _pair(sigmas.position_horizontal, sigmas.position_vertical),
-        "velocity_sigma_m_s": _pair(sigmas.velocity_horizontal, sigmas.velocity_vertical),
-        "tilt_sigma_rad": sigmas.tilt,
+        "position_sigma_m": _pair(sigmas["horizontal_position"], sigmas["vertical_position"]),
+        "velocity_sigma_m_s": _pair(sigmas["horizontal_velocity"], sigmas["vertical_velocity"]),
+        "tilt_sigma_rad": sigmas["tilt"],
     }
 
 

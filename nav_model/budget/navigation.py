@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -9,18 +10,16 @@ from numpy.typing import ArrayLike
 
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
-from nav_model.analytic.discrete import Cycle, Sawtooth
+from nav_model.analytic.discrete import Sawtooth
 from nav_model.analytic.doubling import carried, drift, measured, updated, without_slow_error
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.errors import InputError, shown
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.contributors import composed, entering
-from nav_model.budget.figures import SETTLED, channels, free_growth, in_outage, outage, sigmas
 from nav_model.budget.inputs import Inputs
-from nav_model.budget.result import Outage, Sigmas, SteadyState
-from nav_model.budget.shares import Shares
+from nav_model.budget.real_time import RealTime
+from nav_model.budget.smoothed import channels
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING
+from nav_model.design.figures import STEADY
 from nav_model.processing.flight import Channel, Flight, values_of
 
 COAST_POINTS = 300
@@ -51,63 +50,107 @@ def _even_times(duration: float) -> Array:
     return np.linspace(0.0, duration, COAST_POINTS)
 
 
-def steady_state_of(
-    inputs: Inputs, closed: Sawtooth, average: Sawtooth, moments: Cycle, shares: Mapping[str, Shares]
-) -> SteadyState:
-    """The settled filter: `closed` form, the same with a slow GNSS error, and sampled `moments`; `shares` of
-    `SETTLED`."""
-    x = inputs
+@dataclass(frozen=True)
+class SteadyState:
+    """The settled filter in real time, without contributors: figure -> 1σ at moments of its cycle.
+
+    ``closed`` is the cycle rms in closed form [T-3], [T-4], ``average`` the same with what a slow GNSS error adds to
+    it; ``prior`` and ``posterior`` are the discrete filter just before and just after a fix [T-8], slow error
+    included. ``asymptote`` is [T-7]: position, velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two
+    channels.
+    """
+
+    closed: Mapping[str, float]
+    average: Mapping[str, float]
+    prior: Mapping[str, float]
+    posterior: Mapping[str, float]
+    gyro_dominance: float
+    asymptote: tuple[float, float, float]
+    lambda_dt: float
+
+
+@dataclass(frozen=True)
+class Outage:
+    """Sigmas in real time against time since the last fix, arrays of one length: s, m, m/s, rad.
+
+    ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
+    quadrature; ``refined_*`` is [T-17] with the same biases. All without contributors.
+    """
+
+    duration: float
+    time: Array
+    position_horizontal: Array
+    position_vertical: Array
+    velocity_horizontal: Array
+    velocity_vertical: Array
+    tilt: Array
+    yaw_growth: Array
+    refined_horizontal: Array
+    refined_vertical: Array
+    perfect_start_horizontal: Array
+    perfect_start_vertical: Array
+    initial_tilt: Array
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+
+def steady_marks(design: Design) -> tuple[str, str]:
+    """Marks of the steady state's equations, horizontal and vertical; velocity fixes have another equation."""
+    return ("[T-3]", "[T-4]") if design.gnss.velocity_noise is None else ("[P-6]", "[P-6]")
+
+
+def steady_state_of(model: RealTime) -> SteadyState:
+    """The settled filter of one design."""
+    x, closed, cycle = model.x, model.closed, model.cycle
     asymptote = steady.gyro_dominated(x.sigma_w, x.s, x.g)
     lambda_dt = max(
         float(steady.lambda_dt(variance, s, x.interval))
         for variance, s in ((closed.horizontal.p11, x.s), (closed.vertical.v11, x.s_vertical))
     )
     return SteadyState(
-        closed=_sigmas(closed, x),
-        average=_sigmas(average, x),
-        prior=_sigmas(moments.prior, x),
-        posterior=_sigmas(moments.posterior, x),
+        closed=_sigmas(model, closed),
+        average=_sigmas(model, model.at_last_fix),
+        prior=_sigmas(model, cycle.prior),
+        posterior=_sigmas(model, cycle.posterior),
         gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
-        shares=FrozenMapping({name: shares[name] for name in SETTLED}),
-        own=x.own,
     )
 
 
-def _sigmas(moment: Sawtooth, x: Inputs) -> Sigmas:
-    return Sigmas(*map(float, sigmas(moment, x).values()))
+def _sigmas(model: RealTime, moment: Sawtooth) -> Mapping[str, float]:
+    then = model.at(moment)
+    return FrozenMapping({name: float(then.value(name)) for name in STEADY})
 
 
-def outage_of(
-    x: Inputs, closed: Sawtooth, posterior: Sawtooth, time: Array, sized: Mapping[str, tuple[float, Shares]]
-) -> Outage:
-    """Errors `time` [s] after the last fix; `posterior` is the filter there, `sized` has value and shares of
-    `COASTING` and of limits in the outage."""
-    free = {name: np.sqrt(variance) for name, variance in free_growth(x, closed, time).items()}
-    refined_horizontal, refined_vertical = map(np.sqrt, outage(x, posterior, time))
+def outage_of(model: RealTime, time: Array) -> Outage:
+    """Errors of one design `time` [s] after the last fix."""
+    x = model.x
+    polynomial, refined = model.polynomial_position(time), model.refined(time)
     perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, time)
-    curves = {
-        "time": time,
-        "position_horizontal": free["position_horizontal"],
-        "position_vertical": free["position_vertical"],
-        "velocity_horizontal": free["coast_horizontal_velocity"],
-        "velocity_vertical": free["coast_vertical_velocity"],
-        "tilt": free["coast_tilt"],
-        "yaw_growth": free["coast_heading"],
-        "refined_horizontal": refined_horizontal,
-        "refined_vertical": refined_vertical,
-        "perfect_start_horizontal": np.sqrt(perfect[0]),
-        "perfect_start_vertical": np.sqrt(perfect[1]),
-        "initial_tilt": np.sqrt(growth.initial_tilt(closed.horizontal.p33, x.g, time)),
-    }
-    names = (*COASTING, *(limit.name for limit in x.limits if in_outage(limit)))
-    checked = {name: composed(*sized[name], entering(x.own, name, post_processed=False)) for name in names}
-    return Outage(duration=float(x.duration), checked=FrozenMapping(checked), **curves)
+    return Outage(
+        duration=float(x.duration),
+        time=time,
+        position_horizontal=np.sqrt(polynomial[0]),
+        position_vertical=np.sqrt(polynomial[1]),
+        velocity_horizontal=model.coast_horizontal_velocity(time),
+        velocity_vertical=model.coast_vertical_velocity(time),
+        tilt=model.coast_tilt(time),
+        yaw_growth=model.coast_heading(time),
+        refined_horizontal=np.sqrt(refined[0]),
+        refined_vertical=np.sqrt(refined[1]),
+        perfect_start_horizontal=np.sqrt(perfect[0]),
+        perfect_start_vertical=np.sqrt(perfect[1]),
+        initial_tilt=np.sqrt(growth.initial_tilt(model.closed.horizontal.p33, x.g, time)),
+    )
 
 
 def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:
-    """Figures of `SETTLED`, post-processed, before and in an outage of ``x.duration`` just after a fix at time 0.
+    """Post-processed figures of the steady state, before and in an outage of ``x.duration`` just after a fix at 0.
 
     The smoother bridges it from both sides: fixes come back at its end, and it has those of ``x.leg_after``. [P-3]
 
@@ -125,7 +168,7 @@ def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:
     """
     level, upright = (_bridged(channel, time, x.duration, x.leg_after) for channel in channels(x))
     found = (level[0], upright[0], level[1], upright[1], np.sqrt(level[2] ** 2 + x.bias**2) / x.g)
-    return dict(zip(SETTLED, found, strict=True))
+    return dict(zip(STEADY, found, strict=True))
 
 
 def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Array:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from nav_model.base.toml_text import shipped
+from nav_model.budget.navigation import steady_marks
 from nav_model.budget.result import Budget
 from nav_model.design import Design
 from nav_model.design.parts import OUTDATED
@@ -42,11 +43,6 @@ _TABLE: dict[str, Provenance] = {
 }
 
 _CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "cycle rms")
-
-
-def steady_marks(design: Design) -> tuple[str, str]:
-    """Marks of the steady state's equations, horizontal and vertical; velocity fixes have another equation."""
-    return ("[T-3]", "[T-4]") if design.gnss.velocity_noise is None else ("[P-6]", "[P-6]")
 
 
 _AUGMENTED_NOTE = "white noise only, without the slow GNSS error"
@@ -86,8 +82,9 @@ def cautions(budget: Budget) -> tuple[str, ...]:
     steady, coast, design = budget.steady_state, budget.coast, budget.design
     said: list[str] = []
     if steady.lambda_dt > WIDE_SAWTOOTH:
-        closed = steady.closed.position_horizontal
-        prior, posterior = (m.position_horizontal / closed for m in (steady.prior, steady.posterior))
+        moments = (steady.closed, steady.prior, steady.posterior)
+        closed, prior, posterior = (moment["horizontal_position"] for moment in moments)
+        prior, posterior = prior / closed, posterior / closed
         said.append(
             f"λ·dt = {steady.lambda_dt:.2g} exceeds 0.5, a wide sawtooth: horizontal position is {prior:.2f} "
             f"times the average just before a fix and {posterior:.2f} times just after it [T-8]."
@@ -109,22 +106,22 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             "not included."
         )
     growth = budget.sar.along_track_growth
-    if budget.smoothed is None and growth > 1 + _GROWTH_SAID:
+    if not budget.post_processed and growth > 1 + _GROWTH_SAID:
         said.append(
             "In real time the along-track quadratic phase takes the velocity error at the aperture's start [S-2]. "
             f"With that in mid-aperture it is {growth:.3g} times as large, which the verdict leaves out."
         )
-    if (smoothed := budget.smoothed) is not None:
-        counted = math.hypot(*(smoothed.navigation[f"{name}quadratic_phase"] for name in ("", "along_track_")))
-        change = smoothed.turning_quadratic / counted - 1
+    if budget.post_processed:
+        counted = (budget.figure(f"{name}quadratic_phase").model for name in ("", "along_track_"))
+        change = budget.beside("turning_quadratic_phase") / math.hypot(*counted) - 1
         if abs(change) > _TURN_SAID:
             said.append(
                 "The line of sight turns over the aperture. The along-track phase [S-2] has its effect on velocity "
                 f"errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
                 f"along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
             )
-        order, left = budget.sar.autofocus_order, smoothed.navigation["detrended_phase"]
-        change = smoothed.turning_by_order[order - 1] / left - 1 if order < 3 else 0.0
+        order, residual = budget.sar.autofocus_order, budget.figure("detrended_phase").model
+        change = budget.beside(f"turning_detrended_phase_{order}") / residual - 1 if order < 3 else 0.0
         if abs(change) > _TURN_SAID:
             said.append(
                 f"The residual after autofocus of order {order} is along the line of sight of mid-aperture. With the "

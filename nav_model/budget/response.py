@@ -8,9 +8,9 @@ from nav_model.aperture import geometry
 from nav_model.aperture.impulse_response import ImpulseResponse, with_echoes
 from nav_model.aperture.polynomial_response import quadratic_response
 from nav_model.base.arrays import Array
-from nav_model.budget.fast import levels, stays
+from nav_model.budget.fast import levels, power_at_target
 from nav_model.budget.inputs import Inputs
-from nav_model.design.contributors import RESPONSE
+from nav_model.design.figures import RESPONSE
 
 NO_IMAGE = 1000.0
 """Quadratic phase [rad] that smears the response over more than 600 cells; no larger one is computed."""
@@ -21,7 +21,7 @@ def response_of(x: Inputs, quadratic: float) -> ImpulseResponse | None:
     return None if quadratic > NO_IMAGE else _response(quadratic, x.window, *map(float, _beside(x)))
 
 
-def limited_of(response: ImpulseResponse, cell: float) -> dict[str, float]:
+def measures_of(response: ImpulseResponse, cell: float) -> dict[str, float]:
     """Figures of `RESPONSE`: width between the outermost half-power points [m] for cells of so many metres,
     amplitudes outside the error-free main lobe over the target's, and loss of the peak's power [dB]."""
     side = (float(response.pslr_fixed_db), float(response.islr_fixed_db))
@@ -29,13 +29,13 @@ def limited_of(response: ImpulseResponse, cell: float) -> dict[str, float]:
     return dict(zip(RESPONSE, (width, *(10 ** (level / 20) for level in side), loss), strict=True))
 
 
-def responses(x: Inputs, quadratic: Array) -> dict[str, Array]:
+def measures(x: Inputs, quadratic: Array) -> dict[str, Array]:
     """Figures of `RESPONSE` for quadratic phases [rad], beyond `NO_IMAGE` those of `NO_IMAGE`; NaN for NaN."""
 
     def measured(phase: float, *beside: float) -> tuple[float, ...]:
         if math.isnan(phase):
             return (math.nan,) * len(RESPONSE)
-        return tuple(limited_of(_response(min(phase, NO_IMAGE), x.window, *beside), 1.0).values())
+        return tuple(measures_of(_response(min(phase, NO_IMAGE), x.window, *beside), 1.0).values())
 
     found = np.vectorize(measured, otypes=[float] * len(RESPONSE))(quadratic, *_beside(x))
     cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
@@ -52,4 +52,4 @@ def _beside(x: Inputs) -> tuple[Array, ...]:
     if not x.fast:
         return ()
     made = x.fast.values(), x.to_phase, x.aperture, x.window
-    return levels(*made)["paired_echo"], *stays(*made)
+    return levels(*made)["paired_echo"], *power_at_target(*made)

@@ -1,7 +1,7 @@
 """Shares of each source in a variance, by complex steps through the closed forms and the smoother. [T-18], [P-4]"""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -11,8 +11,9 @@ import numpy as np
 from nav_model.analytic.discrete import SlowError
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.fast import LEVELS
+from nav_model.budget.contributors import Shares
 from nav_model.budget.inputs import RECTIFICATION, Inputs
+from nav_model.design.figures import LEVELS
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
@@ -38,51 +39,54 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
 _SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS)
 """Sources that filter and smoother weigh; others reach figures beside them."""
 
-Shares = Mapping[str, float]
-"""Source -> its share of a variance; they add up to one."""
 
-
-def shares_of(sized: Mapping[str, tuple[float, Shares]]) -> dict[str, Shares]:
-    return {name: shares for name, (_, shares) in sized.items()}
-
-
-def shares_by_step(x: Inputs, of: Callable[[Inputs], Mapping[str, Array]]) -> dict[str, tuple[float, Shares]]:
-    """Value of each figure and the shares of its sources, where the variance is of degree one in theirs. [P-4]
+class Stepped:
+    """The inputs of one design with each source's size stepped once, along axes of its own. [P-4]
 
     A source's share is the figure's logarithmic derivative by the source's size, taken by a complex step: the filter
     and the smoother are optimal, so it is the error of that source alone. All sources are stepped in one evaluation.
 
-    Parameters
+    Attributes
     ----------
     x : Inputs
-        Of one design.
-    of : callable
-        Inputs to figures, one sigma each, which broadcasts.
     """
-    seen, beside, stepped = _stepped(x)
-    figures = of(stepped)
-    table = np.empty((len(figures), len(beside) + 1, len(seen) + bool(beside)), complex)
-    for one, value in zip(table, figures.values(), strict=True):
-        one[:] = value
-    sizes = table.real[:, -1, -1]
-    slopes = np.hstack([table.imag[:, -1, : len(seen)], table.imag[:, :-1, -1]])
-    parts = slopes / (np.where(sizes, sizes, 1.0)[:, None] * _STEP)
-    for figure, size, whole in zip(figures, sizes, parts.sum(axis=1), strict=True):
-        if size and figure not in LEVELS and not abs(whole - 1) < _LOST:
-            raise FloatingPointError(f"the shares of {figure} add up to {whole:.3g} instead of one")
-    parts = np.maximum(parts, 0)
-    # A figure of zero, or values so far apart that rounding hides every slope: the shares are unknown.
-    parts[~np.any(parts > 0, axis=1)] = 1.0
-    return {
-        figure: (size, _normalised(dict(zip((*seen, *beside), row, strict=True))))
-        for figure, size, row in zip(figures, sizes.tolist(), parts.tolist(), strict=True)
-    }
+
+    def __init__(self, x: Inputs) -> None:
+        self._seen, self._beside, self.x = _stepped(x)
+        self._fast = tuple(x.fast)
+
+    def sized(self, name: str, values: Array) -> tuple[float, Shares]:
+        """Value of a figure and the shares of its sources, where the variance is of degree one in theirs.
+
+        Parameters
+        ----------
+        name : str
+        values : array
+            The figure, one sigma, of the stepped inputs.
+
+        Raises
+        ------
+        FloatingPointError
+            If its digits are lost to rounding.
+        """
+        table = np.broadcast_to(values, (len(self._beside) + 1, len(self._seen) + bool(self._beside)))
+        size = float(table.real[-1, -1])
+        slopes = np.append(table.imag[-1, : len(self._seen)], table.imag[:-1, -1])
+        parts = slopes / ((size or 1.0) * _STEP)
+        if size and name not in LEVELS and not abs(parts.sum() - 1) < _LOST:
+            raise FloatingPointError(f"the shares of {name} add up to {parts.sum():.3g} instead of one")
+        parts = np.maximum(parts, 0)
+        # A figure of zero, or values so far apart that rounding hides every slope: the shares are unknown.
+        known = parts if np.any(parts > 0) else np.ones_like(parts)
+        shares = dict(zip((*self._seen, *self._beside), known.tolist(), strict=True))
+        return size, _normalised({source: shares[source] for source in self._fast} if name in LEVELS else shares)
 
 
-def _normalised(variances: Mapping[str, Array | float]) -> Shares:
-    values = {source: float(variance) for source, variance in variances.items()}
-    whole = math.fsum(values.values())
-    return FrozenMapping({source: value / whole for source, value in values.items()})
+def _normalised(variances: Mapping[str, float]) -> Shares:
+    whole = math.fsum(variances.values())
+    return FrozenMapping(
+        {source: variance / whole if whole else 1 / len(variances) for source, variance in variances.items()}
+    )
 
 
 def _stepped(x: Inputs) -> tuple[list[str], list[str], Inputs]:

@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.base.arrays import Array
-from nav_model.budget.figures import begun, free_lines, smoothed_lines, with_fast
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.smoothed import model_of
 from nav_model.design import Design
-from nav_model.processing.geolocation import shifts
 
 
 class ErrorStatistics(NamedTuple):
@@ -40,13 +39,12 @@ def error_statistics(design: Design) -> ErrorStatistics:
     >>> found.trajectory.shape
     (6, 6)
     """
-    x = inputs_of(design)
-    level, upright = smoothed_lines(x) if x.post_processed else free_lines(x, begun(x))
-    moved = with_fast(x, shifts(level, upright, x.grazing_angle, x.slant_range, x.speed, x.squint))
+    model = model_of(inputs_of(design))
+    (horizontal, vertical), shift = model.lines, model.shift
     trajectory = np.zeros((6, 6))
-    for axis, line in enumerate((upright, level, level)):
+    for axis, line in enumerate((vertical, horizontal, horizontal)):
         trajectory[axis, axis], trajectory[axis + 3, axis + 3] = line.mean, line.slope
         trajectory[axis, axis + 3] = trajectory[axis + 3, axis] = line.both
-    sigma_range, sigma_azimuth = math.sqrt(float(moved.range)), math.sqrt(float(moved.azimuth))
-    correlation = float(moved.both) / (sigma_range * sigma_azimuth)
+    sigma_range, sigma_azimuth = math.sqrt(float(shift.range)), math.sqrt(float(shift.azimuth))
+    correlation = float(shift.both) / (sigma_range * sigma_azimuth)
     return ErrorStatistics(sigma_range, sigma_azimuth, correlation, trajectory)

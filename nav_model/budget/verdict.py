@@ -1,40 +1,25 @@
 """The verdict: each requirement against its figure, with margin and dominant source."""
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.contributors import Parts, composed, entering, with_contributors
-from nav_model.budget.fast import LEVELS
-from nav_model.budget.figures import FIGURES, IMAGING, PLACING, SETTLED
-from nav_model.budget.provenance import steady_marks
-from nav_model.budget.response import NO_IMAGE, limited_of
-from nav_model.budget.result import Check, Outage, Placement, PostProcessed, Sar, Spectral, SteadyState, Verdict
-from nav_model.budget.shares import Shares
+from nav_model.budget.contributors import Composed, Shares
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING, ENTERED, IN_OUTAGE, RESPONSE, UNSCALED, label_of
 from nav_model.design.declaration import BaseQuantity
+from nav_model.design.figures import FIGURES, REQUIRED, label_of
 from nav_model.design.parts import declaration_of
-from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-
-
-@dataclass(frozen=True)
-class _Figure:
-    """One sigma of a limited figure, its `basis`, and the shares of the sources."""
-
-    sigma: float
-    basis: str
-    equation: str
-    shares: Shares
 
 
 @dataclass(frozen=True)
 class Required:
-    """A requirement in force: the value it is `on`, its limit in SI with the unit it is shown in, and its confidence,
-    None where that does not multiply."""
+    """A requirement in force: the value it is `on` and, in the outage, the time `at` which [s], its limit in SI with
+    the unit it is shown in, and its confidence, None where that does not multiply."""
 
     on: str
+    at: float | None
     limit: float
     dimension: str
     unit: str
@@ -46,24 +31,102 @@ class Required:
         return self.limit / (self.confidence or 1.0)
 
 
+@dataclass(frozen=True)
+class Check:
+    """One requirement compared with its figure.
+
+    ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
+    over, 1 - value/limit, negative when the requirement is not met. ``confidence`` is None where it does not count,
+    ``on`` the figure that is limited, mostly ``name``. ``basis`` says which of the model's
+    results was taken (prior, refined, formula ...), ``equation`` where it comes from. ``shares`` are those of the
+    budget's lines in the variance, ``tilt_shares`` those of the noises in an initial tilt.
+    """
+
+    name: str
+    on: str
+    label: str
+    dimension: str
+    confidence: float | None
+    value: float
+    sigma: float
+    limit: float
+    margin: float
+    met: bool
+    basis: str
+    equation: str
+    shares: Shares
+    tilt_shares: Shares
+
+    @property
+    def dominant(self) -> str:
+        """The source with the largest share of the variance."""
+        return max(self.shares, key=lambda source: self.shares[source])
+
+    @property
+    def dominant_share(self) -> float:
+        """The share of the dominant source."""
+        return self.shares[self.dominant]
+
+    @property
+    def sensor(self) -> str:
+        """The sensor responsible for the largest share."""
+        return max(self.by_sensor, key=lambda source: self.by_sensor[source])
+
+    @property
+    def sensor_share(self) -> float:
+        """The share of that sensor."""
+        return self.by_sensor[self.sensor]
+
+    @cached_property
+    def by_sensor(self) -> Shares:
+        """Shares by sensor: the initial tilt counts for the noises that cause it, tilt growth in a coast for the
+        gyros. [T-18]"""
+        charged: dict[str, float] = {}
+        for source, share in self.shares.items():
+            for sensor, part in makers_of(self, source).items():
+                charged[sensor] = charged.get(sensor, 0.0) + share * part
+        return FrozenMapping(charged)
+
+
+def makers_of(check: Check, source: str) -> Shares:
+    """The noises that make a source of a check, with their shares in it; itself where it is one. [T-18]"""
+    if source == "coast before aperture":
+        return FrozenMapping({"gyro noise": 1.0})
+    return check.tilt_shares if source == "initial tilt" else FrozenMapping({source: 1.0})
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All checks, in the order of the requirements; ``tightest`` is the one with the least margin.
+
+    ``processing`` is the mode that the figures belong to: "real time" or "post-processed".
+    """
+
+    processing: str
+    closes: bool
+    confidence: float
+    checks: tuple[Check, ...]
+    tightest: Check | None
+
+
 def required(design: Design) -> dict[str, Required]:
     """Name of each check of a design -> its requirement, in the order of the verdict, without computing figures."""
     usual: float = design.requirements.confidence
-    found = {}
-    for name, key in FIGURES.items():
+    requirements = {}
+    for name, key in REQUIRED.items():
         if (limit := getattr(design.requirements, key)) is not None:
             unit, factor = design.unit(f"requirements.{key}"), _factor(name, usual)
-            found[name] = Required(name, limit, limit_on(name).dimension, unit, factor)
-    figures = {one.name: one.enters for one in design.contributors}
-    for own in design.limits:
-        factor = _factor(figures.get(own.on, own.on), own.confidence or usual)
-        unit = own.unit or DIMENSIONS[own.dimension].default_unit
-        found[own.name] = Required(own.on, own.value, own.dimension, unit, factor)
-    return found
+            requirements[name] = Required(name, None, limit, limit_on(name).dimension, unit, factor)
+    figures = {contributor.name: contributor.enters for contributor in design.contributors}
+    for limit in design.limits:
+        factor = _factor(figures.get(limit.on, limit.on), limit.confidence or usual)
+        unit = limit.unit or DIMENSIONS[limit.dimension].default_unit
+        requirements[limit.name] = Required(limit.on, limit.at, limit.value, limit.dimension, unit, factor)
+    return requirements
 
 
 def _factor(figure: str, confidence: float) -> float | None:
-    return None if figure in UNSCALED else confidence
+    return confidence if FIGURES[figure].scaled else None
 
 
 def confidence_of(design: Design, figure: str) -> float:
@@ -73,154 +136,53 @@ def confidence_of(design: Design, figure: str) -> float:
 
 def limit_on(name: str) -> BaseQuantity[float | None]:
     """The declaration of the requirement that limits a figure."""
-    declaration = declaration_of(f"requirements.{FIGURES[name]}")
+    declaration = declaration_of(f"requirements.{REQUIRED[name]}")
     assert isinstance(declaration, BaseQuantity)
     return declaration
 
 
 def judge(
-    design: Design,
-    steady_state: SteadyState,
-    coast: Outage,
-    sar: Sar,
-    placement: Placement,
-    spectral: Spectral,
-    smoothed: PostProcessed | None = None,
+    design: Design, processing: str, compose: Callable[[str, float | None, bool], Composed], tilt_shares: Shares
 ) -> Verdict:
-    """Check every requirement that is given: in real time, or post-processed with `smoothed` and its `placement`.
+    """Check every requirement that is given.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
     the along-track term [S-2] as well, which has its own check because other sensors cause it.
+
+    Parameters
+    ----------
+    design : Design
+    processing : str
+    compose : callable
+        Name of a figure or contributor, the time in the outage, and whether a limit of the user's own asks -> it.
+    tilt_shares : mapping
+        Shares of the sources in the tilt at the start of the aperture.
     """
-    figures = _figures(design, steady_state, coast, sar) | _levels(spectral, steady_state.own)
-    if smoothed is not None:
-        figures |= _smoothed(smoothed)
-    figures |= _placed(placement, figures["quadratic_phase"].basis)
-    if any(limit.on in RESPONSE for limit in design.limits):
-        figures |= _response(sar, smoothed, figures["quadratic_phase"], steady_state.own)
-    figures |= _of_limits(design, figures, coast, steady_state.own, post_processed=smoothed is not None)
+    limits = {limit.name for limit in design.limits}
     checks = []
-    for name, one in required(design).items():
-        figure, limit = figures[name], one.limit
+    for name, requirement in required(design).items():
+        figure, limit = compose(requirement.on, requirement.at, name in limits), requirement.limit
         sigma = float(figure.sigma)
-        value = (one.confidence or 1.0) * sigma
-        margin = 1 - value / limit
+        value = (requirement.confidence or 1.0) * sigma
         checks.append(
             Check(
                 name=name,
-                on=one.on,
+                on=requirement.on,
                 label=label_of(name),
-                dimension=one.dimension,
-                confidence=one.confidence,
+                dimension=requirement.dimension,
+                confidence=requirement.confidence,
                 value=value,
                 sigma=sigma,
                 limit=limit,
-                margin=margin,
+                margin=1 - value / limit,
                 met=value <= limit,
                 basis=figure.basis,
-                equation=figure.equation,
+                equation=figure.mark,
                 shares=figure.shares,
-                tilt_shares=sar.tilt_shares,
+                tilt_shares=tilt_shares,
             )
         )
     tightest = min(checks, key=lambda check: check.margin, default=None)
-    processing = REAL_TIME if smoothed is None else POST_PROCESSED
     closes = all(check.met for check in checks)
     return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest)
-
-
-def _phases(of: Sar | PostProcessed) -> dict[str, float]:
-    """Figures of `IMAGING`, and those of other orders of autofocus."""
-    named = zip(IMAGING, (of.quadratic, of.along_track_quadratic, of.cubic, of.detrended), strict=True)
-    return dict(named) | dict(of.by_order)
-
-
-def _smoothed(smoothed: PostProcessed) -> dict[str, _Figure]:
-    """Every figure that post-processing changes; the end of an outage stays that of real time."""
-    marked = ((_phases(smoothed), "[P-5]"), (smoothed.sigmas.named(), "[P-3]"))
-    return {
-        name: _Figure(sigma, "smoothed", mark, smoothed.shares[name])
-        for sigmas, mark in marked
-        for name, sigma in sigmas.items()
-    }
-
-
-def _levels(spectral: Spectral, own: Parts) -> dict[str, _Figure]:
-    found = {}
-    for name, mark in zip(LEVELS, ("[P-9]", "[P-11]"), strict=True):
-        whole = composed(spectral.levels[name], spectral.shares[name], own.get(name, ()))
-        found[name] = _Figure(whole.sigma, "lines and spectra", mark, whole.shares)
-    return found
-
-
-def outage_mark(figure: str) -> str:
-    """Mark of the equation of a value in the outage; none for what is no such value."""
-    marks = {"coast_heading": "[T-5]", "coast_vertical_velocity": "[T-10]"}
-    return marks.get(figure, "[T-9]" if figure in IN_OUTAGE else "[T-17]" if figure in COASTING else "")
-
-
-def _of_limits(
-    design: Design, figures: Mapping[str, _Figure], coast: Outage, own: Parts, *, post_processed: bool
-) -> dict[str, _Figure]:
-    """What limits of the user's own limit."""
-    found = {}
-    for limit in design.limits:
-        if whole := coast.checked.get(limit.name):
-            when = "at its end" if limit.at is None else f"after {limit.at:g} s"
-            found[limit.name] = _Figure(whole.sigma, f"in the outage, {when}", outage_mark(limit.on), whole.shares)
-        elif limit.on in ENTERED:
-            found[limit.name] = figures[limit.on]
-        else:
-            size = with_contributors(0.0, entering(own, limit.name, post_processed=post_processed))
-            alone = FrozenMapping({limit.on: 1.0})
-            found[limit.name] = _Figure(float(size), "contributor with its allowance", "", alone)
-    return found
-
-
-def _response(sar: Sar, smoothed: PostProcessed | None, quadratic: _Figure, own: Parts) -> dict[str, _Figure]:
-    """Figures of `RESPONSE`, with the shares of the quadratic phase; beyond `NO_IMAGE` those of `NO_IMAGE`."""
-    response = (smoothed or sar).respond(min(quadratic.sigma, NO_IMAGE))
-    assert response is not None
-    found = {}
-    for name, value in limited_of(response, sar.cell_length).items():
-        entered = entering(own, name, post_processed=smoothed is not None)
-        whole = composed(value, quadratic.shares, entered)
-        found[name] = _Figure(whole.sigma, "impulse response with 1σ quadratic", quadratic.equation, whole.shares)
-    return found
-
-
-def _placed(placement: Placement, basis: str) -> dict[str, _Figure]:
-    values = (placement.azimuth, placement.range, placement.ce90, placement.le90, placement.cep)
-    return {
-        name: _Figure(value, basis, "[P-7]", placement.shares[name])
-        for name, value in zip(PLACING, values, strict=True)
-    }
-
-
-def _figures(design: Design, steady_state: SteadyState, coast: Outage, sar: Sar) -> dict[str, _Figure]:
-    chosen = design.requirements.steady_state
-    level, upright = steady_marks(design)
-    sigmas = steady_state.moment(chosen).named()
-    label = {"prior": "prior", "posterior": "posterior", "closed": "formula"}[chosen]
-
-    def settled(name: str) -> _Figure:
-        closed_mark = upright if name.startswith("vertical") else level
-        mark = "[T-8]" if chosen != "closed" else closed_mark
-        entered = entering(steady_state.own, name, post_processed=False)
-        whole = composed(sigmas[name], steady_state.shares[name], entered)
-        return _Figure(whole.sigma, label, mark, whole.shares)
-
-    slow = design.gnss.correlated
-    budget = "formula" if not slow else "formula, with the tilt that the slow GNSS error adds"
-    marks = {"quadratic_phase": "[S-5]", "along_track_quadratic_phase": "[S-2]", "cubic_phase": "[S-6]"}
-    phases = {
-        name: _Figure(sigma, budget, marks.get(name, "[T-15], [S-6]"), sar.shares[name])
-        for name, sigma in _phases(sar).items()
-    }
-    ends = {name: coast.checked[name] for name in COASTING}
-    return {
-        **phases,
-        **{name: settled(name) for name in SETTLED},
-        **{name: _Figure(end.sigma, "refined", "[T-17]", end.shares) for name, end in ends.items()},
-    }

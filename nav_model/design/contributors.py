@@ -3,16 +3,16 @@
 A design has any number up to `MOST`; `nav_model.budget.contributors` adds them to the figures they enter.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, ClassVar
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError, not_a_choice, shown, under
 from nav_model.base.units import format_quantity, parse_quantity
-from nav_model.design.declaration import BaseQuantity, Quantity, in_sentence
+from nav_model.design.declaration import BaseQuantity, Quantity
+from nav_model.design.figures import FIGURES, label_of
 from nav_model.design.parts import INPUTS
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -22,73 +22,6 @@ BOTH = "both"
 PROCESSINGS = (BOTH, REAL_TIME, POST_PROCESSED)
 MOST = 100
 """Contributors that a design may have."""
-
-BY_ORDER: Mapping[str, int] = MappingProxyType({f"detrended_phase_{order}": order for order in (1, 2, 3)})
-"""Detrended phase after autofocus of an order that need not be the design's -> that order."""
-
-PHASES = ("quadratic_phase", "along_track_quadratic_phase", "cubic_phase", "detrended_phase", *BY_ORDER)
-"""Figures that a length along the line of sight may enter."""
-
-EXTRA: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "coast_horizontal_velocity": ("speed", "Horizontal velocity after the outage"),
-        "coast_vertical_velocity": ("speed", "Vertical velocity after the outage"),
-        "coast_tilt": ("angle", "Tilt after the outage"),
-        "coast_heading": ("angle", "Heading growth in the outage"),
-        "cep": ("length", "CEP"),
-        **{name: ("angle", f"Detrended phase, autofocus order {order}") for name, order in BY_ORDER.items()},
-        "response_width": ("length", "Response width"),
-        "pslr": ("level", "Peak side-lobe ratio"),
-        "response_islr": ("level", "Integrated side-lobe ratio"),
-        "peak_loss": ("loss", "Peak loss"),
-    }
-)
-"""Every figure that only a limit of the user's own may limit -> its dimension and label."""
-
-IN_OUTAGE = tuple(name for name in EXTRA if name.startswith("coast"))
-"""Those of the outage."""
-
-RESPONSE = ("response_width", "pslr", "response_islr", "peak_loss")
-"""Those of the azimuth impulse response with the quadratic phase at one sigma."""
-
-ENTERED: Mapping[str, str] = MappingProxyType(
-    {
-        name: declaration.dimension
-        for name, declaration in INPUTS["requirements"].items()
-        if isinstance(declaration, BaseQuantity) and declaration.dimension
-    }
-    | {"along_track_quadratic_phase": "angle"}
-    | {name: dimension for name, (dimension, _) in EXTRA.items()}
-)
-"""Figure that a contributor may enter, or a limit of the user's own limit -> its dimension."""
-
-FITTING: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {name: (dimension, "length") if name in PHASES else (dimension,) for name, dimension in ENTERED.items()}
-)
-"""Figure -> dimensions that the value of a contributor to it may have."""
-
-COASTING = ("coast_horizontal_position", "coast_vertical_position")
-UNSCALED = ("ce90", "le90", "cep", "paired_echo", "islr", *RESPONSE)
-"""Figures that a confidence does not multiply: a percentage already, a level, or of the response at one sigma."""
-
-ALIKE = (*COASTING, *IN_OUTAGE, "paired_echo", "islr")
-"""Figures that are the same in both processings."""
-
-
-def label_of(name: str) -> str:
-    """A figure's label: that of its requirement, but for one that limits two figures; a name of the user's own."""
-    if name == "along_track_quadratic_phase":
-        return "Along-track quadratic phase"
-    if name in EXTRA:
-        return EXTRA[name][1]
-    return str(INPUTS["requirements"][name].label) if name in ENTERED else name
-
-
-def figure_in_sentence(name: str) -> str:
-    """The same within a sentence, where a name of the user's own stays as it was written."""
-    label = label_of(name)
-    return label if label == name else in_sentence(label)
-
 
 _SOURCES = frozenset(
     declaration.source.casefold()
@@ -149,7 +82,7 @@ class Contributor(Sized):
         1σ in SI: of the figure entered, or m along the line of sight where it is a phase and `dimension` is length.
         For ce90 and le90 the 90 % value, for a level the amplitude over the target's.
     enters : str
-        Key of `ENTERED`.
+        Name of a figure.
     dimension : str
         Of the value.
     kind : str
@@ -183,18 +116,19 @@ class Contributor(Sized):
             raise InputError("contributors", "one has no name. Give each a name.")
         if self.name.casefold() in _SOURCES:
             raise InputError(self.where, "is a name that the budget itself uses. Choose another name.", self.name)
-        allowed = {"enters": ENTERED, "kind": KINDS, "processing": PROCESSINGS,
-                   "dimension": FITTING.get(self.enters, ())}  # fmt: skip
+        figure = FIGURES.get(self.enters)
+        allowed = {"enters": FIGURES, "kind": KINDS, "processing": PROCESSINGS,
+                   "dimension": figure.accepts if figure else ()}  # fmt: skip
         for key, options in allowed.items():
             if getattr(self, key) not in options:
                 raise InputError(f"{self.where}.{key}", not_a_choice(getattr(self, key), options))
         if not 0 <= self.value <= _LARGEST:  # NaN lands here too
             raise InputError(f"{self.where}.value", f"{self.value:g} is not allowed. Give zero or more.", self.value)
-        if self.enters in UNSCALED:
+        if figure and not figure.scaled:
             self.refuse_accuracy(f"{self.where}.value")
-        if self.enters in ALIKE and self.processing != BOTH:
+        if figure and not figure.smoothed_mark and self.processing != BOTH:
             raise InputError(
-                f"{self.where}.processing", f'{label_of(self.enters)} is the same in both processings. Write "both".'
+                f"{self.where}.processing", f'{figure.label} is the same in both processings. Write "both".'
             )
 
     @property
@@ -222,9 +156,9 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     keys = ("name", "value", "enters", "kind", "processing", "allowance", "owner", "source")
     found = []
     for where, texts in given_tables("contributors", tables, keys, ("value", "enters")):
-        if (enters := texts["enters"]) not in ENTERED:
-            raise InputError(f"{where}.enters", not_a_choice(enters, ENTERED), enters)
-        given: dict[str, Any] = texts | read_size(f"{where}.value", texts["value"], enters, FITTING[enters])
+        if (enters := texts["enters"]) not in FIGURES:
+            raise InputError(f"{where}.enters", not_a_choice(enters, FIGURES), enters)
+        given: dict[str, Any] = texts | read_size(f"{where}.value", texts["value"], enters, FIGURES[enters].accepts)
         with under(f"{where}.allowance"):
             given["allowance"] = _ALLOWANCE.read(texts.get("allowance", "0 %")).value
         found.append(Contributor(**given))

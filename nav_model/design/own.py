@@ -8,21 +8,16 @@ from typing import Any, ClassVar
 from nav_model.base.errors import InputError, not_a_choice, shown, under
 from nav_model.base.units import format_quantity
 from nav_model.design.contributors import (
-    COASTING,
-    ENTERED,
-    FITTING,
-    IN_OUTAGE,
     MOST,
-    UNSCALED,
     Contributor,
     Sized,
     check_text,
     given_tables,
-    label_of,
     read_contributors,
     read_size,
 )
 from nav_model.design.declaration import Quantity
+from nav_model.design.figures import FIGURES, label_of
 from nav_model.design.parts import Coast, Requirements
 
 OWN_KEYS = ("contributors", "limits", "allocation")
@@ -45,7 +40,7 @@ class Limit(Sized):
     ----------
     name : str
     on : str
-        The value limited: key of `ENTERED`, or the name of a contributor.
+        The value limited: name of a figure, or the name of a contributor.
     value : float
         The limit in SI.
     dimension : str
@@ -71,16 +66,17 @@ class Limit(Sized):
         check_text(f"{self.where}.name", self.name)
         if not self.name[:1].isalnum():  # it heads columns of tables: "=1+1" would be a formula there
             raise InputError(f"{self.where}.name", "must begin with a letter or a digit.", self.name)
-        if self.name in ENTERED or self.name in ("requirements", "all requirements"):
+        if self.name in FIGURES or self.name in ("requirements", "all requirements"):
             raise InputError(self.where, "is the name of a requirement already. Choose another name.", self.name)
         if not 0 < self.value < math.inf:
             raise InputError(f"{self.where}.limit", "must be more than zero.", self.value)
         self.refuse_accuracy(f"{self.where}.limit")
-        if self.at is not None and self.on not in (*COASTING, *IN_OUTAGE):
+        figure = FIGURES.get(self.on)
+        if self.at is not None and (figure is None or figure.kind != "outage"):
             raise InputError(
                 f"{self.where}.at", f"{label_of(self.on)} is no value of the outage, so it has no time.", self.at
             )
-        if self.confidence is not None and self.on in UNSCALED:
+        if self.confidence is not None and figure and not figure.scaled:
             raise InputError(f"{self.where}.confidence", f"does not multiply {label_of(self.on)}. Leave it out.")
 
     def record(self) -> dict[str, str]:
@@ -189,7 +185,9 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
     InputError
         As `read_own`.
     """
-    dimensions, found = {**{one.name: one.dimension for one in contributors}, **ENTERED}, []  # of a phase the angle
+    dimensions = {one.name: one.dimension for one in contributors}
+    dimensions |= {name: figure.dimension for name, figure in FIGURES.items()}
+    found = []
     for where, texts in given_tables("limits", tables, ("name", "on", "limit", "at", "confidence"), ("on", "limit")):
         on = texts["on"]
         if on not in dimensions:
@@ -221,7 +219,8 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
     for key in table:
         if key not in ("split", "reserve", "locks"):
             raise InputError(f"allocation.{key}", "unknown key; [allocation] has split, reserve, locks", table[key])
-    fitting = {**FITTING, **{one.name: FITTING.get(one.on, (one.dimension,)) for one in limits}}
+    fitting = {name: figure.accepts for name, figure in FIGURES.items()}
+    fitting |= {limit.name: fitting.get(limit.on, (limit.dimension,)) for limit in limits}
     locks, given = [], table.get("locks", {})
     for requirement, entries in given.items() if isinstance(given, dict) else [("", given)]:
         where = f"allocation.locks.{requirement}"

@@ -4,6 +4,7 @@ from typing import Any
 
 from nav_model.base.constants import DEGREE
 from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
+from nav_model.design.figures import IN_FLIGHT
 from nav_model.design.part import Part
 from nav_model.design.requirements import Requirements
 from nav_model.design.table import Table
@@ -11,11 +12,6 @@ from nav_model.design.table import Table
 LINES, WAYPOINTS = "lines", "waypoints"
 MOST_WAYPOINTS = 200  # more make a link too long
 
-LIMITED = (
-    "detrended_phase", "quadratic_phase", "cubic_phase", "azimuth_shift", "range_shift", "ce90",
-    "horizontal_position", "vertical_position", "horizontal_velocity", "vertical_velocity", "tilt",
-)  # fmt: skip
-"""Requirements on figures that are known along a flight."""
 AIDING = (
     "bank_limit", "after_loss", "lever_arm_error", "time_offset", "radar_time_offset", "heading_noise",
     "barometer_noise",
@@ -40,7 +36,7 @@ def _column(dimension: str, unit: str, bounds: tuple[float, float], label: str) 
     return Quantity(default=default, dimension=dimension, unit=unit, short="", bounds=bounds, label=label)
 
 
-_LIMIT_COLUMNS: dict[str, Any] = {"line": None, **{name: Requirements.param[name] for name in LIMITED}}
+_LIMIT_COLUMNS: dict[str, Any] = {"line": None, **{name: Requirements.param[name] for name in IN_FLIGHT}}
 _TIME = (0.0, 360_000.0)
 _HEIGHT = (-500.0, 1e5)
 

@@ -10,7 +10,8 @@ from nav_model.base.errors import InputError
 from nav_model.budget import verdict
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import Inputs, Replacement, inputs_of
-from nav_model.design import Design, Value, contributors
+from nav_model.design import Design, Value
+from nav_model.design import figures as declared
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import declaration_of
 
@@ -53,7 +54,7 @@ def worst(by_requirement: Mapping[str, Array]) -> Array:
 
 def label_of(result: str) -> str:
     """A figure's label, or that of `ALL`."""
-    return "All requirements" if result == ALL else contributors.label_of(result)
+    return "All requirements" if result == ALL else declared.label_of(result)
 
 
 def quantity(key: str) -> BaseQuantity[float | None]:

@@ -15,13 +15,16 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
+from nav_model.design.figures import FIGURES
 from nav_model.explore.margins import least, quantity
 
 _STEP = 1e-20
+RANKED = tuple(name for name, figure in FIGURES.items() if figure.kind != "response")
+"""Figures that have a derivative: a measure of the impulse response is read off a curve."""
 SENSORS: Mapping[str, str] = {key: source for key in VARIABLES if (source := quantity(key).source)}
 """Inputs that are error sources -> the name a budget gives the source."""
 
@@ -49,10 +52,10 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
     Raises
     ------
     InputError
-        If `figure` is not one of `nav_model.budget.figures.FIGURES`.
+        If `figure` is not one of `RANKED`.
     """
-    if figure not in FIGURES:
-        raise InputError("result", not_a_choice(figure, FIGURES), figure)
+    if figure not in RANKED:
+        raise InputError("result", not_a_choice(figure, RANKED), figure)
     keys = [key for key in stated(design) if design[key] != 0]
     slopes = log_derivatives(design, keys, (figure,))[figure]
     halved, doubled = (_scaled(design, keys, figure, factor) for factor in (0.5, 2.0))

@@ -9,13 +9,12 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
-from nav_model.budget.contributors import entering
-from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.smoothed import model_of
 from nav_model.budget.verdict import required
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import OFFERED, Entry, SourcedValue
-from nav_model.design.contributors import RESPONSE
+from nav_model.design.figures import RESPONSE
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
@@ -223,11 +222,13 @@ def _dominant(
 def _contributed(design: Design, names: list[str], columns: Mapping[str, Array], count: int) -> dict[str, Array]:
     """Contributor of the user's own -> its share of each figure of each candidate, zero where it does not enter."""
     x = inputs_of(design, columns)
-    found: dict[str, Array] = {}
-    for name, whole in figures(x, names).items() if x.own else ():
-        parts = entering(x.own, name, post_processed=x.post_processed)
+    model, limited = model_of(x), required(design)
+    shares: dict[str, Array] = {}
+    for name in names if x.contributors else ():
+        on, at = (limited[name].on, limited[name].at) if name in limited else (name, None)
+        parts, whole = x.contributors.entering(on, model.processing), model.sigma(on, at)
         root = whole - sum(part.size for part in parts if part.systematic)
         for part in parts:
             share = part.size / whole if part.systematic else part.size**2 / (root * whole)
-            found.setdefault(part.name, np.zeros((len(names), count)))[np.array(names) == name] = share
-    return found
+            shares.setdefault(part.name, np.zeros((len(names), count)))[np.array(names) == name] = share
+    return shares

@@ -21,9 +21,9 @@ from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.allocation import allocate
-from nav_model.budget.result import makers_of
+from nav_model.budget.verdict import makers_of
 from nav_model.design import Design
-from nav_model.design.contributors import RESPONSE
+from nav_model.design.figures import RESPONSE
 from nav_model.explore.margins import limits, quantity, ratios, worst
 from nav_model.explore.solve import typed
 

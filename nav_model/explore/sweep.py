@@ -26,19 +26,15 @@ from nav_model.base.arrays import Array
 from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError, under
 from nav_model.base.processes import worker_pool
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
-from nav_model.budget.verdict import limit_on
 from nav_model.design import Design, Value
-from nav_model.design.contributors import UNSCALED
+from nav_model.design.figures import FIGURES, REQUIRED
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
 
 SUFFIXES = (".csv", ".parquet")
-_UNITS = {"length": "m", "speed": "m_s", "angle": "rad", "level": "ratio"}
-"""Dimension of a figure -> its unit in the name of a column."""
-
 Column = list[Value] | np.ndarray[Any, Any]
 ProgressCallback = Callable[[int, int], None]
 
@@ -228,7 +224,7 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
         columns[axis.key] = [axis.shown[k] for k in place]
     columns.setdefault("processing.mode", [plan.design.processing.mode] * (stop - start))
     names = list(limits(_varied(plan.design, ())))
-    limited = [name for name in FIGURES if name in names or f"requirements.{FIGURES[name]}" in columns]
+    limited = [name for name, key in REQUIRED.items() if name in names or f"requirements.{key}" in columns]
     limited += [limit.name for limit in plan.design.limits]
     results = {name: np.empty(stop - start) for name in plan.results}
     margins = {name: np.empty(stop - start) for name in limited}
@@ -249,7 +245,7 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
             results[name][rows] = found[name]
         for name, limit in limits(design).items():
             margins[name][rows] = 1 - found[name] / limit
-    columns |= {_sigma(name): values for name, values in results.items()}
+    columns |= {FIGURES[name].column: values for name, values in results.items()}
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
     if plan.flight is not None:
@@ -302,15 +298,9 @@ def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) 
     return design
 
 
-def _sigma(figure: str) -> str:
-    """Name of a figure's column."""
-    unit = _UNITS[limit_on(figure).dimension]
-    return f"{figure}_{unit}" if figure in UNSCALED else f"{figure}_sigma_{unit}"
-
-
 def sweep_sigma(columns: Mapping[str, Column], figure: str) -> Array:
     """One sigma of a figure [SI] for every row; of a percentage such as CE90, that itself."""
-    return np.asarray(columns[_sigma(figure)], float)
+    return np.asarray(columns[FIGURES[figure].column], float)
 
 
 def sweep_ratios(columns: Mapping[str, Column]) -> Array:

@@ -2,7 +2,7 @@
 
     design = "baseline.toml"               # beside this file; or a whole design under [design]
     combine = "grid"                       # grid (default): every combination; together: the lists side by side
-    results = ["quadratic_phase"]          # default: every figure
+    results = ["quadratic_phase"]          # default: every figure that a requirement limits
     rows_per_part = 2000                   # how much a crash can cost
 
     [vary]
@@ -28,9 +28,9 @@ import tomli_w
 
 from nav_model.base.errors import InputError, not_a_choice
 from nav_model.base.toml_text import read_toml
-from nav_model.budget.figures import FIGURES
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.figures import FIGURES, REQUIRED
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.design.presets import preset_fill
@@ -162,7 +162,7 @@ def _design(content: Any, folder: Path) -> Design:
 
 
 def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
-    given = tables.get("results", list(FIGURES))
+    given = tables.get("results", list(REQUIRED))
     if not isinstance(given, list) or not given:
         raise InputError("results", f"must be a list out of {', '.join(FIGURES)}")
     for name in given:

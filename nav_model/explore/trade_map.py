@@ -6,11 +6,12 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
+from nav_model.design.figures import FIGURES
 from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, value_of, worst
 
 SIZE = 64

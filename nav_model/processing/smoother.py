@@ -10,6 +10,7 @@ Everything broadcasts and takes complex steps, and every design is solved by thi
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,8 @@ COLUMNS = (
     "cubic_with_turned", "cubic_with_curved", "cubic_turned_curved",
 )  # fmt: skip
 """What `smoothed_error` knows of an axis."""
-_IN_THE_MIDDLE = frozenset(("position", "velocity", "tilt"))  # the others are of the whole aperture
+IN_THE_MIDDLE = ("position", "velocity", "tilt")
+"""Those in the middle of the aperture; the others are of the whole."""
 
 # Quadratics, by the Legendre coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn;
 # then cubics.
@@ -70,31 +72,54 @@ def smoothed_error(
     >>> f"{float(found['position']) ** 0.5 * 1e3:.3f} mm"
     '2.170 mm'
     """
-    if not names:
-        return [{} for _ in channels]
-    times = {"aperture": as_numbers(aperture), "after": as_numbers(after), "gap": as_numbers(gap)}
-    many = [values_of(channel) | times for channel in channels]
-    shape = np.broadcast_shapes(*(value.shape for values in many for value in values.values()))
-    rows = {
-        name: np.concatenate([np.broadcast_to(values[name], shape).ravel() for values in many]) for name in many[0]
-    }
-    count = len(rows["fix"])
-    parts = [
-        _figures({name: value[batch] for name, value in rows.items()}, names)
-        for batch in np.array_split(np.arange(count), max(1, -(-count // _AT_ONCE)))
-    ]
-    found = {name: np.concatenate([part[name] for part in parts]).reshape(len(many), *shape) for name in names}
-    return [{name: value[n] for name, value in found.items()} for n in range(len(many))]
+    error = SmoothedError(channels, aperture, after, gap)
+    return [{name: error[name][n] for name in names} for n in range(len(channels))]
 
 
-def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
-    """Some of `COLUMNS`, (rows)."""
-    flight = Flight(x)
-    axis = flight.axis
-    aperture, after, gap = (x[name] / axis.step for name in ("aperture", "after", "gap"))
-    start = flight.start(gap)
-    found: dict[str, Array] = {}
-    if not _IN_THE_MIDDLE.issuperset(names):
+class SmoothedError:
+    """As `smoothed_error`, column by column: ``error[name][n]`` is that of channel n. Those of the aperture are
+    computed when one of them is first read, and so are those in its middle; both begin with the same filter."""
+
+    def __init__(self, channels: Sequence[Channel], aperture: Array, after: Array, gap: Array) -> None:
+        times = {"aperture": as_numbers(aperture), "after": as_numbers(after), "gap": as_numbers(gap)}
+        many = [values_of(channel) | times for channel in channels]
+        shape = np.broadcast_shapes(*(value.shape for values in many for value in values.values()))
+        rows = {
+            name: np.concatenate([np.broadcast_to(values[name], shape).ravel() for values in many])
+            for name in many[0]
+        }
+        count, self._shape = len(rows["fix"]), (len(many), *shape)
+        batches = np.array_split(np.arange(count), max(1, -(-count // _AT_ONCE)))
+        self._batches = [_Batch({name: value[batch] for name, value in rows.items()}) for batch in batches]
+
+    def __getitem__(self, name: str) -> Array:
+        return (self._middle if name in IN_THE_MIDDLE else self._aperture)[name]
+
+    @cached_property
+    def _aperture(self) -> Mapping[str, Array]:
+        return self._joined([batch.of_the_aperture() for batch in self._batches])
+
+    @cached_property
+    def _middle(self) -> Mapping[str, Array]:
+        return self._joined([batch.in_the_middle() for batch in self._batches])
+
+    def _joined(self, parts: Sequence[Mapping[str, Array]]) -> Mapping[str, Array]:
+        return {name: np.concatenate([part[name] for part in parts]).reshape(self._shape) for name in parts[0]}
+
+
+class _Batch:
+    """Some rows, each an axis of a design with the times of its aperture."""
+
+    def __init__(self, x: Mapping[str, Array]) -> None:
+        self._flight = Flight(x)
+        axis = self._axis = self._flight.axis
+        self._seconds = x["aperture"]
+        self._aperture, self._after, gap = (x[name] / axis.step for name in ("aperture", "after", "gap"))
+        self._start = self._flight.start(gap)
+
+    def of_the_aperture(self) -> dict[str, Array]:
+        """The columns of the whole aperture, (rows)."""
+        flight, axis, aperture, after, start = self._flight, self._axis, self._aperture, self._after, self._start
         # The aperture with its fixes and those after it; given these, its coefficients are lines x0 + noise.
         whole = stretch.measured(flight.stretch_to(aperture), flight.information_after(aperture, aperture + after))
         # P' = (1 + P Y)⁻¹ P, of the state at the aperture's start with every fix; then S + L P' Lᵀ.
@@ -108,15 +133,16 @@ def _figures(x: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]
         square = axis.length**2
         named = spread * (root[:, None] * root) * square[:, None, None]
         left_3 = (spread[:, 4, 4] + spread[:, 5, 5] + rest) * square
-        found |= _of_the_aperture(named, left_3, x["aperture"])
-    if not _IN_THE_MIDDLE.isdisjoint(names):
-        middle = aperture / 2  # forward to it with the fixes before, then the information of those after
+        return _of_the_aperture(named, left_3, self._seconds)
+
+    def in_the_middle(self) -> dict[str, Array]:
+        """The columns in the middle of the aperture, (rows)."""
+        flight, axis, start = self._flight, self._axis, self._start
+        middle = self._aperture / 2  # forward to it with the fixes before, then the information of those after
         forward = carried(start, flight.segment_to(middle))
-        smoothed = updated(forward, flight.information_after(middle, aperture + after))
+        smoothed = updated(forward, flight.information_after(middle, self._aperture + self._after))
         variance = np.einsum("nii->ni", without_slow_error(smoothed))
-        for n, name in enumerate(("position", "velocity", "tilt")):
-            found[name] = variance[:, n] * (axis.length / axis.step**n) ** 2
-    return {name: found[name] for name in names}
+        return {name: variance[:, n] * (axis.length / axis.step**n) ** 2 for n, name in enumerate(IN_THE_MIDDLE)}
 
 
 def _of_the_aperture(named: Array, left_3: Array, t: Array) -> dict[str, Array]:

@@ -10,9 +10,10 @@ import numpy as np
 from nav_model.aperture.window import Window
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
+from nav_model.budget import smoothed as post_processed
 from nav_model.budget.fast import not_flown
-from nav_model.budget.figures import SMOOTHED, begun, sampled, smoothed_figures
 from nav_model.budget.inputs import Inputs, inputs_of
+from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.axis_model import AxisModel
@@ -125,7 +126,8 @@ def conditions(
         Whether the whole-leg smoother is wanted, too; on a grid it takes longer than all the others.
     """
     x = inputs_of(budget.design, changes)
-    start = begun(x)
+    model = RealTime(x)
+    start = model.at_last_fix
     return Conditions(
         aperture_time=x.aperture,
         gnss_sigma=x.fix,
@@ -144,9 +146,9 @@ def conditions(
         autofocus_order=x.autofocus_order,
         squint_angle=x.squint,
         slow=x.slow,
-        slow_with_tilt=0.0 if x.slow is None else sampled(x).slow_with_tilt,
+        slow_with_tilt=0.0 if x.slow is None else model.cycle.slow_with_tilt,
         smoothed=_smoothed(x, whole=changes is None) if smoothed else None,
-        post_processed=x.post_processed,
+        post_processed=x.processing == POST_PROCESSED,
         fast=(
             sum(made.quadratic for made in x.fast.values()),
             sum(getattr(made, f"left_{x.autofocus_order}") for made in x.fast.values()),
@@ -156,12 +158,11 @@ def conditions(
 
 def _smoothed(x: Inputs, *, whole: bool) -> Smoothed:
     """The whole-leg smoother's variances [m²] as the budget has them. [P-5], [S-2]"""
-    turning = f"turning_detrended_phase_{x.autofocus_order}"
-    if turning not in SMOOTHED:  # the autofocus removes what the turn adds
-        turning = "detrended_phase"
-    names = ("quadratic_phase", "detrended_phase", *((turning,) if whole else ()))
-    found = smoothed_figures(x, names)
-    return Smoothed(*((found[name] / x.to_phase) ** 2 for name in names))
+    model, order = post_processed.Smoothed(x), x.autofocus_order
+    phases = [model.quadratic_phase, model.detrended_phase]
+    if whole:  # autofocus of order 3 removes what the turn adds
+        phases.append(getattr(model, f"turning_detrended_phase_{order}") if order < 3 else model.detrended_phase)
+    return Smoothed(*((phase / x.to_phase) ** 2 for phase in phases))
 
 
 def judged(design: Design) -> str:

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic import coast as growth
-from nav_model.budget.figures import sampled, settled
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.simulation.kalman import propagate, update
 from nav_model.simulation.result import STATES, SimulationResult, chi_square_band
@@ -136,8 +136,8 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
     yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * schedule.outputs.time_s)
     flat = []
     since_fix = np.minimum((outputs - last) / imu.rate, longest)
-    posterior = sampled(replace(x, slow=None)).posterior
-    for start, time_s in ((settled(x), schedule.coast_s), (posterior, since_fix)):
+    white = RealTime(replace(x, slow=None))
+    for start, time_s in ((white.closed, schedule.coast_s), (white.cycle.posterior, since_fix)):
         level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time_s)
         upright = growth.vertical_growth(start.vertical, x.sigma_a, time_s)
         variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]

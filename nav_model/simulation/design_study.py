@@ -106,9 +106,9 @@ def specification(
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states),
         initial=InitialErrors(
-            position=settled.position_horizontal,
-            velocity=settled.velocity_horizontal,
-            tilt=settled.tilt,
+            position=settled["horizontal_position"],
+            velocity=settled["horizontal_velocity"],
+            tilt=settled["tilt"],
             yaw=more["filter.initial_yaw"] or 0.0,
         ),
         runs=runs,
@@ -222,7 +222,7 @@ def settling(design: Design) -> float:
     """
     gnss = design.gnss
     noise = gnss.vertical_position_noise or gnss.position_noise
-    sigma = analyse(design).steady_state.closed.position_vertical
+    sigma = analyse(design).steady_state.closed["vertical_position"]
     return max(60.0, 4.0 * gnss.interval * (noise / sigma) ** 2)
 
 

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.contributors import composed, entering
-from nav_model.design.processing import REAL_TIME
+from nav_model.budget.contributors import composed
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.layout import VELOCITY
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
@@ -269,7 +269,7 @@ def _by_node(nodes: Indices) -> Mapping[int, list[int]]:
 
 def _all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
     """The model's sources, then the user's own contributors."""
-    own = (part.name for parts in spec.contributors.values() for part in parts)
+    own = (part.name for parts in spec.contributors.in_figures.values() for part in parts)
     return *model.states.sources, *dict.fromkeys(own)
 
 
@@ -296,7 +296,8 @@ def _processed(
         groups[name][:, looks.output] = np.maximum(values, 0.0)
         found[name] = np.sqrt(groups[name].sum(axis=0))
     found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), spec.inputs)
-    entered = {name: entering(spec.contributors, name, post_processed=post) for name in spec.contributors}
+    processing = POST_PROCESSED if post else REAL_TIME
+    entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
     shares = {}
     for name, values in groups.items():
         total = values.sum(axis=0)

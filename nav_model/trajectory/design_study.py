@@ -8,21 +8,20 @@ import numpy as np
 
 from nav_model.base.errors import InputError, under
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.contributors import Part, Parts
-from nav_model.budget.figures import begun, phase_sources, placing, with_fast
+from nav_model.budget.contributors import Contributors, Part
 from nav_model.budget.inputs import Inputs, inputs_of
+from nav_model.budget.real_time import RealTime, with_fast
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
-from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS
+from nav_model.design.figures import FIGURES, IN_FLIGHT
+from nav_model.design.trajectory import LINES, WAYPOINTS
 from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
 from nav_model.trajectory.specification import CovarianceSpec, Line, Most
 
-_PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase")
-_PLACES = ("azimuth_shift", "range_shift", "ce90")
 PLAN = "plan"
 """Name of a design's own flight among those that the commands fly."""
 
@@ -74,28 +73,31 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         if name not in names:
             said = f"the flight has no line {name!r}; its lines: {', '.join(dict.fromkeys(names)) or 'none'}"
             raise InputError(f"trajectory.limits[{number}].line", said, name)
-        limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
+        limited[name] = limited.get(name, ()) + _limits(design, dict(zip(IN_FLIGHT, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     x = inputs_of(design)
     if x.rectified is not None:  # a bias that vibration makes is one more of the accelerometers
         meters = study.imu.accelerometer
         whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
         study = replace(study, imu=replace(study.imu, accelerometer=whole))
-    most = _limits(design, {name: getattr(design.requirements, name) for name in LIMITED})
+    most = _limits(design, {name: getattr(design.requirements, name) for name in IN_FLIGHT})
     return CovarianceSpec(study, x, flown, design.processing.mode, most, _besides(x))
 
 
-def _besides(x: Inputs) -> Parts:
+def _besides(x: Inputs) -> Contributors:
     """What enters the image figures beside the errors of the flight: vibration, unsensed motion and the oscillator
     [P-8], in CE90 as circles, and the user's own contributors."""
-    found = dict(x.own)
-    sources, still = phase_sources(x, begun(x).horizontal), Shifts(*np.zeros(len(Shifts._fields)))
-    for source, made in x.fast.items():
-        moved = with_fast(replace(x, fast={source: made}), still)
-        sizes = dict(zip(_PHASES, x.to_phase * np.sqrt(sources[source]), strict=True))
-        for figure, size in (sizes | placing(replace(x, scene_height_error=np.zeros(())), moved, _PLACES)).items():
-            found[figure] = (*found.get(figure, ()), Part(source, size, False, BOTH))
-    return FrozenMapping(found)
+    in_figures = dict(x.contributors.in_figures)
+    for source, fast in x.fast.items():
+        # The formulas of a budget in which nothing else moves the image.
+        alone = RealTime(replace(x, fast={source: fast}, scene_height_error=np.zeros(())))
+        alone.shift = with_fast(alone.x, Shifts(*np.zeros(len(Shifts._fields))))
+        alone.phases = {source: alone.phases[source]}
+        for name in IN_FLIGHT:
+            if FIGURES[name].kind in ("phase", "place"):
+                part = Part(source, alone.value(name), False, BOTH)
+                in_figures[name] = (*in_figures.get(name, ()), part)
+    return Contributors(FrozenMapping(in_figures), x.contributors.alone)
 
 
 def _limits(design: Design, most: Mapping[str, float | None]) -> Most:

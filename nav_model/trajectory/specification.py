@@ -6,7 +6,7 @@ aperture at which the design looks to the right, wherever on the flight it lies.
 
 from dataclasses import dataclass, field
 
-from nav_model.budget.contributors import NONE, Parts
+from nav_model.budget.contributors import Contributors
 from nav_model.budget.inputs import Inputs
 from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.specification import SimulationSpec
@@ -39,4 +39,4 @@ class CovarianceSpec:
     lines: tuple[Line, ...] = ()
     processing: str = REAL_TIME
     most: Most = ()
-    contributors: Parts = field(default_factory=lambda: NONE)
+    contributors: Contributors = field(default_factory=Contributors)

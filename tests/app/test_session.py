@@ -19,11 +19,11 @@ def session() -> Session:
 
 
 def test_a_change_moves_design_and_budget_together(session: Session) -> None:
-    before = session.budget.steady_state.closed.position_horizontal
+    before = session.budget.steady_state.closed["horizontal_position"]
     assert session.change({"gnss.position_noise": 0.02}) is None
     assert session.design.gnss.position_noise == 0.02
     assert session.budget.design is session.design
-    assert session.budget.steady_state.closed.position_horizontal < before
+    assert session.budget.steady_state.closed["horizontal_position"] < before
 
 
 def test_an_origin_is_shown_at_once_and_comes_back_with_undo(session: Session) -> None:

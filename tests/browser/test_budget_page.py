@@ -24,7 +24,7 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
     expect(status).to_contain_text("gyro noise")
     assert not budget.verdict.closes
     expect(card(plain, "Horizontal position")).to_have_text(
-        f"{100 * budget.steady_state.prior.position_horizontal:.3g} cm"
+        f"{100 * budget.steady_state.prior['horizontal_position']:.3g} cm"
     )
     plain.get_by_label("Source and method: SAR phase error by source").click()
     expect(plain.get_by_text("Formulas [S-5]").first).to_be_visible()

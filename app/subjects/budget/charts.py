@@ -10,7 +10,7 @@ import numpy as np
 from app.charts.kinds import TOTAL, Array, Bar, BarChart, Chart, Line, Points
 from app.document.numbers import decibels, number, percent, show
 from app.document.wording import DETRENDED
-from app.subjects.budget.tables import ALONG_TRACK, phase_lines
+from app.subjects.budget.tables import ALONG_TRACK
 from app.subjects.budget.timelines import DEGREES, attitude_chart, limit_at_sigma, position_chart, velocity_chart
 from nav_model.analytic import regime
 from nav_model.aperture.geometry import phase_to_metres
@@ -37,11 +37,11 @@ _LINE_EQUATIONS = {
 
 def phase_chart(budget: Budget) -> BarChart:
     """The phase budget of the design's processing by source, its total in quadrature, and the along-track term."""
-    sar, smoothed = budget.sar, budget.smoothed
+    sar, post_processed = budget.sar, budget.post_processed
     left = DETRENDED[sar.autofocus_order]
 
     tilt = tuple(
-        sorted(((name, share) for name, share in sar.tilt_shares.items() if share), key=lambda part: -part[1])
+        sorted(((name, share) for name, share in budget.tilt_shares.items() if share), key=lambda part: -part[1])
     )
 
     def bar(label: str, quadratic: float, detrended: float, source: str) -> Bar:
@@ -50,11 +50,11 @@ def phase_chart(budget: Budget) -> BarChart:
         return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source, limited, parts)
 
     def known(source: str) -> str:
-        if smoothed is None:
+        if not post_processed:
             return _LINE_EQUATIONS.get(source, _GIVEN)
         return _GIVEN if source in {each.name for each in budget.design.contributors} else "[P-4], [P-5]"
 
-    if smoothed is None:
+    if not post_processed:
         marks, along = "[S-5], [T-15]", "πVT²δV/(λR) [S-2]"
         slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
         knowledge = (
@@ -68,7 +68,9 @@ def phase_chart(budget: Budget) -> BarChart:
             "Smoothed with every fix [P-3]; shares [P-4]; over the aperture [P-5]. "
             f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {left}."
         )
-    image = smoothed or sar
+    quadratic, detrended, along_track = (
+        budget.figure(name).sigma for name in ("quadratic_phase", "detrended_phase", "along_track_quadratic_phase")
+    )
     return BarChart(
         key="phase",
         title="SAR phase error by source",
@@ -76,9 +78,12 @@ def phase_chart(budget: Budget) -> BarChart:
         first_label="quadratic phase",
         second_label="detrended phase",
         bars=(
-            *(bar(source, first, second, known(source)) for source, first, _, second, _ in phase_lines(budget)),
-            bar(TOTAL, image.quadratic, image.detrended, marks),
-            bar(ALONG_TRACK, image.along_track_quadratic, math.nan, along),
+            *(
+                bar(line.source, line.quadratic, line.detrended, known(line.source))
+                for line in budget.phase_lines(budget.processing)
+            ),
+            bar(TOTAL, quadratic, detrended, marks),
+            bar(ALONG_TRACK, along_track, math.nan, along),
         ),
         first_limit=limit_at_sigma(budget, "quadratic_phase", DEGREES),
         second_limit=limit_at_sigma(budget, "detrended_phase", DEGREES),
@@ -145,7 +150,7 @@ def _ideal_response(window: str) -> tuple[Array, Array]:
 def response_chart(budget: Budget) -> Chart:
     """Azimuth impulse response: without error, with the 1σ quadratic error, with this and cubic."""
     sar, random = budget.sar, budget.spectral.random
-    response = (budget.smoothed or sar).impulse_response
+    response = budget.response(budget.processing)
     width = ""
     said = "No image: more than 1000 rad of quadratic phase."
     if response is not None:
@@ -165,8 +170,7 @@ def response_chart(budget: Budget) -> Chart:
 
 def response_curves(budget: Budget) -> Chart:
     """The same without the measures of its side lobes: what a slider moves."""
-    sar, image = budget.sar, budget.smoothed or budget.sar
-    focused = image.half_power_extent is not None
+    sar, focused = budget.sar, budget.half_power_extent is not None
     cells, ideal = _ideal_response(sar.window)
     cells, spread = _spread(budget) if focused else (cells, np.full((2, len(cells)), np.nan))
     metres = cells * sar.cell_length
@@ -198,14 +202,15 @@ def with_compared(chart: Chart, other: Budget | None) -> Chart:
 
 def _spread(budget: Budget) -> tuple[Array, Array]:
     """Cells from the target, and the power [dB] there with the quadratic and with the cubic too."""
-    sar, image, spectral = budget.sar, budget.smoothed or budget.sar, budget.spectral
+    sar, spectral = budget.sar, budget.spectral
+    quadratic, cubic = (budget.figure(name).sigma for name in ("quadratic_phase", "cubic_phase"))
     window: Any = sar.window
     if not spectral.echoes:
-        cells, power = polynomial_curve(image.quadratic, image.cubic, window, _RESPONSE_CELLS)
+        cells, power = polynomial_curve(quadratic, cubic, window, _RESPONSE_CELLS)
     else:
         x = aperture_positions(MINIMUM_SAMPLES)
-        quadratic = image.quadratic * x**2 + spectral.phase(x, sar.aperture_time)
-        phases = np.stack((quadratic, quadratic + image.cubic * x**3))
+        phase = quadratic * x**2 + spectral.phase(x, sar.aperture_time)
+        phases = np.stack((phase, phase + cubic * x**3))
         cells, power = response_curve(np.exp(1j * phases), window, _RESPONSE_CELLS)
     if spectral.random > 0:
         floor = scattered_floor(budget.design, cells, sar.wavelength, sar.aperture_time, spectral.random)

@@ -19,11 +19,12 @@ from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.allocation import allocate, check_of
-from nav_model.design.contributors import ENTERED, KINDS, PROCESSINGS, figure_in_sentence, label_of
+from nav_model.design.contributors import KINDS, PROCESSINGS
+from nav_model.design.figures import FIGURES, figure_in_sentence
 from nav_model.design.own import Allotment, read_own
 from nav_model.design.ready_made import READY_MADE, ready_made
 
-_FIGURES = tuple((name, label_of(name)) for name in ENTERED)
+_FIGURES = tuple((name, figure.label) for name, figure in FIGURES.items())
 _CONTRIBUTOR = (
     Field("name", "Contributor", "lever arm", needed=True),
     Field("value", "Value, 1σ", "1 mm", needed=True),

@@ -7,14 +7,13 @@ from app.document.verdict import check_words, shown_check
 from app.document.wording import MOMENTS
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
-from nav_model.budget.provenance import steady_marks
-from nav_model.budget.result import Check
+from nav_model.budget.navigation import steady_marks
+from nav_model.budget.verdict import Check
+from nav_model.design.figures import FIGURES, Figure, Kind, of_kind
+from nav_model.design.processing import REAL_TIME
 
-_WITH_TILE = {
-    "horizontal_position", "vertical_position", "horizontal_velocity", "tilt", "coast_horizontal_position",
-    "quadratic_phase", "detrended_phase",
-}  # fmt: skip
-"""Checks that always have a tile."""
+_KINDS: tuple[Kind, ...] = ("steady", "outage", "phase", "place", "level", "response")
+_TILES = tuple(name for kind in _KINDS for name in of_kind(kind) if FIGURES[name].tile)
 
 
 def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | None = None) -> KeyFigures:
@@ -27,89 +26,66 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
     was : KeyFigures, optional
         What they are compared with: they keep its units.
     """
-    coast, sar, smoothed = budget.coast, budget.sar, budget.smoothed
     checks = {check.name: check for check in budget.verdict.checks}
     units = {figure.label: figure.amount for figure in was.items} if was else {}
-    image = smoothed or sar
-    extent = image.half_power_extent
-    autofocus = "" if sar.autofocus_order == 1 else ", before autofocus"
-    level, upright = steady_marks(budget.design)
-    fields = (
-        ("Horizontal position", "position_horizontal", "length", "horizontal_position", level),
-        ("Vertical position", "position_vertical", "length", "vertical_position", upright),
-        ("Horizontal velocity", "velocity_horizontal", "speed", "horizontal_velocity", level),
-        ("Tilt", "tilt", "angle", "tilt", level),
-    )
 
-    def figure(label: str, amount: float, dimension: str, detail: str, name: str = "") -> KeyFigure:
-        pair = "horizontal" in name
-        check = checks.get(name)
-        like = units.get(label)
-        value = (
-            display.show(amount, dimension, pair=pair, like=like)
-            if name
-            else display.plain(amount, dimension, like=like)
-        )
-        told = display.named(pair=pair)
+    def tile(name: str) -> KeyFigure:
+        figure, amount, check = FIGURES[name], budget.figure(name).sigma, checks.get(name)
+        told = display.named(pair=figure.pair)
+        value = display.show(amount, figure.dimension, pair=figure.pair, like=units.get(figure.label))
+        detail = _detail(budget, figure, amount, display)
         if check is None:
-            return KeyFigure(
-                label, value, detail, f"{told}, no limit" if name and told != "1σ" else "", amount=amount
-            )
+            return KeyFigure(figure.label, value, detail, f"{told}, no limit" if told != "1σ" else "", amount=amount)
         limit = _limit_said(budget, check, display)
-        return KeyFigure(label, value, detail, limit, check.met, amount, 1 - check.margin)
+        return KeyFigure(figure.label, value, detail, limit, check.met, amount, 1 - check.margin)
 
-    def settled(label: str, field: str, dimension: str, name: str, mark: str) -> KeyFigure:
-        chosen = budget.design.requirements.steady_state
-        moment, average = budget.steady_state.checked(chosen), budget.steady_state.checked("closed")
-        pair = "horizontal" in name
-        told = display.named(pair=pair)
-
-        def shown(sigmas: object) -> str:
-            return display.show(getattr(sigmas, field), dimension, pair=pair)
-
-        if smoothed is not None:
-            detail = f"{told}, smoothed [P-3]; in real time {shown(moment)} [T-8]"
-            return figure(label, getattr(smoothed.sigmas, field), dimension, detail, name)
-        which = f"{MOMENTS[chosen]} {mark if chosen == 'closed' else '[T-8]'}"
-        if chosen != "closed":
-            which += f"; average {shown(average)} {mark}"
-        return figure(label, getattr(moment, field), dimension, f"{told}, {which}", name)
-
-    def phase(label: str, field: str, name: str, mark: str, note: str = "") -> KeyFigure:
-        amount = getattr(image, field)
-        sight = f"{display.show(float(phase_to_metres(amount, sar.wavelength)), 'length')} along the line of sight"
-        how = f"formula {mark}" if smoothed is None else "smoothed [P-5]"
-        return figure(label, amount, "angle", f"{sight}, {how}{note}", name)
-
-    last = KeyFigure("Azimuth width", "not focused", f"ideal {display.plain(sar.cell_length, 'length')}")
-    others = [check for check in budget.verdict.checks if check.name not in _WITH_TILE]
-    if others:
-        last = _tightest_of(others, budget, display)
-    elif extent is not None:
-        last = figure(
-            "Azimuth width",
-            extent * sar.cell_length,
-            "length",
-            f"with 1σ quadratic; aperture {display.plain(sar.aperture_time, 'time')}, "
-            f"{display.plain(sar.aperture_length, 'length')} [S-3]",
-        )
+    others = [check for check in budget.verdict.checks if check.name not in _TILES]
+    last = _tightest_of(others, budget, display) if others else _width(budget, display, units)
     return KeyFigures(
         f"Key figures, {display.spread}{'' if display.spread == '1σ' else ', limits scaled'}",
-        (
-            *(settled(*names) for names in fields),
-            figure(
-                "Horizontal position after the outage",
-                coast.checked["coast_horizontal_position"].sigma,
-                "length",
-                f"after {show(coast.duration, 'time', given=True)}, in real time [T-17]; "
-                f"vertical {display.show(coast.checked['coast_vertical_position'].sigma, 'length')}",
-                "coast_horizontal_position",
-            ),
-            phase("Quadratic phase", "quadratic", "quadratic_phase", "[S-5]", autofocus),
-            phase("Detrended phase", "detrended", "detrended_phase", "[T-15]"),
-            last,
-        ),
+        (*map(tile, _TILES), last),
     )
+
+
+def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> str:
+    """What a figure is: how it is known, and what belongs beside it."""
+    smoothed, told = budget.post_processed, display.named(pair=figure.pair)
+
+    def shown(name: str, moment: str = "") -> str:
+        sigma = budget.composed(name, REAL_TIME, moment=moment).sigma
+        return display.show(sigma, figure.dimension, pair=FIGURES[name].pair)
+
+    if figure.kind == "steady":
+        if smoothed:
+            return f"{told}, smoothed [P-3]; in real time {shown(figure.name)} [T-8]"
+        chosen, mark = budget.design.requirements.steady_state, steady_marks(budget.design)["vertical" in figure.name]
+        if chosen == "closed":
+            return f"{told}, {MOMENTS[chosen]} {mark}"
+        return f"{told}, {MOMENTS[chosen]} [T-8]; average {shown(figure.name, 'closed')} {mark}"
+    if figure.kind == "outage":
+        vertical = figure.name.replace("horizontal", "vertical")
+        beside = f"; vertical {shown(vertical)}" if figure.pair and vertical in FIGURES else ""
+        return f"after {show(budget.coast.duration, 'time', given=True)}, in real time {figure.mark}{beside}"
+    how = f"formula {figure.mark}" if not smoothed else f"smoothed {figure.smoothed_mark or figure.mark}"
+    if figure.kind == "phase":
+        sight = float(phase_to_metres(amount, budget.sar.wavelength))
+        # The quadratic phase is what autofocus has not taken yet.
+        before = ", before autofocus" if "quadratic" in figure.name and budget.sar.autofocus_order > 1 else ""
+        return f"{display.show(sight, 'length')} along the line of sight, {how}{before}"
+    return f"{told}, {how}"
+
+
+def _width(budget: Budget, display: Display, units: dict[str, float | None]) -> KeyFigure:
+    """The azimuth width of the response with the quadratic phase."""
+    sar, extent, label = budget.sar, budget.half_power_extent, "Azimuth width"
+    if extent is None:
+        return KeyFigure(label, "not focused", f"ideal {display.plain(sar.cell_length, 'length')}")
+    width = extent * sar.cell_length
+    detail = (
+        f"with 1σ quadratic; aperture {display.plain(sar.aperture_time, 'time')}, "
+        f"{display.plain(sar.aperture_length, 'length')} [S-3]"
+    )
+    return KeyFigure(label, display.plain(width, "length", like=units.get(label)), detail, amount=width)
 
 
 def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFigure:
@@ -131,4 +107,5 @@ def _limit_said(budget: Budget, check: Check, display: Display) -> str:
     _, limit, at = shown_check(budget.design, check, display)
     if display.spread == "1σ":
         limit += at
-    return f"{limit}, real time" if budget.smoothed and check.on.startswith("coast_") else limit
+    outage = check.on in FIGURES and FIGURES[check.on].kind == "outage"
+    return f"{limit}, real time" if budget.post_processed and outage else limit

@@ -11,10 +11,10 @@ from app.document.numbers import NONE, decibels, degrees, millimetres, number, p
 from app.document.verdict import SAID, check_words, met_cell
 from app.document.wording import best_of, printable
 from nav_model.budget import Budget, analyse
-from nav_model.budget.provenance import provenance, steady_marks
-from nav_model.budget.result import Check
-from nav_model.design.contributors import label_of
-from nav_model.design.parts import declaration_of
+from nav_model.budget.navigation import steady_marks
+from nav_model.budget.provenance import provenance
+from nav_model.budget.verdict import Check
+from nav_model.design.figures import FIGURES, REQUIRED, STEADY, label_of, of_kind
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -57,19 +57,12 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
 
 def processing_table(budget: Budget, key: str = "budget") -> Table:
     """The figures of the image in real time and post-processed, beside each other."""
-    sar, smoothed = budget.sar, budget.post_processed
-    free, placed = budget.placement, budget.post_processed_placement
-    rows = (
-        ("Quadratic phase", "angle", sar.quadratic, smoothed.quadratic, "[S-5]", "[P-5]"),
-        ("Cubic phase", "angle", sar.cubic, smoothed.cubic, "[S-6]", "[P-5]"),
-        ("Detrended phase", "angle", sar.detrended, smoothed.detrended, "[S-6]", "[P-5]"),
-        ("Along-track quadratic phase", "angle", sar.along_track_quadratic, smoothed.along_track_quadratic, "[S-2]",
-         "[P-5]"),
-        ("Azimuth shift", "length", free.azimuth, placed.azimuth, "[P-7]", "[P-7]"),
-        ("Range shift", "length", free.range, placed.range, "[P-7]", "[P-7]"),
-        ("CE90", "length", free.ce90, placed.ce90, "[P-7]", "[P-7]"),
-        ("LE90", "length", free.le90, placed.le90, "[P-7]", "[P-7]"),
-    )  # fmt: skip
+    names = [name for name in of_kind("phase", "place") if name in REQUIRED]
+
+    def row(name: str) -> Row:
+        figure, both = FIGURES[name], (budget[name, processing] for processing in (REAL_TIME, POST_PROCESSED))
+        return figure.label, *(f"{show(sigma.sigma, figure.dimension)} {sigma.mark}" for sigma in both)
+
     closes = {
         verdict.processing: Cell("✓ closes", tone="good") if verdict.closes else Cell("✗ does not close", tone="bad")
         for verdict in (budget.verdict, budget.other_verdict)
@@ -82,10 +75,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
         (("Quantity", 1.5), *numbers("Real time", "Post-processed")),
         (
             *answers,
-            *(
-                (label, f"{show(now, kind)} {mark}", f"{show(later, kind)} {other}")
-                for label, kind, now, later, mark, other in rows
-            ),
+            *map(row, names),
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
         "aperture [P-3]. CE90 and LE90 hold 90 %. "
@@ -93,35 +83,23 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
     )
 
 
-_STEADY = (
-    ("position_horizontal", "horizontal_position", "Horizontal position, per axis"),
-    ("position_vertical", "vertical_position", "Vertical position"),
-    ("velocity_horizontal", "horizontal_velocity", "Horizontal velocity, per axis"),
-    ("velocity_vertical", "vertical_velocity", "Vertical velocity"),
-    ("tilt", "tilt", "Tilt (roll and pitch, each)"),
-)
-
-
 def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Table:
     """Standard deviations while fixes come in: over the cycle, before and after a fix."""
     steady, sources = budget.steady_state, provenance(budget)
     moments = (steady.closed, steady.prior, steady.posterior)
 
-    def row(field: str, requirement: str, label: str) -> Row:
-        source, share = best_of(steady.shares[requirement])
-        pair, dimension = "horizontal" in requirement, declaration_of(f"requirements.{requirement}").dimension
-        sigmas = (getattr(moment, field) for moment in moments)
+    def row(name: str) -> Row:
+        figure, (source, share) = FIGURES[name], best_of(budget[name, REAL_TIME].shares)
+        pair, told = figure.pair, display.named(pair=figure.pair)
         shown = (
-            show_in(sigma, budget.design.unit(f"requirements.{requirement}"), dimension)
+            show_in(moment[name], budget.design.unit(f"requirements.{name}"), figure.dimension)
             if display == ONE_SIGMA
-            else display.show(sigma, dimension, pair=pair)
-            for sigma in sigmas
+            else display.show(moment[name], figure.dimension, pair=pair)
+            for moment in moments
         )
-        told = display.named(pair=pair)
-        if display.factor(pair=pair) != display.factor():
-            label = label.replace("per axis", "radius")
-        name = label if display == ONE_SIGMA else f"{label}, {told}"
-        return name, *shown, f"{source}, {percent(share)}"
+        radius = display.factor(pair=pair) != display.factor()
+        label = f"{figure.label}, {'radius' if radius else 'per axis'}" if pair else figure.label
+        return label if display == ONE_SIGMA else f"{label}, {told}", *shown, f"{source}, {percent(share)}"
 
     cycle = ", ".join(dict.fromkeys(steady_marks(budget.design)))
     moments_said = f"Average between fixes {cycle}", "Before a fix [T-8]", "After a fix [T-8]"
@@ -131,7 +109,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         f"{key}-steady-table",
         f"Errors in real time while fixes come in, {display.spread}",
         (("Error", 1.5), *numbers(*moments_said), ("Largest share [T-18]", 1.2)),
-        (row(*names) for names in _STEADY),
+        map(row, STEADY),
         f"Average between fixes: {closed.method}, {closed.note}. Before and after a fix: {prior.method}. "
         f"Gyro dominance κ = {number(steady.gyro_dominance)} [T-6]; λ Δt = {number(steady.lambda_dt)} [T-8].",
     )
@@ -163,27 +141,11 @@ def outage_table(budget: Budget, key: str) -> Table:
     )
 
 
-def phase_lines(budget: Budget) -> list[tuple[str, float, float, float, float]]:
-    """Each source of phase over the aperture, of the design's processing: its quadratic phase and its share of that,
-    its detrended phase and its share of that."""
-    smoothed = budget.smoothed
-    if smoothed is None:
-        return [(x.source, x.quadratic, x.share, x.detrended, x.detrended_share) for x in budget.sar.lines]
-    (quadratic, first), (detrended, second) = (
-        (smoothed.sizes[name], smoothed.shares[name]) for name in ("quadratic_phase", "detrended_phase")
-    )
-    return [
-        (x, quadratic.get(x, 0.0), first.get(x, 0.0), detrended.get(x, 0.0), second.get(x, 0.0))
-        for x in dict.fromkeys((*quadratic, *detrended))
-    ]
-
-
 def phase_table(budget: Budget, key: str) -> Table:
     """The phase budget of the aperture by source, of the design's processing."""
-    sar, smoothed = budget.sar, budget.smoothed
-    image = smoothed or sar
+    sar, real_time = budget.sar, not budget.post_processed
 
-    def row(label: str, quadratic: float, share: str, detrended: float, left_share: str) -> Row:
+    def row(label: str, quadratic: float, share: str, detrended: float, detrended_share: str) -> Row:
         given = not math.isnan(detrended)
         return (
             label,
@@ -192,10 +154,10 @@ def phase_table(budget: Budget, key: str) -> Table:
             share,
             degrees(detrended) if given else NONE,
             millimetres(detrended, sar.wavelength) if given else NONE,
-            left_share,
+            detrended_share,
         )
 
-    makers = ", ".join(f"{source} {percent(share)}" for source, share in sar.tilt_shares.items())
+    makers = ", ".join(f"{source} {percent(share)}" for source, share in budget.tilt_shares.items())
     return table(
         f"{key}-phase-table",
         f"Phase budget of the aperture by source, {SAID[budget.verdict.processing]}, 1σ, in phase and in "
@@ -209,16 +171,22 @@ def phase_table(budget: Budget, key: str) -> Table:
         ),
         (
             *(
-                row(source, quadratic, percent(share), left, percent(left_share))
-                for source, quadratic, share, left, left_share in phase_lines(budget)
-                if quadratic > 0 or left > 0
+                row(line.source, line.quadratic, percent(line.share), line.detrended, percent(line.detrended_share))
+                for line in budget.phase_lines(budget.processing)
+                if line.quadratic > 0 or line.detrended > 0
             ),
-            row("total in quadrature", image.quadratic, "100 %", image.detrended, "100 %"),
-            row(ALONG_TRACK, image.along_track_quadratic, NONE, math.nan, NONE),
+            row(
+                "total in quadrature",
+                budget.figure("quadratic_phase").sigma,
+                "100 %",
+                budget.figure("detrended_phase").sigma,
+                "100 %",
+            ),
+            row(ALONG_TRACK, budget.figure("along_track_quadratic_phase").sigma, NONE, math.nan, NONE),
         ),
         f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt comes from {makers} "
         "[T-18]."
-        if smoothed is None
+        if real_time
         else "Smoothed with every fix [P-3]; shares of the variance [P-4]; phases [P-5].",
     )
 
@@ -253,8 +221,9 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
     def level(amplitude: float) -> str:
         return decibels(20 * math.log10(amplitude)) if amplitude > NOTHING else "none"
 
-    shares = ", ".join(f"{source} {percent(share)}" for source, share in spectral.shares["islr"].items() if share)
-    scattered = f"{level(spectral.levels['islr'])} ({shares})" if shares else "none"
+    islr = budget.figure("islr")
+    shares = ", ".join(f"{source} {percent(share)}" for source, share in islr.shares.items() if share)
+    scattered = f"{level(islr.sigma)} ({shares})" if shares else "none"
     return table(
         f"{key}-echoes",
         "Paired echoes of vibration, beside a target",
@@ -272,7 +241,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
         )
         or (("no line beyond the main lobe", *(NONE,) * 5),),
         f"After the IMU's compensation [P-8]. Energy scattered out of the main lobe, over the target's: {scattered} "
-        f"[P-11]; peak loss {decibels(-10 * math.log10(spectral.stays))} [P-11]. The same in real time and "
+        f"[P-11]; peak loss {decibels(-10 * math.log10(spectral.power_at_target))} [P-11]. The same in real time and "
         "post-processed.",
     )
 
@@ -280,8 +249,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 def image_table(budget: Budget, key: str) -> Table:
     """The aperture, and the azimuth response with the quadratic phase."""
     sar, sources = budget.sar, provenance(budget)
-    smoothed, phases = budget.smoothed, budget.smoothed or budget.sar
-    response = phases.impulse_response
+    response, phases = budget.response(budget.processing), ("quadratic_phase", "cubic_phase", "detrended_phase")
 
     def image(name: str, show_value: Callable[[float], str], scale: float = 1.0) -> str:
         return "no image: more than 1000 rad" if response is None else show_value(scale * getattr(response, name))
@@ -290,9 +258,10 @@ def image_table(budget: Budget, key: str) -> Table:
         ("Wavelength", show(sar.wavelength, "length"), "sar.wavelength_m"),
         ("Aperture time", show(sar.aperture_time, "time"), "sar.aperture_time_s"),
         ("Aperture length", show(sar.aperture_length, "length"), "sar.aperture_length_m"),
-        ("Quadratic phase, 1σ", f"{degrees(phases.quadratic)}°", "sar.quadratic_phase_sigma_rad"),
-        ("Cubic phase, 1σ", f"{degrees(phases.cubic)}°", "sar.cubic_phase_sigma_rad"),
-        ("Detrended phase, 1σ", f"{degrees(phases.detrended)}°", "sar.detrended_phase_sigma_rad"),
+        *(
+            (f"{FIGURES[name].label}, 1σ", f"{degrees(budget.figure(name).sigma)}°", f"sar.{FIGURES[name].column}")
+            for name in phases
+        ),
         (
             "Response width",
             image("half_power_extent_cells", lambda width: show(width, "length"), sar.cell_length),
@@ -305,13 +274,13 @@ def image_table(budget: Budget, key: str) -> Table:
 
     def equation(name: str) -> str:
         known = sources[name].equation
-        if smoothed is None:
+        if not budget.post_processed:
             return known
         return "[P-5]" if "phase" in name else known.replace("[S-5]", "[P-5]")
 
     def origin(name: str) -> str:
         source = sources[name]
-        if smoothed is not None and "phase" in name:
+        if budget.post_processed and "phase" in name:
             return "smoothed"
         stated = name == "sar.aperture_time_s" and budget.design.radar.aperture_time is not None
         return "stated in the design" if stated else ", ".join(filter(None, (source.method, source.note)))

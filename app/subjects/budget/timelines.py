@@ -9,8 +9,10 @@ import numpy as np
 from app.charts.kinds import Array, Band, Chart, Limit, Line, Span
 from app.document.numbers import number, percent
 from nav_model.budget import Budget
-from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance, steady_marks
-from nav_model.design.contributors import label_of
+from nav_model.budget.navigation import steady_marks
+from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance
+from nav_model.design.figures import label_of
+from nav_model.design.processing import REAL_TIME
 
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 _BEFORE = 12  # times there
@@ -53,7 +55,7 @@ def _after(curve: Array) -> Array:
 
 def _cycle_band(budget: Budget, axis: str) -> Band:
     prior, posterior = (
-        getattr(moment, f"position_{axis}") for moment in (budget.steady_state.prior, budget.steady_state.posterior)
+        moment[f"{axis}_position"] for moment in (budget.steady_state.prior, budget.steady_state.posterior)
     )
     x = np.array([-_LEAD * budget.coast.duration, 0.0])
     label, source = f"{axis}, before/after fix", f"{_cycle_method(budget)} [T-8]"
@@ -96,7 +98,7 @@ def position_knowledge(budget: Budget) -> str:
     ratio = coast.refined_horizontal[-1] / coast.position_horizontal[-1]
     ratio_v = coast.refined_vertical[-1] / coast.position_vertical[-1]
     slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
-    if budget.smoothed:
+    if budget.post_processed:
         slow += (
             " Smoothed with the fixes before and after the outage [P-3]; dashed curves are an outage in real time."
         )
@@ -115,11 +117,11 @@ def position_chart(budget: Budget) -> Chart:
     level, upright = steady_marks(budget.design)
     x, end = _grid(budget), coast.duration
     curves = (
-        ("ch", "horizontal", _held(steady.closed.position_horizontal, coast.position_horizontal),
+        ("ch", "horizontal", _held(steady.closed["horizontal_position"], coast.position_horizontal),
          "horizontal", f"formula {level}, [T-9]"),
         ("rh", "horizontal, refined", _after(coast.refined_horizontal),
          "horizontal refined", "linear covariance propagation [T-17]"),
-        ("cv", "vertical", _held(steady.closed.position_vertical, coast.position_vertical),
+        ("cv", "vertical", _held(steady.closed["vertical_position"], coast.position_vertical),
          "vertical", f"formula {upright}, [T-10]"),
         ("rv", "vertical, refined", _after(coast.refined_vertical),
          "vertical refined", "linear covariance propagation [T-17]"),
@@ -130,18 +132,19 @@ def position_chart(budget: Budget) -> Chart:
     )  # fmt: skip
     settled = (("horizontal_position", float(x[0]), 0.0), ("vertical_position", float(x[0]), 0.0))
     limits = (
-        *_limits(budget, settled, math.nan if budget.smoothed else 1.0),  # where the smoothed figure is checked: none
+        *_limits(
+            budget, settled, math.nan if budget.post_processed else 1.0
+        ),  # where the smoothed figure is checked: none
         *_limits(budget, (("coast_horizontal_position", 0.0, end), ("coast_vertical_position", 0.0, end))),
     )
-    floor = 0.3 * min(
-        steady.posterior.position_horizontal, steady.posterior.position_vertical, steady.closed.position_vertical
-    )
+    least = (steady.posterior["horizontal_position"], steady.posterior["vertical_position"])
+    floor = 0.3 * min(*least, steady.closed["vertical_position"])
     top = max(
         *(np.nanmax(y) for _, _, y, *_ in curves[:4]), *(0 if math.isnan(one.level) else one.level for one in limits)
     )
     return Chart(
         key="position",
-        title=f"Position sigma{' in real time' if budget.smoothed else ''}",
+        title=f"Position sigma{' in real time' if budget.post_processed else ''}",
         x_label=_TIME,
         y_label="position, 1σ [m]",
         lines=tuple(Line(name, label, x, y, style, source) for name, label, y, style, source in curves),
@@ -177,18 +180,18 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
     position is the refined curve [T-17], velocity and attitude the formulas [T-9], [T-10], [T-5]. Post-processed, the
     smoother bridges the outage from both sides [P-3]; requirements after an outage are those of real time, beside it.
     """
-    coast, x, smoothed = budget.coast, _grid(budget), budget.smoothed
-    settled = budget.steady_state.checked(budget.design.requirements.steady_state)
+    coast, x, smoothed = budget.coast, _grid(budget), budget.post_processed
     lead, end = float(x[0]), coast.duration
-    span = (_aperture_span(budget) if smoothed is None else _smoothed_aperture(budget),)
-    through = {} if smoothed is None else smoothed.through(x)
+    span = (_aperture_span(budget) if not smoothed else _smoothed_aperture(budget),)
+    through = budget.smoothed_outage(x) if smoothed else {}
 
     def pair(
-        label: str, style: str, free_style: str, name: str, level: float, curve: Array, scale: float = 1.0
+        label: str, style: str, free_style: str, name: str, curve: Array, scale: float = 1.0
     ) -> tuple[tuple[str, str, Array], ...]:
         """A curve of the design's processing; the outage in real time beside a smoothed one."""
         beside = f"{label}, real time"
-        if smoothed is None:
+        if not smoothed:
+            level = budget[name, REAL_TIME].sigma
             return (label, style, scale * _held(level, curve)), (beside, free_style, np.full(len(x), np.nan))
         return (label, style, scale * through[name]), (beside, free_style, scale * _after(curve))
 
@@ -198,14 +201,14 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
             curve
             for axis in ("horizontal", "vertical")
             for curve in pair(axis, axis, f"{axis} refined", f"{axis}_{quantity}",
-                              getattr(settled, f"{quantity}_{axis}"), getattr(coast, f"{after}_{axis}"))
+                              getattr(coast, f"{after}_{axis}"))
         )  # fmt: skip
 
     def chart(
         key: str, unit: str, curves: tuple[tuple[str, str, Array], ...], limited: Iterable[str], marks: str,
         scale: float = 1.0,
     ) -> Chart:  # fmt: skip
-        source = f"formula {marks}" if smoothed is None else f"smoothed [P-3], in real time by formula {marks}"
+        source = f"formula {marks}" if not smoothed else f"smoothed [P-3], in real time by formula {marks}"
         lines = tuple(Line(label, label, x, y, style, source) for label, style, y in curves)
         spans = ((name, 0.0, end) if name.startswith("coast") else (name, lead, 0.0) for name in limited)
         return Chart(
@@ -216,7 +219,7 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
 
     positions = ("horizontal_position", "vertical_position", "coast_horizontal_position", "coast_vertical_position")
     attitude = (
-        *pair("tilt", "tilt", "tilt, real time", "tilt", settled.tilt, coast.tilt, DEGREES),
+        *pair("tilt", "tilt", "tilt, real time", "tilt", coast.tilt, DEGREES),
         ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
     )
     cited = _cited(budget)

@@ -10,9 +10,9 @@ from app.console.arguments import put_json
 from app.console.progress import show_progress
 from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
-from nav_model.budget.figures import FIGURES
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
+from nav_model.design.figures import FIGURES
 from nav_model.design.file import read_bytes
 from nav_model.design.offers import not_of_the_product
 from nav_model.explore.margins import ALL, label_of, limits

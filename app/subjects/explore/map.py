@@ -24,8 +24,9 @@ from app.ui.html_pane import html_pane
 from app.ui.study_settings import StudySettings
 from app.ui.theme import ON_A_PHONE
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.design.figures import FIGURES
 from nav_model.explore.margins import ALL, label_of, limits, quantity
 from nav_model.explore.trade_map import RESULTS, changes_at
 

@@ -22,20 +22,20 @@ from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import NARROW
 from nav_model.budget import Budget
-from nav_model.budget.figures import FIGURES
 from nav_model.explore.margins import label_of
+from nav_model.explore.rank import RANKED
 from nav_model.explore.solve import solve
 
 
 class SolvedPanel(Question):
     """The solved values on the left, the ranking of one figure's inputs on the right."""
 
-    figure = chosen("quadratic_phase", {label_of(name): name for name in FIGURES}, "Quantity to improve")
+    figure = chosen("quadratic_phase", {label_of(name): name for name in RANKED}, "Quantity to improve")
 
     def __init__(self, session: Session) -> None:
         tightest = session.budget.verdict.tightest
         limited = tightest.on if tightest else ""
-        super().__init__(session=session, figure=limited if limited in FIGURES else "quadratic_phase")
+        super().__init__(session=session, figure=limited if limited in RANKED else "quadratic_phase")
         self._ways: tuple[Way, ...] = ()
         self._table = SortableTable(self._take, margin=(0, 12))
         self._each = html_pane("")

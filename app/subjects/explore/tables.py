@@ -13,8 +13,8 @@ from app.document.numbers import number, percent, signed_percent
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.design import Design
-from nav_model.design.contributors import figure_in_sentence
 from nav_model.design.declaration import in_sentence
+from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.search import Biases, Candidate

@@ -11,9 +11,9 @@ from app.library.reviews import Comment, Decision, Review
 from app.library.texts import counted, moment
 from app.report.comparison import own_differences
 from nav_model.budget import Budget
-from nav_model.budget.result import Check
-from nav_model.design.contributors import label_of
+from nav_model.budget.verdict import Check
 from nav_model.design.declaration import in_sentence
+from nav_model.design.figures import label_of
 from nav_model.design.parts import INPUTS
 
 

@@ -8,7 +8,7 @@ from app.document.wording import shortened
 from app.library.reviews import Review
 from app.library.texts import moment
 from app.subjects.review.report import decided_word
-from nav_model.budget.result import Check, Verdict
+from nav_model.budget.verdict import Check, Verdict
 
 
 def figure_of(review: Review, place: int, name: str) -> str:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from app.document.numbers import show
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
-from nav_model.design.contributors import ENTERED, label_of
 from nav_model.design.declaration import in_sentence
-from nav_model.design.trajectory import LIMITED
+from nav_model.design.figures import FIGURES as DECLARED
+from nav_model.design.figures import IN_FLIGHT
 
 if TYPE_CHECKING:
     from nav_model.trajectory.result import TrajectoryResult
@@ -55,7 +55,10 @@ class Figure:
         return from_si(1.0, DIMENSIONS[self.dimension].default_unit, self.dimension)
 
 
-FIGURES = {name: Figure(name, label_of(name), ENTERED[name], "90 %" if name == "ce90" else "1σ") for name in LIMITED}
+FIGURES = {
+    name: Figure(name, DECLARED[name].label, DECLARED[name].dimension, "1σ" if DECLARED[name].scaled else "90 %")
+    for name in IN_FLIGHT
+}
 
 
 def limit_of(result: TrajectoryResult, name: str) -> float:

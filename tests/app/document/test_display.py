@@ -63,6 +63,6 @@ def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     assert "48.9°, limit 20°" in said
     assert "1.71\xa0rad, limit 0.698\xa0rad at 2σ" in page._strip._text.object
     assert page._stack.plots[2].yaxis[0].axis_label == "attitude, 2σ [rad]"
-    assert f"{2 * session.budget.sar.quadratic:.3g} rad</span>" in page._phase.object
+    assert f"{2 * session.budget['quadratic_phase', 'real time'].sigma:.3g} rad</span>" in page._phase.object
     assert "°</span>" not in page._phase.object
     assert session.link.endswith("show=2s.si")

@@ -80,8 +80,8 @@ def test_a_comparison_follows_the_display(mems, three):
     was = {row[0].text: row[1:] for row in table(plain, "c-figures-0").rows}
     assert [[cell.mark for cell in row] for row in rows.values()] == [[c.mark for c in row] for row in was.values()]
     horizontal, phase = rows["Horizontal position, 95 %"][0].text, rows["Quadratic phase, 95 %"][0].text
-    assert horizontal == f"{pair * mems.steady_state.prior.position_horizontal:.3g} m"
-    assert phase == f"{axis * mems.sar.quadratic:.3g} rad"
+    assert horizontal == f"{pair * mems.steady_state.prior['horizontal_position']:.3g} m"
+    assert phase == f"{axis * mems['quadratic_phase', 'real time'].sigma:.3g} rad"
     before, after = ({block.key: block.chart for block in each.charts()} for each in (plain, told))
     now, then = (charts["c-0-chart-position"] for charts in (after, before))
     np.testing.assert_allclose(now.lines[0].y, pair * then.lines[0].y, rtol=1e-12)
@@ -130,11 +130,11 @@ def test_steady_state_and_outage_stand_in_the_right_columns(mems):
     report = report_of([mems], NOW)
     steady = mems.steady_state
     for row, field in zip(
-        table(report, "d-steady-table").rows, ("position_horizontal", "position_vertical"), strict=False
+        table(report, "d-steady-table").rows, ("horizontal_position", "vertical_position"), strict=False
     ):
         moments = (steady.closed, steady.prior, steady.posterior)
         assert [cell.text for cell in row[1:4]] == [
-            format_quantity(getattr(moment, field), "m", "length", 3) for moment in moments
+            format_quantity(moment[field], "m", "length", 3) for moment in moments
         ]
     last = [float(cell.text) for cell in table(report, "d-coast").rows[-1]]
     coast = mems.coast
@@ -147,8 +147,12 @@ def test_steady_state_and_outage_stand_in_the_right_columns(mems):
 
 def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
     rows = table(report_of([mems], NOW), "d-phase-table").rows
-    assert [row[0].text for row in rows[:-2]] == [line.source for line in mems.sar.lines if line.quadratic > 0]
-    assert {line.quadratic for line in mems.sar.lines if line.source == "gyro bias"} == {0.0}  # has no row
+    assert [row[0].text for row in rows[:-2]] == [
+        line.source for line in mems.phase_lines("real time") if line.quadratic > 0
+    ]
+    assert {line.quadratic for line in mems.phase_lines("real time") if line.source == "gyro bias"} == {
+        0.0
+    }  # has no row
     shown = [float(row[1].text) for row in rows[:-2]]
     assert sum(x**2 for x in shown) == pytest.approx(
         float(rows[-2][1].text) ** 2, rel=1e-2
@@ -176,7 +180,7 @@ def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
     report = report_of(three, NOW)
     assert [chapter.key for chapter in report.chapters] == ["c", "d1", "d2", "d3"]
     quadratic = next(row for row in table(report, "c-figures-0").rows if row[0].text.startswith("Quadratic"))
-    best = min(range(3), key=lambda i: three[i].sar.quadratic)
+    best = min(range(3), key=lambda i: three[i]["quadratic_phase", "real time"].sigma)
     assert [cell.mark for cell in quadratic[1:]] == ["best" if i == best else "" for i in range(3)]
     listed = {row[0].text for row in table(report, "c-inputs-0").rows}
     assert "Speed" in listed

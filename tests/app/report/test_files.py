@@ -101,16 +101,19 @@ class Page(HTMLParser):
 
 def test_the_numbers_of_the_pdf_are_the_budgets(mems, mems_pdf):
     text = squeezed(pdf_text(mems_pdf))
-    degrees = [format_quantity(x, "°", "angle", 3) for x in (mems.sar.quadratic, mems.sar.detrended)]
+    degrees = [
+        format_quantity(x, "°", "angle", 3)
+        for x in (mems["quadratic_phase", "real time"].sigma, mems["detrended_phase", "real time"].sigma)
+    ]
     lengths = [
         format_quantity(x, "m", "length", 3)
         for moment in (mems.steady_state.closed, mems.steady_state.prior, mems.steady_state.posterior)
-        for x in (moment.position_horizontal, moment.position_vertical)
+        for x in (moment["horizontal_position"], moment["vertical_position"])
     ]
     for quantity in (
         *degrees,
         *lengths,
-        format_quantity(mems.coast.checked["coast_horizontal_position"].sigma, "m", "length", 3),
+        format_quantity(mems["coast_horizontal_position", "real time"].sigma, "m", "length", 3),
     ):
         assert squeezed(quantity) in text, quantity
     for check in mems.verdict.checks:
@@ -253,7 +256,7 @@ def test_long_words_stay_on_the_page(placed):
 
 def test_extreme_and_empty_designs_are_written(cells):
     without_image = changed(imu__angle_random_walk=0.05, radar__aperture_time=200.0)
-    assert without_image.sar.impulse_response is None
+    assert without_image.response("real time") is None
     assert any("no image" in cell.text for cell in cells(report_of([without_image], NOW)))
     budgets = [
         analyse(Design()),

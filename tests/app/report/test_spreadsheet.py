@@ -20,9 +20,10 @@ from app.report.spreadsheet import LIVE, OTHER, TAKEN, workbook_bytes
 from app.report.workings import Traces
 from nav_model import Design, analyse
 from nav_model.base.traced import Traced, Workings
-from nav_model.budget.figures import FIGURES, SETTLED, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design.contributors import Contributor
+from nav_model.design.figures import REQUIRED, RESPONSE, STEADY, of_kind
 from nav_model.design.own import Own, read_limits
 
 CHANGED = {
@@ -44,7 +45,6 @@ CHANGED = {
 """Inputs that are changed, and from where to where."""
 designs = pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.slow)])
 """So many random ones."""
-_PLACED = (*SETTLED, "cep", "pslr", "peak_loss")
 """Figures of limits that have a cell elsewhere, or a value without a formula."""
 
 
@@ -74,9 +74,11 @@ def entered(book: openpyxl.Workbook, key: str, value: float) -> float:
 
 def expected(design: Design) -> dict[str, float]:
     """Every figure in real time that has a formula, and the verdict, under the names of the sheet's cells."""
-    names = {name: name for name in FIGURES}
-    names |= {limit.name: f"own_limit_{n}" for n, limit in enumerate(design.limits, 1) if limit.on not in _PLACED}
-    names |= {limit.name: limit.on for limit in design.limits if limit.on == "cep"}
+    names = {name: name for name in REQUIRED}
+    for n, limit in enumerate(design.limits, 1):
+        ends = limit.at is None and limit.on in of_kind("outage")  # a figure has one cell
+        if ends or limit.on not in (*STEADY, *RESPONSE):
+            names[limit.name] = limit.on if ends or limit.on == "cep" else f"own_limit_{n}"
     found = figures(inputs_of(design.replace({"processing.mode": "real time"})), names)
     return {f"real_time_{names[name]}": float(value) for name, value in found.items()}
 
@@ -137,7 +139,7 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
         assert post[check.label][6].value == pytest.approx(check.margin, abs=1e-9)
         assert post[check.label][9].value == TAKEN
     listed = {row[0].value: row for row in book["Sources"].iter_rows(min_row=4)}
-    for line in budget.sar.lines:
+    for line in budget.phase_lines("real time"):
         if line.quadratic:
             assert listed[line.source][1].value == pytest.approx(math.degrees(line.quadratic), rel=1e-9)
             assert listed[line.source][4].value == pytest.approx(line.share, rel=1e-9)
@@ -146,7 +148,11 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
 
 def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
     limits = [name for name in book.defined_names if name.startswith("real_time_own_limit")]
-    for name in (*(f"real_time_{figure}" for figure in (*FIGURES, "cep")), *limits, "verdict_in_real_time"):
+    for name in (
+        *(f"real_time_{figure}" for figure in dict.fromkeys((*REQUIRED, "cep", *of_kind("outage")))),
+        *limits,
+        "verdict_in_real_time",
+    ):
         sheet, _, cell = book.defined_names[name].attr_text.rpartition("!")
         yield name, f"{sheet.strip(chr(39))}!{cell.replace('$', '')}"
 

@@ -8,11 +8,12 @@ import pytest
 import riccati
 
 from nav_model.base.errors import InputError
-from nav_model.budget import analyse
+from nav_model.budget import Budget, analyse
 from nav_model.budget.navigation import COAST_POINTS
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
+from nav_model.design.figures import STEADY
 from nav_model.design.file import parse_design
 
 DEGREE = math.pi / 180
@@ -57,13 +58,16 @@ def _numbers(thing, path=""):
     """Every number of a result, by path; designs left out."""
     if isinstance(thing, Design):
         return
+    if isinstance(thing, Budget):
+        parts = (thing.steady_state, thing.coast, thing.sar, thing.spectral, thing.verdict, thing.other_verdict)
+        thing = (dict(thing), *parts, *map(thing.response, ("real time", "post-processed")))
     if dataclasses.is_dataclass(thing):
         for field in dataclasses.fields(thing):
             yield from _numbers(getattr(thing, field.name), f"{path}.{field.name}")
     elif hasattr(thing, "items"):
         for key, value in thing.items():
             yield from _numbers(value, f"{path}.{key}")
-    elif isinstance(thing, tuple | list | np.ndarray):
+    elif isinstance(thing, tuple | list) or np.ndim(thing):
         for i, value in enumerate(thing):
             yield from _numbers(value, f"{path}.{i}")
     elif isinstance(thing, float | int):
@@ -92,7 +96,7 @@ def test_vibration_multiplies_both_random_walks_everywhere(slow):
     assert one.keys() == two.keys()
     for path, value in one.items():
         assert value == pytest.approx(two[path], rel=1e-12, abs=1e-300), path
-    assert shaken.steady_state.closed.tilt > 5 * analyse(base).steady_state.closed.tilt
+    assert shaken.steady_state.closed["tilt"] > 5 * analyse(base).steady_state.closed["tilt"]
 
 
 def test_times_are_taken_exactly_and_in_order():
@@ -115,7 +119,7 @@ def test_other_times_are_refused(times):
 
 
 def test_the_end_of_the_coast_does_not_depend_on_the_times():
-    assert analyse(BASE, [1.0]).coast.checked["coast_horizontal_position"].sigma == pytest.approx(
+    assert analyse(BASE, [1.0])["coast_horizontal_position", "real time"].sigma == pytest.approx(
         analyse(BASE).coast.refined_horizontal[-1], rel=1e-12
     )
 
@@ -125,11 +129,11 @@ def test_vertical_noise_touches_the_vertical_only():
     two = analyse(BASE.replace({"gnss.vertical_position_noise": 2.0})).steady_state
     for moment in ("closed", "prior", "posterior"):
         a, b = getattr(one, moment), getattr(two, moment)
-        assert b.position_horizontal == pytest.approx(a.position_horizontal, rel=1e-12)
-        assert b.tilt == pytest.approx(a.tilt, rel=1e-12)
-        assert b.position_vertical > 1.4 * a.position_vertical
+        for name in ("horizontal_position", "tilt"):
+            assert b[name] == pytest.approx(a[name], rel=1e-12)
+        assert b["vertical_position"] > 1.4 * a["vertical_position"]
     # v11 ~ s^(3/2): the sigma goes with the 3/4 power
-    assert two.closed.position_vertical / one.closed.position_vertical == pytest.approx(2**0.75, rel=1e-12)
+    assert two.closed["vertical_position"] / one.closed["vertical_position"] == pytest.approx(2**0.75, rel=1e-12)
 
 
 def test_slow_error_through_the_whole_budget():
@@ -147,29 +151,25 @@ def test_slow_error_through_the_whole_budget():
 
     (prior, posterior), (_, white) = settled(4), settled(3)
     budget = analyse(slow)
-    assert budget.steady_state.prior.position_horizontal == pytest.approx(math.sqrt(prior[0, 0]), rel=1e-8)
-    assert budget.steady_state.prior.tilt == pytest.approx(math.sqrt(prior[2, 2]), rel=1e-8)
-    line = next(line for line in budget.sar.lines if line.source == "initial tilt")
-    tilt = math.sqrt(budget.steady_state.closed.tilt**2 + posterior[2, 2] - white[2, 2])
+    assert budget.steady_state.prior["horizontal_position"] == pytest.approx(math.sqrt(prior[0, 0]), rel=1e-8)
+    assert budget.steady_state.prior["tilt"] == pytest.approx(math.sqrt(prior[2, 2]), rel=1e-8)
+    line = next(line for line in budget.phase_lines("real time") if line.source == "initial tilt")
+    tilt = math.sqrt(budget.steady_state.closed["tilt"] ** 2 + posterior[2, 2] - white[2, 2])
     expected = 4 * math.pi / 0.03 * math.cos(0.6) * g * tilt * 25 / 8
     assert line.quadratic == pytest.approx(expected, rel=1e-8)
     assert budget.steady_state.closed == analyse(BASE).steady_state.closed  # and the page says so
     assert any("slow GNSS error" in sentence for sentence in cautions(budget))
-    for shares in (
-        *budget.steady_state.shares.values(), *(end.shares for end in budget.coast.checked.values()),
-        budget.sar.tilt_shares, budget.sar.shares["along_track_quadratic_phase"],
-    ):  # fmt: skip
+    names = (*STEADY, "coast_horizontal_position", "coast_vertical_position", "along_track_quadratic_phase")
+    for shares in (*(budget[name, "real time"].shares for name in names), budget.tilt_shares):
         assert math.fsum(shares.values()) == pytest.approx(1, abs=1e-12)
         assert shares["slow GNSS error"] > 0
 
 
 def _all_shares(budget):
-    yield from budget.steady_state.shares.values()
-    yield from (end.shares for end in budget.coast.checked.values())
-    yield budget.sar.tilt_shares
-    yield from budget.sar.shares.values()
-    yield {line.source: line.share for line in budget.sar.lines}
-    yield {line.source: line.detrended_share for line in budget.sar.lines}
+    yield from (figure.shares for figure in budget.values())
+    yield budget.tilt_shares
+    yield {line.source: line.share for line in budget.phase_lines("real time")}
+    yield {line.source: line.detrended_share for line in budget.phase_lines("real time")}
 
 
 @pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values])
@@ -193,7 +193,7 @@ def test_coast_shares_are_what_each_source_alone_leaves():
     budget = analyse(full)
     for key, source in (("imu.accelerometer_bias", "accelerometer bias"), ("imu.gyro_bias", "gyro bias")):
         without = end(full.replace({key: 0.0}))
-        assert budget.coast.checked["coast_horizontal_position"].shares[source] == pytest.approx(
+        assert budget["coast_horizontal_position", "real time"].shares[source] == pytest.approx(
             1 - without / end(full), rel=1e-9
         )
 
@@ -205,19 +205,20 @@ def test_sar_numbers_hang_together():
     assert sar.aperture_time == pytest.approx(0.8858929413789045 * 0.03 * 7000 / (2 * 0.5 * flight.speed), rel=1e-13)
     assert sar.aperture_length == pytest.approx(sar.aperture_time * flight.speed, rel=1e-15)
     assert sar.cell_length == pytest.approx(0.5 / 0.8858929413789045, rel=1e-13)
-    for total, parts in ((sar.quadratic, "quadratic"), (sar.cubic, "cubic"), (sar.detrended, "detrended")):
-        assert total == pytest.approx(math.hypot(*(getattr(line, parts) for line in sar.lines)), rel=1e-13)
-    for line in sar.lines:
-        assert line.share == pytest.approx((line.quadratic / sar.quadratic) ** 2, abs=1e-13)
+    lines = budget.phase_lines("real time")
+    for part in ("quadratic", "cubic", "detrended"):
+        whole = budget.figure(f"{part}_phase").sigma
+        assert whole == pytest.approx(math.hypot(*(getattr(line, part) for line in lines)), rel=1e-13)
+    for line in lines:
+        assert line.share == pytest.approx((line.quadratic / budget.figure("quadratic_phase").sigma) ** 2, abs=1e-13)
 
 
 def test_along_track_takes_the_velocity_at_the_start_of_the_aperture():
     """sqrt of closed-form velocity variance after the coast, biases included, times pi V T²/(lambda R)."""
     design = BASE.replace({"coast.before_aperture": 20.0, "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6})
     at = analyse(design, [20.0]).coast.velocity_horizontal[0]
-    sar = analyse(design).sar
-    expected = math.pi * 100.0 * 25 * at / (0.03 * 7000)
-    assert sar.along_track_quadratic == pytest.approx(expected, rel=1e-12)
+    along = analyse(design).figure("along_track_quadratic_phase").sigma
+    assert along == pytest.approx(math.pi * 100.0 * 25 * at / (0.03 * 7000), rel=1e-12)
 
 
 def test_an_aperture_beyond_an_hour_is_refused_by_key():
@@ -242,11 +243,13 @@ def test_values_that_double_precision_cannot_hold_together_are_refused(smoothed)
 
 
 def test_autofocus_rescores_the_detrended_phase_only():
-    one, two, three = (analyse(BASE.replace({"radar.autofocus_order": n})).sar for n in (1, 2, 3))
-    assert one.quadratic == two.quadratic == three.quadratic
-    assert one.detrended > two.detrended > three.detrended > 0
-    assert two.after_autofocus.peak_loss_db == pytest.approx(0, abs=1e-9)
-    assert one.after_autofocus == one.impulse_response
+    one, two, three = (analyse(BASE.replace({"radar.autofocus_order": n})) for n in (1, 2, 3))
+    quadratic = {budget.figure("quadratic_phase").sigma for budget in (one, two, three)}
+    assert len(quadratic) == 1
+    first, second, third = (budget.figure("detrended_phase").sigma for budget in (one, two, three))
+    assert first > second > third > 0
+    assert two.response_after_autofocus().peak_loss_db == pytest.approx(0, abs=1e-9)
+    assert one.response_after_autofocus() == one.response("real time")
 
 
 def test_wide_sawtooth_is_flagged():
@@ -278,6 +281,8 @@ def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refuse
     assert squinted.sar.cell_length == pytest.approx(broad.sar.cell_length)
     longer = (squinted.sar.aperture_time / broad.sar.aperture_time) ** 2
     turned = longer * math.cos(math.radians(40)) ** 2
-    assert squinted.sar.along_track_quadratic == pytest.approx(turned * broad.sar.along_track_quadratic)
+    assert squinted["along_track_quadratic_phase", "real time"].sigma == pytest.approx(
+        turned * broad["along_track_quadratic_phase", "real time"].sigma
+    )
     with pytest.raises(InputError, match=r"radar\.squint_angle.*at least -55°"):
         analyse(Design({"radar.squint_angle": math.radians(-56)}))

@@ -10,26 +10,27 @@ import pytest
 
 from nav_model import Design, InputError, analyse
 from nav_model.base.constants import SPEED_OF_LIGHT
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.design.catalogue import catalogue
-from nav_model.design.contributors import BY_ORDER, ENTERED, IN_OUTAGE, PHASES, Contributor, read_contributors
+from nav_model.design.contributors import Contributor, read_contributors
+from nav_model.design.figures import FIGURES, REQUIRED, of_kind
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
 from nav_model.design.own import Own, read_limits, read_own
 from nav_model.explore.search import search
 
 _LIMITS = {
-    f"requirements.{key}": {"angle": 1.0, "length": 10.0, "speed": 1.0, "level": 0.1}[ENTERED[key]]
-    for key in dict.fromkeys(FIGURES.values())
+    f"requirements.{key}": {"angle": 1.0, "length": 10.0, "speed": 1.0, "level": 0.1}[FIGURES[key].dimension]
+    for key in dict.fromkeys(REQUIRED.values())
 }
 # Values that have no requirement among the inputs get one of the user's own, under another name.
 _OWN_LIMITS = read_limits(
-    [{"name": f"own {name}", "on": name, "limit": "1 m/s" if ENTERED[name] == "speed" else "1 rad"}
-     for name in (*IN_OUTAGE, *BY_ORDER)]
+    [{"name": f"own {name}", "on": name, "limit": "1 m/s" if figure.dimension == "speed" else "1 rad"}
+     for name, figure in FIGURES.items() if name not in REQUIRED and figure.kind in ("outage", "phase")]
 )  # fmt: skip
-_NAMES = (*FIGURES, *(limit.name for limit in _OWN_LIMITS))
+_NAMES = (*REQUIRED, *(limit.name for limit in _OWN_LIMITS))
 DESIGN = Design(_LIMITS, own=Own(limits=_OWN_LIMITS))
 _SIZES = {"angle": "1 mrad", "length": "1 cm", "speed": "1 mm/s", "level": "-40 dB", "loss": "0.1 dB"}
 LEVER_ARM = {"name": "lever arm", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics"}
@@ -54,19 +55,21 @@ def test_a_millimetre_enters_the_phase_by_four_pi_over_lambda(mode: str) -> None
     (told,) = json.loads(json.dumps(to_json(budget)))["contributors"]
     expected = {"name": "lever arm", "enters": "detrended_phase", "unit": "rad", "owner": "mechanics"}
     assert told == expected | {"sigma": pytest.approx(size, rel=1e-14)}
-    image = budget.smoothed or budget.sar
-    assert image.detrended == pytest.approx(math.hypot((alone.smoothed or alone.sar).detrended, size), rel=1e-14)
+    before = alone.figure("detrended_phase").sigma
+    assert budget.figure("detrended_phase").sigma == pytest.approx(math.hypot(before, size), rel=1e-14)
 
 
 def test_the_lines_of_the_phase_budget_name_it_and_add_up() -> None:
     table = {**LEVER_ARM, "kind": "systematic", "enters": "cubic_phase"}
-    sar, alone = analyse(_with(table, LEVER_ARM | {"name": "other"})).sar, _ALONE["real time"].sar
-    size = 4 * math.pi / alone.wavelength * 1e-3
-    assert {line.source for line in sar.lines} - {line.source for line in alone.lines} == {"lever arm", "other"}
-    assert sar.cubic == pytest.approx(alone.cubic + size, rel=1e-14)
+    budget, alone = analyse(_with(table, LEVER_ARM | {"name": "other"})), _ALONE["real time"]
+    size = 4 * math.pi / alone.sar.wavelength * 1e-3
+    lines, before = (one.phase_lines("real time") for one in (budget, alone))
+    assert {line.source for line in lines} - {line.source for line in before} == {"lever arm", "other"}
+    cubic = budget["cubic_phase", "real time"]
+    assert cubic.sigma == pytest.approx(alone["cubic_phase", "real time"].sigma + size, rel=1e-14)
     for share in ("share", "detrended_share"):
-        assert math.fsum(getattr(line, share) for line in sar.lines) == pytest.approx(1, rel=1e-14)
-    assert math.fsum(sar.shares["cubic_phase"].values()) == pytest.approx(1, rel=1e-14)
+        assert math.fsum(getattr(line, share) for line in lines) == pytest.approx(1, rel=1e-14)
+    assert math.fsum(cubic.shares.values()) == pytest.approx(1, rel=1e-14)
 
 
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
@@ -84,12 +87,12 @@ def test_one_of_zero_changes_nothing(mode: str) -> None:
 def _random_set(draw: random.Random) -> list[Contributor]:
     found = []
     for number in range(draw.randint(1, 8)):
-        enters = draw.choice(list(ENTERED))
+        enters = draw.choice(list(FIGURES))
         alike = enters.startswith("coast") or enters in ("paired_echo", "islr")
-        lengthy = enters in PHASES and draw.random() < 0.5
+        lengthy = enters in of_kind("phase") and draw.random() < 0.5
         found.append(
             Contributor(
-                f"c{number}", 10 ** draw.uniform(-4, -1), enters, "length" if lengthy else ENTERED[enters],
+                f"c{number}", 10 ** draw.uniform(-4, -1), enters, "length" if lengthy else FIGURES[enters].dimension,
                 kind=draw.choice(["random", "systematic"]),
                 processing="both" if alike else draw.choice(["both", "real time", "post-processed"]),
                 allowance=draw.choice([0.0, 0.2]),
@@ -113,7 +116,7 @@ def test_random_sets_agree_with_the_sum_written_out() -> None:
             for one in own:
                 if one.enters == before.on and one.processing in ("both", mode):
                     size = one.value * (1 + one.allowance)
-                    if one.dimension == "length" and ENTERED[one.enters] == "angle":
+                    if one.dimension == "length" and FIGURES[one.enters].dimension == "angle":
                         size *= 4 * math.pi / (SPEED_OF_LIGHT / design.radar.frequency)
                     square, linear = (square + size**2, linear) if one.kind == "random" else (square, linear + size)
             assert float(found[before.name]) == pytest.approx(math.sqrt(square) + linear, rel=1e-12), before.name
@@ -125,9 +128,9 @@ def test_random_sets_agree_with_the_sum_written_out() -> None:
 @pytest.mark.parametrize("moment", ["prior", "closed", "posterior"])
 def test_verdict_and_maps_have_the_same_figures(mode: str, moment: str) -> None:
     tables = [
-        {"name": name, "value": _SIZES[kind],
+        {"name": name, "value": _SIZES[figure.dimension],
          "enters": name, "kind": "systematic" if number % 2 else "random"}
-        for number, (name, kind) in enumerate(ENTERED.items())
+        for number, (name, figure) in enumerate(FIGURES.items())
     ]  # fmt: skip
     design = _with(*tables, mode=mode).replace({"requirements.steady_state": moment})
     found = figures(inputs_of(design), _NAMES)

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.design.figures import REQUIRED
 from nav_model.explore.margins import ratios, worst
 from nav_model.explore.solve import SOLVED
 
@@ -20,7 +21,7 @@ def test_equal_to_analyse(data, designs):
     design = data.draw(designs).replace({"processing.mode": mode, "processing.leg_after": leg})
     verdict = analyse(design).verdict
     found, over = figures(inputs_of(design)), ratios(design)
-    assert [check.name for check in verdict.checks] == list(FIGURES)
+    assert [check.name for check in verdict.checks] == list(REQUIRED)
     near = 1e-14 if mode == "real time" else 1e-7  # a least squares in complex numbers rounds otherwise
     for check in verdict.checks:
         assert float(found[check.name]) == pytest.approx(check.sigma, rel=near)

@@ -95,7 +95,7 @@ def test_measures_of_the_response_and_cep_are_those_that_are_printed(mode: str, 
     changes = {"processing.mode": mode, "motion.unsensed_lines": lines}
     arm = {"name": "lever arm", "value": "2 mm", "enters": "quadratic_phase"}
     budget = analyse(_design(*_RESPONSE, contributors=[arm]).replace(changes))
-    response, place = (budget.smoothed or budget.sar).impulse_response, to_json(budget)["geolocation"]
+    response, place = budget.response(mode), to_json(budget)["geolocation"]
     assert response is not None
     expected = {
         "width": response.half_power_extent_cells * budget.sar.cell_length,

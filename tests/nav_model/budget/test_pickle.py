@@ -50,7 +50,7 @@ def test_they_travel_to_a_spawned_process_and_back():
 def test_what_comes_back_is_as_immutable():
     budget = pickle.loads(pickle.dumps(analyse(Design(origins=ORIGINS))))
     design, coast = budget.design, budget.coast
-    for mapping in (design.written, design.origins, coast.checked, budget.steady_state.shares):
+    for mapping in (design.written, design.origins, budget.steady_state.prior, budget["tilt", "real time"].shares):
         with pytest.raises(TypeError):
             mapping["imu.rate"] = "forged"
     with pytest.raises(AttributeError):

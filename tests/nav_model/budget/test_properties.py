@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from nav_model.budget import analyse
-from nav_model.budget.fast import LEVELS
-from nav_model.budget.figures import FIGURES, SETTLED, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
-from nav_model.design.contributors import COASTING
+from nav_model.design.figures import FIGURES, REQUIRED, STEADY
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
-SMOOTHED = [name for name in FIGURES if name not in (*COASTING, *LEVELS)]
+SMOOTHED = [name for name in REQUIRED if FIGURES[name].smoothed_mark]
 
 
 def between(rng, low, high):
@@ -58,8 +58,8 @@ def test_post_processed_is_never_worse_than_real_time():
             continue
         count += 1
         x = replace(inputs_of(Design(values)), steady_state="prior")
-        names = [name for name in SMOOTHED if name not in SETTLED or "coast.before_aperture" not in values]
-        now, later = (figures(replace(x, post_processed=smoothed), names) for smoothed in (False, True))
+        names = [name for name in SMOOTHED if name not in STEADY or "coast.before_aperture" not in values]
+        now, later = (figures(replace(x, processing=mode), names) for mode in (REAL_TIME, POST_PROCESSED))
         budget = analyse(Design(values))
         if any("mid-aperture" in caution for caution in cautions(budget)):
             now["along_track_quadratic_phase"] *= budget.sar.along_track_growth
@@ -94,15 +94,15 @@ def more_errors(rng, design):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("smoothed", [False, True])
-def test_no_added_error_makes_a_figure_smaller(smoothed):
+@pytest.mark.parametrize("processing", [REAL_TIME, POST_PROCESSED])
+def test_no_added_error_makes_a_figure_smaller(processing):
     """To 1e-4, by which the closed form and the filter that is sampled may differ in what a slow error adds."""
     rng = np.random.default_rng(2)
     for _ in range(25):
         design = Design(random_values(rng))
-        before = figures(replace(inputs_of(design), post_processed=smoothed))
+        before = figures(replace(inputs_of(design), processing=processing))
         for source, changes in more_errors(rng, design):
-            after = figures(replace(inputs_of(design.replace(changes)), post_processed=smoothed))
+            after = figures(replace(inputs_of(design.replace(changes)), processing=processing))
             for name, figure in before.items():
                 assert after[name] >= figure * (1 - 1e-4), (source, name, design.content_hash, changes)
 
@@ -112,9 +112,9 @@ def test_a_micrometre_of_slow_error_changes_nothing(position):
     """White noise and slow error start the aperture from the same covariance."""
     design = Design({"gnss.interval": 5.0, "gnss.position_noise": position})
     slow = {"gnss.correlated": True, "gnss.correlated_noise": 1e-6, "gnss.correlation_time": 60.0}
-    for smoothed in (False, True):
+    for processing in (REAL_TIME, POST_PROCESSED):
         without, with_it = (
-            figures(replace(inputs_of(one), post_processed=smoothed)) for one in (design, design.replace(slow))
+            figures(replace(inputs_of(one), processing=processing)) for one in (design, design.replace(slow))
         )
         for name, figure in without.items():
             assert float(with_it[name]) == pytest.approx(float(figure), rel=1e-6), name

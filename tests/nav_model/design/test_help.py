@@ -6,10 +6,10 @@ import re
 import pytest
 
 from nav_model.budget import analyse
-from nav_model.budget.fast import LEVELS
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import BaseQuantity
+from nav_model.design.figures import LEVELS
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
 
@@ -40,17 +40,17 @@ def fleet():
             budget = analyse(Design({**values, **changes}))
             prior = budget.steady_state.prior
             figures = {
-                "horizontal_position": prior.position_horizontal,
-                "vertical_position": prior.position_vertical,
-                "horizontal_velocity": prior.velocity_horizontal,
-                "vertical_velocity": prior.velocity_vertical,
-                "tilt": math.degrees(prior.tilt),
-                "azimuth_shift": budget.placement.azimuth,
-                "range_shift": budget.placement.range,
-                "ce90": budget.placement.ce90,
-                "le90": budget.placement.le90,
-                "coast_horizontal_position": budget.coast.checked["coast_horizontal_position"].sigma,
-                "coast_vertical_position": budget.coast.checked["coast_vertical_position"].sigma,
+                "horizontal_position": prior["horizontal_position"],
+                "vertical_position": prior["vertical_position"],
+                "horizontal_velocity": prior["horizontal_velocity"],
+                "vertical_velocity": prior["vertical_velocity"],
+                "tilt": math.degrees(prior["tilt"]),
+                "azimuth_shift": budget["azimuth_shift", "real time"].sigma,
+                "range_shift": budget["range_shift", "real time"].sigma,
+                "ce90": budget["ce90", "real time"].sigma,
+                "le90": budget["le90", "real time"].sigma,
+                "coast_horizontal_position": budget["coast_horizontal_position", "real time"].sigma,
+                "coast_vertical_position": budget["coast_vertical_position", "real time"].sigma,
             }
             grade = next(g for g in ("navigation", "tactical", "MEMS") if g in entry.grade)
             found.append((grade, figures))

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from nav_model import Design, InputError
-from nav_model.design.contributors import ENTERED
+from nav_model.design.figures import FIGURES
 from nav_model.design.own import Own, read_own
 from nav_model.design.ready_made import READY_MADE, ready_made
 
@@ -37,7 +37,7 @@ def test_each_is_its_formula_and_an_ordinary_contributor(name: str) -> None:
 
 def test_the_list_enters_figures_that_there_are() -> None:
     assert set(_CASES) == set(READY_MADE)
-    assert {made.enters for made in READY_MADE.values()} <= set(ENTERED)
+    assert {made.enters for made in READY_MADE.values()} <= set(FIGURES)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def test_cells_are_analysed_designs(open_design):
             assert trade.z[j, i] == pytest.approx(1 - verdict.tightest.margin, rel=1e-12)
     figure = trade_map(open_design, ARW, "coast.duration", "coast_horizontal_position", size=3)
     one = analyse(open_design.replace({ARW: float(figure.x[2]), "coast.duration": float(figure.y[1])}))
-    assert figure.z[1, 2] == pytest.approx(one.coast.checked["coast_horizontal_position"].sigma, rel=1e-12)
+    assert figure.z[1, 2] == pytest.approx(one["coast_horizontal_position", "real time"].sigma, rel=1e-12)
     assert figure.limit == 50.0
 
 

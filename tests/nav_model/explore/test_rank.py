@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 from nav_model.analytic.steady_state import horizontal
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.budget.figures import FIGURES, figures
+from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
+from nav_model.design.figures import REQUIRED
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.explore.margins import quantity
@@ -32,7 +33,7 @@ def _finite_difference(design, key, figure):
 @given(data=st.data())
 def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
     design = data.draw(designs)
-    figure = data.draw(st.sampled_from(list(FIGURES)))
+    figure = data.draw(st.sampled_from(list(REQUIRED)))
     key = data.draw(st.sampled_from([key for key in stated(design) if design[key] != 0]))
     assume(abs(design[key]) > 1e-6 or key.startswith("imu"))  # an angle near zero leaves nothing to difference
     slope = float(log_derivatives(design, [key], [figure])[figure][0])
@@ -56,7 +57,7 @@ CONDITIONAL = [key for key in VARIABLES if quantity(key).needs or quantity(key).
 def _moves(design, key):
     """Whether any figure of either processing follows an input."""
     modes = (design.replace({"processing.mode": mode}) for mode in (REAL_TIME, POST_PROCESSED))
-    slopes = [log_derivatives(one, [key], list(FIGURES)) for one in modes]
+    slopes = [log_derivatives(one, [key], list(REQUIRED)) for one in modes]
     return any(np.any(np.nan_to_num(slope) != 0) for found in slopes for slope in found.values())
 
 
@@ -72,7 +73,9 @@ def test_an_input_counts_where_its_declaration_says(key):
 
 
 def test_sources_are_called_what_a_budget_calls_them():
-    budget = analyse(EVERYTHING.replace({f"requirements.{name}": 1.0 for name in FIGURES.values() if name != "tilt"}))
+    budget = analyse(
+        EVERYTHING.replace({f"requirements.{name}": 1.0 for name in REQUIRED.values() if name != "tilt"})
+    )
     assert set(SENSORS.values()) <= {source for check in budget.verdict.checks for source in check.by_sensor}
 
 
@@ -95,7 +98,7 @@ def test_post_processed_slopes_are_the_shares(open_design):
     smoothed = open_design.replace({"processing.mode": "post-processed", "gnss.velocity_noise": 0.03})
     keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise", "gnss.velocity_noise"]
     slopes = log_derivatives(smoothed, keys, ["quadratic_phase"])["quadratic_phase"]
-    shares = analyse(smoothed).post_processed.shares["quadratic_phase"]
+    shares = analyse(smoothed)["quadratic_phase", "post-processed"].shares
     names = ("accelerometer noise", "gyro noise", "GNSS noise", "GNSS velocity noise")
     np.testing.assert_allclose(slopes, [shares[name] for name in names], rtol=1e-9)
 
@@ -112,19 +115,19 @@ def test_slopes_are_the_shares_of_the_closed_form(closed_design):
     p11 = np.array([2 * by_accelerometer, by_gyro, 5 * by_gyro + 6 * by_accelerometer]) / whole
     np.testing.assert_allclose(found["horizontal_position"], p11 / 2, rtol=1e-12)
     np.testing.assert_allclose(found["tilt"], p11 + np.array([0, 1 / 2, -3 / 2]), rtol=1e-12)
-    budget = analyse(design).steady_state.shares
+    budget = analyse(design)
     for name, slopes in found.items():
-        assert list(budget[name].values()) == pytest.approx(list(slopes), rel=1e-12)
+        assert list(budget[name, "real time"].shares.values()) == pytest.approx(list(slopes), rel=1e-12)
 
 
 def test_sorted_and_halvings_are_exact(open_design):
     found = rank(open_design, "quadratic_phase")
     assert [abs(item.slope) for item in found] == sorted((abs(item.slope) for item in found), reverse=True)
-    now = analyse(open_design).sar.quadratic
+    now = analyse(open_design)["quadratic_phase", "real time"].sigma
     for item in found:
         value = open_design[item.key]
         if not np.isnan(item.halved):
-            half = analyse(open_design.replace({item.key: value / 2})).sar.quadratic
+            half = analyse(open_design.replace({item.key: value / 2}))["quadratic_phase", "real time"].sigma
             assert item.halved == pytest.approx(half / now - 1, rel=1e-9, abs=1e-13)
     assert "imu.gyro_bias" in silent(open_design)
     assert "imu.gyro_bias" not in {item.key for item in found}

@@ -10,12 +10,12 @@ from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
 from nav_model.budget.allocation import allocate
-from nav_model.budget.figures import FIGURES
+from nav_model.design.figures import REQUIRED
 from nav_model.design.own import read_own
 from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, judge_log, required
 
 DESIGN = read_design("examples/tactical_x_band.toml")
-_NO_LIMITS = {f"requirements.{key}": None for key in set(FIGURES.values())}
+_NO_LIMITS = {f"requirements.{key}": None for key in set(REQUIRED.values())}
 
 
 @pytest.mark.parametrize("unit", ["imu", "gnss"])

@@ -9,13 +9,25 @@ import riccati
 from nav_model.analytic.discrete import SlowError, cycle
 from nav_model.analytic.steady_state import horizontal, vertical
 from nav_model.budget import analyse
-from nav_model.budget.figures import SMOOTHED, smoothed_figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import cautions
+from nav_model.budget.smoothed import Smoothed
+from nav_model.design.figures import FIGURES, STEADY
 
 # docs/processing.md, check values: quadratic, cubic, residual after orders 1 and 2, along-track quadratic [°], slope
 # of the line of sight [mm/s], azimuth shift [m], position horizontal and vertical [m], velocity [mm/s], tilt [°].
+SMOOTHED = (
+    *(name for name, figure in FIGURES.items() if figure.smoothed_mark and figure.kind != "response"),
+    "slope_shift", "turning_quadratic_phase", "turning_detrended_phase_1", "turning_detrended_phase_2",
+)  # fmt: skip
+
+
+def smoothed_figures(x):
+    model = Smoothed(x)
+    return {name: getattr(model, name) for name in SMOOTHED}
+
+
 PRINTED = {
     "A": (70.63, 33.24, 21.94, 6.143, 18.29, 7.254, 0.5642, 0.1591, 0.1057, 8.660, 0.005325),
     "B": (59.56, 32.99, 18.78, 6.112, 11.31, 4.651, 0.3617, 0.1121, 0.09468, 5.425, 0.004363),
@@ -29,14 +41,15 @@ def named(open_design, closed_design):
 
 
 def found_in(budget):
-    post, flight = budget.post_processed, budget.design.flight
-    lever = budget.design.radar.slant_range / flight.speed
-    first, second, _ = post.by_order.values()
+    flight = budget.design.flight
+    post = {name: budget[name, "post-processed"].sigma for name in FIGURES}
+    lever, shift = budget.design.radar.slant_range / flight.speed, budget.beside("slope_shift")
     return (
-        *map(math.degrees, (post.quadratic, post.cubic, first, second)),
-        math.degrees(post.along_track_quadratic), post.azimuth_shift / lever * 1e3, post.azimuth_shift,
-        post.sigmas.position_horizontal, post.sigmas.position_vertical, post.sigmas.velocity_horizontal * 1e3,
-        math.degrees(post.sigmas.tilt),
+        *(math.degrees(post[name]) for name in ("quadratic_phase", "cubic_phase", "detrended_phase_1",
+                                                "detrended_phase_2", "along_track_quadratic_phase")),
+        shift / lever * 1e3, shift,
+        post["horizontal_position"], post["vertical_position"], post["horizontal_velocity"] * 1e3,
+        math.degrees(post["tilt"]),
     )  # fmt: skip
 
 
@@ -53,11 +66,11 @@ def test_printed_check_values(named, name):
 )
 def test_slow_gnss_error(named, sigma, time, quadratic, left, position):
     slow = {"gnss.correlated": True, "gnss.correlated_noise": sigma, "gnss.correlation_time": time}
-    post = analyse(named["A"].replace(slow | {"processing.leg_after": 3000.0})).post_processed
-    assert math.degrees(post.quadratic) == pytest.approx(quadratic, rel=1e-3)
-    assert math.degrees(post.detrended) == pytest.approx(left, rel=1e-3)
+    budget = analyse(named["A"].replace(slow | {"processing.leg_after": 3000.0}))
+    assert math.degrees(budget["quadratic_phase", "post-processed"].sigma) == pytest.approx(quadratic, rel=1e-3)
+    assert math.degrees(budget["detrended_phase", "post-processed"].sigma) == pytest.approx(left, rel=1e-3)
     if position:
-        assert post.sigmas.position_horizontal == pytest.approx(position, abs=5e-4)
+        assert budget["horizontal_position", "post-processed"].sigma == pytest.approx(position, abs=5e-4)
 
 
 @pytest.mark.parametrize(
@@ -66,15 +79,15 @@ def test_slow_gnss_error(named, sigma, time, quadratic, left, position):
      (80, 70.70, 21.96)],
 )  # fmt: skip
 def test_how_long_one_waits(named, after, quadratic, left):
-    post = analyse(named["A"].replace({"processing.leg_after": float(after)})).post_processed
-    assert math.degrees(post.quadratic) == pytest.approx(quadratic, rel=2e-3)
-    assert math.degrees(post.detrended) == pytest.approx(left, rel=3e-3)
+    budget = analyse(named["A"].replace({"processing.leg_after": float(after)}))
+    assert math.degrees(budget["quadratic_phase", "post-processed"].sigma) == pytest.approx(quadratic, rel=2e-3)
+    assert math.degrees(budget["detrended_phase", "post-processed"].sigma) == pytest.approx(left, rel=3e-3)
 
 
 def test_shares_add_up_and_are_what_each_source_leaves(named):
     budget = analyse(named["B"])
-    for shares in budget.post_processed.shares.values():
-        assert math.fsum(shares.values()) == pytest.approx(1, abs=1e-9)
+    for figure in budget.values():
+        assert math.fsum(figure.shares.values()) == pytest.approx(1, abs=1e-9)
     # [P-4] written out: a drift source contributes (1 - H)² S_p, a receiver source H² S_n
     x = inputs_of(named["B"])
     w = np.geomspace(1e-5, 1e4, 400001)
@@ -96,7 +109,7 @@ def test_shares_add_up_and_are_what_each_source_leaves(named):
             parts[name] += share * np.trapezoid(density * weight, w)
     whole = sum(parts.values())
     for name, part in parts.items():
-        assert budget.post_processed.shares["quadratic_phase"][name] == pytest.approx(part / whole, abs=2e-4)
+        assert budget["quadratic_phase", "post-processed"].shares[name] == pytest.approx(part / whole, abs=2e-4)
 
 
 def test_real_time_with_velocity_printed(named):
@@ -107,12 +120,12 @@ def test_real_time_with_velocity_printed(named):
         (steady.prior, (0.17573, 0.01292, 0.008834)),
         (steady.posterior, (0.17075, 0.01184, 0.008473)),
     ):
-        assert ours.position_horizontal == pytest.approx(position, abs=6e-6)
-        assert ours.velocity_horizontal == pytest.approx(velocity, abs=6e-6)
-        assert math.degrees(ours.tilt) == pytest.approx(tilt, abs=6e-7)
-    assert math.degrees(budget.sar.quadratic) == pytest.approx(117.81, abs=0.005)
-    for shares in (*steady.shares.values(), *(end.shares for end in budget.coast.checked.values()),
-                   budget.sar.shares["along_track_quadratic_phase"]):  # fmt: skip
+        assert ours["horizontal_position"] == pytest.approx(position, abs=6e-6)
+        assert ours["horizontal_velocity"] == pytest.approx(velocity, abs=6e-6)
+        assert math.degrees(ours["tilt"]) == pytest.approx(tilt, abs=6e-7)
+    assert math.degrees(budget["quadratic_phase", "real time"].sigma) == pytest.approx(117.81, abs=0.005)
+    names = (*STEADY, "coast_horizontal_position", "coast_vertical_position", "along_track_quadratic_phase")
+    for shares in (budget[name, "real time"].shares for name in names):
         assert math.fsum(shares.values()) == pytest.approx(1, abs=1e-9)
         assert shares["GNSS velocity noise"] > 0.001
 
@@ -184,13 +197,13 @@ def test_arrays_are_designs_side_by_side(named, aperture, velocity_interval, acr
     shape = [(1, -1), (-1, 1)]
     changes = {key: value.reshape(shape[not across]) for key, value in columns.items()}
     grid = smoothed_figures(
-        inputs_of(design, changes | {key: value.reshape(shape[across]) for key, value in rows.items()}), SMOOTHED
+        inputs_of(design, changes | {key: value.reshape(shape[across]) for key, value in rows.items()})
     )
     for i in range(3):
         for j in range(4):
             values = {key: float(value[i]) for key, value in columns.items()}
             values |= {key: float(value[j]) for key, value in rows.items()}
-            one = smoothed_figures(inputs_of(design.replace(values)), SMOOTHED)
+            one = smoothed_figures(inputs_of(design.replace(values)))
             for name, figures_of in grid.items():
                 whole = np.broadcast_to(figures_of, (4, 3) if across else (3, 4))
                 assert whole[(j, i) if across else (i, j)] == pytest.approx(float(one[name]), rel=1e-9), name
@@ -222,11 +235,14 @@ def test_a_turn_that_counts_is_told_with_its_size(named, order):
     """A long aperture at short range turns the line of sight far; the words say the ratios of the figures."""
     near = {"radar.slant_range": 2000.0, "radar.aperture_time": 5.38, "processing.mode": "post-processed"}
     budget = analyse(named["A"].replace({**near, "radar.autofocus_order": order}))
-    post, said = budget.post_processed, " ".join(cautions(budget))
-    change = 100 * (post.turning_quadratic / math.hypot(post.quadratic, post.along_track_quadratic) - 1)
+    said = " ".join(cautions(budget))
+    quadratic, along, residual = (
+        budget.figure(name).sigma for name in ("quadratic_phase", "along_track_quadratic_phase", "detrended_phase")
+    )
+    change = 100 * (budget.beside("turning_quadratic_phase") / math.hypot(quadratic, along) - 1)
     raises = "raises" if change > 0 else "lowers"
     assert f"{raises} quadratic and along-track phase together by {abs(change):.2g} %" in said
-    change = 100 * (post.turning_by_order[order - 1] / post.detrended - 1) if order < 3 else 0.0
+    change = 100 * (budget.beside(f"turning_detrended_phase_{order}") / residual - 1) if order < 3 else 0.0
     assert ("With the turn it is" in said) == (abs(change) > 0.5)
     if abs(change) > 0.5:
         assert f"With the turn it is {abs(change):.2g} % {'larger' if change > 0 else 'smaller'}" in said

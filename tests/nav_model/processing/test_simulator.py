@@ -54,23 +54,24 @@ def smoothed_flights(design, runs):
 def agree(design, runs):
     """The flights' rms lies where that of so many normal errors would, but for once in ten thousand."""
     budget = analyse(design)
-    post, radar = budget.post_processed, design.radar
+    radar = design.radar
+    post = {name: figure.sigma for (name, mode), figure in budget.items() if mode == "post-processed"}
     time, error = smoothed_flights(design, runs)
     geometry = ApertureGeometry(radar.slant_range, design.flight.speed, radar.grazing_angle, radar.squint_angle)
     phase = 4 * math.pi / budget.sar.wavelength * range_error(geometry, time, *error)
     x = 2 * time / time[-1] - 1
     fitted = np.polynomial.legendre.legfit(x, phase.T, 3)
     left = phase.T - np.polynomial.legendre.legval(x, fitted[:2]).T
-    bent = post.along_track_quadratic
+    bent = post["along_track_quadratic_phase"]
     expected = {
-        "quadratic": (1.5 * fitted[2], math.hypot(post.quadratic, bent)),
-        "cubic": (2.5 * fitted[3], post.cubic),
+        "quadratic": (1.5 * fitted[2], math.hypot(post["quadratic_phase"], bent)),
+        "cubic": (2.5 * fitted[3], post["cubic_phase"]),
         "detrended": (
             np.sqrt(np.mean(left**2, axis=0)),
-            math.hypot(post.by_order["detrended_phase_1"], bent * math.sqrt(4 / 45)),
+            math.hypot(post["detrended_phase_1"], bent * math.sqrt(4 / 45)),
         ),
-        "horizontal position": (error[1, :, 100], post.sigmas.position_horizontal),
-        "vertical position": (error[2, :, 100], post.sigmas.position_vertical),
+        "horizontal position": (error[1, :, 100], post["horizontal_position"]),
+        "vertical position": (error[2, :, 100], post["vertical_position"]),
     }
     for name, (found, sigma) in expected.items():
         low, high = (math.sqrt(chi2.ppf(share, runs) / runs) for share in (5e-5, 1 - 5e-5))

@@ -13,8 +13,8 @@ from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.doubling import carried
 from nav_model.analytic.steady_state import horizontal
 from nav_model.aperture.phase import phase_budget, total
-from nav_model.budget.figures import channels, smoothed_figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.smoothed import Smoothed, channels
 from nav_model.design import Design
 from nav_model.processing import stretch
 from nav_model.processing.flight import Channel
@@ -134,11 +134,12 @@ def test_along_the_exact_line_of_sight(after, squint, slow):
         sight = directions(geometry, np.concatenate([[0.0], (nodes + 1) * 3.0, [6.0]]))[1:-1]
         level, upright = (batch.errors(c, 6.0, after, batch.begun(c, 0.0))[:60, :60] for c in channels(x))
         along = sum(np.outer(u, u) * one for u, one in zip(sight.T, (level, level, upright), strict=True))
-        found = smoothed_figures(
-            x,
-            ("turning_quadratic_phase", "quadratic_phase", "along_track_quadratic_phase",
-             "turning_detrended_phase_1", "turning_detrended_phase_2", "detrended_phase_1"),
-        )  # fmt: skip
+        model = Smoothed(x)
+        found = {
+            name: getattr(model, name)
+            for name in ("turning_quadratic_phase", "quadratic_phase", "along_track_quadratic_phase",
+                         "turning_detrended_phase_1", "turning_detrended_phase_2", "detrended_phase_1")
+        }  # fmt: skip
         if distance == 2000.0:
             fit = spectral.KERNELS["quadratic0"][1:-1] * weights
             theirs = float(x.to_phase) * math.sqrt(fit @ along @ fit)

@@ -192,7 +192,9 @@ def test_squint_reaches_the_geometry_and_is_said():
     bent = analyse(design(motion__unsensed_lines=((20.0, 1e-3, "length"),)))
     assert any("The runs leave out the design's unsensed motion;" in sentence for sentence in study_cautions(bent))
     assert closed_forms(budget).whole["3"] < closed_forms(broad).whole["3"]
-    assert budget.sar.along_track_quadratic == pytest.approx(np.cos(0.5) ** 2 * broad.sar.along_track_quadratic)
+    assert budget["along_track_quadratic_phase", "real time"].sigma == pytest.approx(
+        np.cos(0.5) ** 2 * broad["along_track_quadratic_phase", "real time"].sigma
+    )
 
 
 def test_the_map_says_at_the_design_what_the_advice_says():

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from nav_model.budget import analyse
-from nav_model.budget.figures import free_shifts, placing, sampled, smoothed_figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.real_time import RealTime
+from nav_model.budget.smoothed import Smoothed
 from nav_model.design import Design
+from nav_model.design.figures import STEADY
 from nav_model.design.file import parse_design, read_design
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
@@ -81,30 +83,27 @@ def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
         budget = analyse(design)
         found = along(design, duration=500.0)
         smooth, at = found.post_processed, 250
-        post = budget.post_processed
-        for mine, other in (
-            ("quadratic_phase", post.quadratic),
-            ("cubic_phase", post.cubic),
-            ("detrended_phase", post.detrended),
-        ):
-            assert smooth.image[mine][at] == pytest.approx(other, rel=0.01)
+        post = {name: budget[name, "post-processed"] for name in (*PHASES, *PLACED, *STEADY)}
+        for name in PHASES:
+            assert smooth.image[name][at] == pytest.approx(post[name].sigma, rel=0.01)
         x = inputs_of(design)
-        start = sampled(x).posterior  # [P-7] from just after the fix with which the aperture begins
-        placed = placing(x, free_shifts(x, start), PLACED)
-        for part, expected in ((found.real_time, placed), (smooth, smoothed_figures(x, PLACED))):
-            for name, figure in expected.items():
-                assert part.image[name][at] == pytest.approx(float(figure), rel=0.005)
-        assert smooth.position[at, 0] == pytest.approx(post.sigmas.position_horizontal, rel=0.01)
-        assert smooth.position[at, 2] == pytest.approx(post.sigmas.position_vertical, rel=0.01)
-        assert smooth.velocity[at, 1] == pytest.approx(post.sigmas.velocity_horizontal, rel=0.01)
+        free = RealTime(x)  # [P-7] from just after the fix with which the aperture begins
+        free.at_last_fix = free.cycle.posterior
+        for part, model in ((found.real_time, free), (smooth, Smoothed(x))):
+            for name in PLACED:
+                assert part.image[name][at] == pytest.approx(float(model.value(name)), rel=0.005)
+        assert smooth.position[at, 0] == pytest.approx(post["horizontal_position"].sigma, rel=0.01)
+        assert smooth.position[at, 2] == pytest.approx(post["vertical_position"].sigma, rel=0.01)
+        assert smooth.velocity[at, 1] == pytest.approx(post["horizontal_velocity"].sigma, rel=0.01)
         for mine, other in (
             *((name, name) for name in ("quadratic_phase", "cubic_phase", "detrended_phase", "tilt", *PLACED[:2])),
             *((f"{name}_{axis}", f"{axis}_{name}") for name in ("position", "velocity") for axis in AXES),
         ):
-            same_shares(found.sources, smooth.shares[mine][:, at], post.shares[other])
+            same_shares(found.sources, smooth.shares[mine][:, at], post[other].shares)
 
 
 AXES = ("horizontal", "vertical")
+PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase")
 PLACED = ("azimuth_shift", "range_shift", "ce90")
 
 
@@ -118,28 +117,26 @@ def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
     """[T-8], and [S-5] where fixes are so dense that the filter is the continuous one of the closed form."""
     for design in (TACTICAL, DENSE):
         budget = analyse(design)
-        state, sar = budget.steady_state, budget.sar
+        state = budget.steady_state
         found = along(design, duration=500.0)
         real, at = found.real_time, 250
         after = state.posterior
         for mine, horizontal, vertical in (
-            (real.position, after.position_horizontal, after.position_vertical),
-            (real.velocity, after.velocity_horizontal, after.velocity_vertical),
+            (real.position, after["horizontal_position"], after["vertical_position"]),
+            (real.velocity, after["horizontal_velocity"], after["vertical_velocity"]),
         ):
             np.testing.assert_allclose(mine[at], [horizontal, horizontal, vertical], rtol=0.01)
-        for name in ("quadratic", "cubic", "detrended"):
-            assert real.image[f"{name}_phase"][at] == pytest.approx(getattr(sar, name), rel=0.01)
-        for name in ("quadratic", "cubic", "detrended"):
-            shares = dict(sar.shares[f"{name}_phase"])
+        for name in PHASES:
+            assert real.image[name][at] == pytest.approx(budget[name, "real time"].sigma, rel=0.01)
+            shares = dict(budget[name, "real time"].shares)
             by_tilt = shares.pop("initial tilt")
-            for source, share in sar.tilt_shares.items():
+            for source, share in budget.tilt_shares.items():
                 shares[source] = shares.get(source, 0.0) + by_tilt * share
-            same_shares(found.sources, real.shares[f"{name}_phase"][:, at], shares)
+            same_shares(found.sources, real.shares[name][:, at], shares)
         for quantity in ("position", "velocity"):
             for axis in AXES:
-                same_shares(
-                    found.sources, real.shares[f"{quantity}_{axis}"][:, at], state.shares[f"{axis}_{quantity}"]
-                )
+                shares = budget[f"{axis}_{quantity}", "real time"].shares
+                same_shares(found.sources, real.shares[f"{quantity}_{axis}"][:, at], shares)
 
 
 def test_the_shares_of_all_sources_add_up_at_every_time() -> None:

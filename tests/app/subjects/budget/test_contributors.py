@@ -34,7 +34,7 @@ def test_what_is_entered_becomes_part_of_the_design_and_can_be_undone(part: Cont
     part._contributors.put([_ROW | {"source": " "}])
     (own,) = session.design.contributors
     assert (own.name, own.value, own.owner) == ("lever <arm>", 1e-3, "mechanics")
-    assert session.budget.sar.detrended > before.sar.detrended
+    assert session.budget["detrended_phase", "real time"].sigma > before["detrended_phase", "real time"].sigma
     assert read_contributors(part._contributors.rows) == session.design.contributors
     part._limits.put([_LIMIT])
     assert [check.name for check in session.budget.verdict.checks] == ["detrended_phase", "tilt", "heading"]

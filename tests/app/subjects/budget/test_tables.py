@@ -38,16 +38,14 @@ def si(text: str) -> float:
 
 
 def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
-    steady, sar = mems.steady_state, mems.sar
+    steady = mems.steady_state
     expected = [
-        steady.prior.position_horizontal,
-        steady.prior.position_vertical,
-        steady.prior.velocity_horizontal,
-        steady.prior.tilt,
-        mems.coast.checked["coast_horizontal_position"].sigma,
-        sar.quadratic,
-        sar.detrended,
-        sar.along_track_quadratic,
+        steady.prior["horizontal_position"],
+        steady.prior["vertical_position"],
+        steady.prior["horizontal_velocity"],
+        steady.prior["tilt"],
+        mems["coast_horizontal_position", "real time"].sigma,
+        *(mems.figure(name).sigma for name in ("quadratic_phase", "detrended_phase", "along_track_quadratic_phase")),
     ]
     assert [si(figure.value) for figure in key_figures(mems).items] == pytest.approx(expected, rel=5e-3)
 
@@ -87,7 +85,7 @@ def test_every_check_can_be_seen_to_fail() -> None:
 
 def test_the_tilts_bar_is_divided_by_what_causes_it(mems: Budget) -> None:
     tilt = next(bar for bar in phase_chart(mems).bars if bar.label == "initial tilt")
-    assert dict(tilt.parts) == dict(mems.sar.tilt_shares)
+    assert dict(tilt.parts) == dict(mems.tilt_shares)
     assert tilt.parts[0][0] == "gyro noise"
     assert "gyro noise" in re.search(r"initial tilt</th>.*?</tr>", bars_html(phase_chart(mems)))[0]
     assert verdict_strip(mems).sentences[0].endswith("% from gyro noise, mostly through initial tilt.")
@@ -142,7 +140,7 @@ def test_key_figures_are_of_the_moment_the_design_is_held_against(chosen: str, s
     position = key_figures(budget).items[0]
     assert said in position.detail
     assert ("; average" in position.detail) == (chosen != "closed")
-    expected = getattr(budget.steady_state, chosen).position_horizontal
+    expected = getattr(budget.steady_state, chosen)["horizontal_position"]
     assert si(position.value) == pytest.approx(expected, rel=5e-3)
 
 
@@ -262,7 +260,7 @@ def test_a_figure_that_holds_a_share_is_a_radius_and_sigmas_are_of_an_axis(mems:
 def test_a_design_that_fails_by_far_has_tiles_in_their_place_and_an_image_that_says_so(mems: Budget) -> None:
     """Margins in percent would reach into the next tile, and a chart without a finite number has no axes."""
     hopeless = changed(imu__vibration_factor=1000.0)
-    assert hopeless.sar.half_power_extent is None
+    assert hopeless.half_power_extent is None
     html = tiles_html(key_figures(hopeless), key_figures(mems))
     assert max(len(percent) for percent in re.findall(r"[+−]\d+ %", html)) <= len("−1000 %")
     detrended = next(check for check in hopeless.verdict.checks if check.name == "detrended_phase")

@@ -60,7 +60,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     panel.static.use.clicks += 1
     assert session.design.imu.angle_random_walk == pytest.approx(ANGLE_WALK, rel=0.03)
     assert session.design.imu.velocity_random_walk == pytest.approx(VELOCITY_WALK, rel=0.03)
-    assert session.budget.sar.quadratic != before.sar.quadratic
+    assert session.budget["quadratic_phase", "real time"].sigma != before["quadratic_phase", "real time"].sigma
     sensors.show(session.budget)
     assert "from static log bench.csv" in sensors._origins.object
     session.undo()

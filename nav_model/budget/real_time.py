@@ -1,0 +1,400 @@
+"""The figures of real time, a free INS after the last fix, and what they share.
+
+Each member of `RealTime` that has the name of a figure (`nav_model.design.figures`) is its formula: one sigma in SI,
+without contributors. Any input may be an array; all broadcast together, and complex numbers pass through, so that a
+complex step differentiates every figure but those of the impulse response exactly.
+"""
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.analytic import coast as growth
+from nav_model.analytic import steady_state as steady
+from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
+from nav_model.analytic.refined_coast import refined_growth
+from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.aperture import geometry, phase
+from nav_model.base.arrays import Array
+from nav_model.budget.contributors import with_contributors
+from nav_model.budget.fast import levels
+from nav_model.budget.inputs import LONGEST_APERTURE, RECTIFICATION, Inputs
+from nav_model.budget.response import measures
+from nav_model.design.figures import FIGURES
+from nav_model.design.processing import REAL_TIME
+from nav_model.processing.geolocation import (
+    NINETY,
+    Line,
+    Shifts,
+    circular_error,
+    free_line,
+    ground_covariance,
+    shifts,
+)
+
+
+class RealTime:
+    """The figures of one design, or of arrays of designs; each, and what figures share, is computed when first read.
+
+    Parameters
+    ----------
+    x : Inputs
+    rule : tuple of arrays, optional
+        Nodes and weights that integrate the outage, as `nav_model.analytic.refined_coast` takes them.
+    """
+
+    processing = REAL_TIME
+
+    def __init__(self, x: Inputs, rule: tuple[Array, Array] | None = None) -> None:
+        self.x = x
+        self._rule = rule
+
+    def value(self, name: str, at: ArrayLike | None = None) -> Array:
+        """One sigma [SI] of a figure without contributors; one of the outage `at` a time [s], by default its end."""
+        formula = getattr(self, name)
+        if FIGURES[name].kind == "outage":
+            formula = formula(self.x.duration if at is None else at)
+        return formula  # type: ignore[no-any-return]
+
+    def sigma(self, name: str, at: ArrayLike | None = None) -> Array:
+        """The same with contributors; also a contributor by itself, for a limit on it."""
+        value = self.value(name, at) if name in FIGURES else np.asarray(0.0)
+        return np.asarray(with_contributors(value, self.x.contributors.entering(name, self.processing)))
+
+    # The filter.
+
+    @cached_property
+    def cycle(self) -> Cycle:
+        """Prior and posterior of the filter as it is built. [T-8]"""
+        x = self.x
+        noises = x.sigma_a, x.sigma_w, x.g, x.interval, x.fix, x.fix_vertical
+        return cycle(*noises, x.slow, x.velocity_of_fix)
+
+    @cached_property
+    def closed(self) -> Sawtooth:
+        """Cycle rms of the settled filter in closed form. [T-3], [T-4], with velocity [P-6]"""
+        x = self.x
+        s_v, s_v_vertical = x.velocity_densities or (None, None)
+        return Sawtooth(
+            steady.horizontal(x.sigma_a, x.sigma_w, x.s, x.g, s_v),
+            steady.vertical(x.sigma_a, x.s_vertical, s_v_vertical),
+        )
+
+    @cached_property
+    def at_last_fix(self) -> Sawtooth:
+        """The filter at the last fix before the aperture: its cycle rms, but no less than the covariance just after a
+        fix [T-8], which is larger where the fixes are far apart.
+
+        No closed form has a slow GNSS error. It adds here what it adds to the covariance just after a fix. So no
+        error improves a figure, and a smoother, which starts from that covariance, is no worse.
+        """
+        x, posterior = self.x, self.cycle.posterior
+        white = posterior if x.slow is None else RealTime(replace(x, slow=None)).cycle.posterior
+        horizontal, vertical = (
+            [low + np.where(mean.real > less.real, mean - less, 0) for mean, less, low in zip(*channel, strict=True)]
+            for channel in zip(self.closed, white, posterior, strict=True)
+        )
+        return Sawtooth(Horizontal(*horizontal), Vertical(*vertical))
+
+    @cached_property
+    def checked(self) -> Sawtooth:
+        """The filter at the moment of its cycle that requirements are checked at."""
+        return self.moment(self.x.steady_state)
+
+    def moment(self, moment: str) -> Sawtooth:
+        """The filter at the "prior", the "posterior", or "closed": on average between fixes."""
+        return self.at_last_fix if moment == "closed" else getattr(self.cycle, moment)
+
+    def at(self, moment: Sawtooth) -> Self:
+        """The same formulas with the steady state at another moment of the cycle."""
+        other = copy(self)
+        other.checked = moment
+        return other
+
+    @property
+    def horizontal_position(self) -> Array:
+        return np.sqrt(self.checked.horizontal.p11)
+
+    @property
+    def vertical_position(self) -> Array:
+        return np.sqrt(self.checked.vertical.v11)
+
+    @property
+    def horizontal_velocity(self) -> Array:
+        return np.sqrt(self.checked.horizontal.p22)
+
+    @property
+    def vertical_velocity(self) -> Array:
+        return np.sqrt(self.checked.vertical.v22)
+
+    @property
+    def tilt(self) -> Array:
+        # A filter sees only the sum of tilt and accelerometer bias on a straight level leg: settled, the tilt is b/g.
+        return np.sqrt(self.checked.horizontal.p33 + (self.x.bias / self.x.g) ** 2)
+
+    @property
+    def initial_tilt(self) -> Array:
+        """Tilt at the last fix before the aperture, rad."""
+        return np.sqrt(self.at_last_fix.horizontal.p33)
+
+    # The outage, at times since the last fix [s].
+
+    def refined(self, time: ArrayLike) -> tuple[Array, Array]:
+        """Position variances, horizontal and vertical, with all terms and the residual biases. [T-17]"""
+        x, posterior = self.x, self.cycle.posterior
+        free = refined_growth(
+            posterior.horizontal,
+            posterior.vertical,
+            x.sigma_a,
+            x.sigma_w,
+            x.g,
+            time,
+            speed=x.speed,
+            latitude=x.latitude,
+            altitude=x.altitude,
+            heading=x.heading,
+            rule=self._rule,
+        )
+        bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
+        return free.horizontal + bias_a**2 + bias_w**2, free.vertical + bias_a**2
+
+    @cached_property
+    def _refined_end(self) -> tuple[Array, Array]:
+        return self.refined(self.x.duration)
+
+    def _refined(self, time: Array) -> tuple[Array, Array]:
+        return self._refined_end if time is self.x.duration else self.refined(time)
+
+    def coast_horizontal_position(self, time: Array) -> Array:
+        return np.sqrt(self._refined(time)[0])
+
+    def coast_vertical_position(self, time: Array) -> Array:
+        return np.sqrt(self._refined(time)[1])
+
+    def polynomial_position(self, time: Array) -> tuple[Array, Array]:
+        """Position variances by the polynomials, horizontal and vertical, with the residual biases. [T-9], [T-10]"""
+        x = self.x
+        bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
+        horizontal = growth.horizontal_growth(self.closed.horizontal, x.sigma_a, x.sigma_w, x.g, time).position
+        vertical = growth.vertical_growth(self.closed.vertical, x.sigma_a, time).position
+        return horizontal + bias_a**2 + bias_w**2, vertical + bias_a**2
+
+    def coast_horizontal_velocity(self, time: Array) -> Array:
+        x = self.x
+        free = growth.horizontal_growth(self.closed.horizontal, x.sigma_a, x.sigma_w, x.g, time)
+        return self._with_drift(free.velocity, time)
+
+    def _with_drift(self, velocity: Array, time: Array) -> Array:
+        """A horizontal velocity variance as a sigma with what both residual biases add."""
+        drift_a, drift_w = growth.bias_velocity(self.x.bias, self.x.bias_w, self.x.g, time)
+        return np.sqrt(velocity + drift_a**2 + drift_w**2)
+
+    def coast_vertical_velocity(self, time: Array) -> Array:
+        x = self.x
+        drift_a, _ = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
+        return np.sqrt(growth.vertical_growth(self.closed.vertical, x.sigma_a, time).velocity + drift_a**2)
+
+    def coast_tilt(self, time: Array) -> Array:
+        x = self.x
+        free = growth.horizontal_growth(self.closed.horizontal, x.sigma_a, x.sigma_w, x.g, time)
+        return np.sqrt(free.tilt + (x.bias_w * time) ** 2)
+
+    def coast_heading(self, time: Array) -> Array:
+        return np.sqrt(steady.yaw_variance(self.x.sigma_w, time))
+
+    # The phase over the aperture.
+
+    @cached_property
+    def to_phase(self) -> Array:
+        """Two-way phase of a metre, rad; NaN where the aperture is longer than a design may have. [T-13]"""
+        return self.x.to_phase
+
+    def phase_by_source(self, order: int) -> Mapping[str, phase.PhaseVariances]:
+        """Line-of-sight variances over the aperture, source by source, after autofocus of an order. [S-5]"""
+        x, start = self.x, self.at_last_fix.horizontal
+        arguments = x.g, x.aperture, x.before_aperture, x.grazing_angle, order
+        by_source = phase.phase_budget(start.p33, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, *arguments)
+        fast = {
+            name: phase.PhaseVariances(made.quadratic, made.cubic, getattr(made, f"left_{order}"))
+            for name, made in x.fast.items()
+        }
+        if x.rectified is not None:
+            of_bias = phase.phase_budget(0.0, 0.0, 0.0, x.rectified, 0.0, *arguments)
+            fast[RECTIFICATION] = of_bias["accelerometer bias"]
+        return {**by_source, **fast} if fast else by_source
+
+    @cached_property
+    def phases(self) -> Mapping[str, phase.PhaseVariances]:
+        """The same after the design's autofocus."""
+        return self.phase_by_source(self.x.autofocus_order)
+
+    @cached_property
+    def _phase(self) -> phase.PhaseVariances:
+        return phase.total(self.phases)
+
+    def variances_of(self, name: str) -> Mapping[str, Array] | None:
+        """Variance [m²] that each source has along the line of sight in a phase; None where no formula has them."""
+        column, _, order = name.removesuffix("_phase").partition("_phase_")
+        if column not in phase.PhaseVariances._fields:
+            return None
+        by_source = self.phase_by_source(int(order)) if order else self.phases
+        return {source: getattr(made, column) for source, made in by_source.items()}
+
+    @property
+    def quadratic_phase(self) -> Array:
+        return self.to_phase * np.sqrt(self._phase.quadratic)
+
+    @property
+    def cubic_phase(self) -> Array:
+        return self.to_phase * np.sqrt(self._phase.cubic)
+
+    @property
+    def detrended_phase(self) -> Array:
+        return self.detrended(self.x.autofocus_order)
+
+    def detrended(self, order: int) -> Array:
+        """Phase [rad] that is left after autofocus of an order."""
+        whole = self._phase if order == self.x.autofocus_order else phase.total(self.phase_by_source(order))
+        return self.to_phase * np.sqrt(whole.detrended)
+
+    @property
+    def detrended_phase_1(self) -> Array:
+        return self.detrended(1)
+
+    @property
+    def detrended_phase_2(self) -> Array:
+        return self.detrended(2)
+
+    @property
+    def detrended_phase_3(self) -> Array:
+        return self.detrended(3)
+
+    @property
+    def along_track_quadratic_phase(self) -> Array:
+        x = self.x
+        return np.where(x.aperture.real <= LONGEST_APERTURE, self.along_track(x.before_aperture), np.nan)
+
+    def along_track(self, time: Array) -> Array:
+        """Quadratic phase [rad] of the along-track velocity error a time [s] after the last fix. [S-2]"""
+        x = self.x
+        free = growth.horizontal_growth(self.at_last_fix.horizontal, x.sigma_a, x.sigma_w, x.g, time).velocity
+        drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
+        return phase.along_track_quadratic(
+            free + drift_a**2 + drift_w**2, x.speed, x.aperture, x.wavelength, x.slant_range, x.squint
+        )
+
+    # The place of the image.
+
+    @property
+    def lines(self) -> tuple[Line, Line]:
+        """Line in the position error over the aperture, horizontal and vertical. [P-7]"""
+        x, start = self.x, self.at_last_fix
+        inside = x.before_aperture, x.aperture
+        return (
+            free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias, x.bias_w, x.g, *inside),
+            free_line(start.vertical, x.sigma_a, 0.0, x.bias, 0.0, x.g, *inside),
+        )
+
+    @cached_property
+    def shift(self) -> Shifts:
+        """Variances of the image's shift. [P-7]"""
+        x = self.x
+        return with_fast(x, shifts(*self.lines, x.grazing_angle, x.slant_range, x.speed, x.squint))
+
+    @cached_property
+    def ground(self) -> tuple[Array, Array, Array]:
+        """Variances of the image's place in azimuth and ground range, and their covariance, m². [P-7]"""
+        x = self.x
+        return ground_covariance(self.shift, x.grazing_angle, x.scene_height_error, x.squint)
+
+    @property
+    def azimuth_shift(self) -> Array:
+        return np.sqrt(self.shift.azimuth)
+
+    @property
+    def range_shift(self) -> Array:
+        return np.sqrt(self.shift.range)
+
+    @property
+    def ce90(self) -> Array:
+        return circular_error(*self.ground, share=0.9)
+
+    @property
+    def cep(self) -> Array:
+        return circular_error(*self.ground, share=0.5)
+
+    @property
+    def le90(self) -> Array:
+        return NINETY * np.sqrt(self.shift.height + self.x.scene_height_error**2)
+
+    # What vibration, unsensed motion and oscillator scatter.
+
+    @cached_property
+    def _levels(self) -> dict[str, Array]:
+        x = self.x
+        return levels(x.fast.values(), x.to_phase, x.aperture, x.window)
+
+    @property
+    def paired_echo(self) -> Array:
+        return self._levels["paired_echo"]
+
+    @property
+    def islr(self) -> Array:
+        return self._levels["islr"]
+
+    # The azimuth impulse response with the quadratic phase at one sigma, contributors included.
+
+    @cached_property
+    def _response(self) -> dict[str, Array]:
+        return measures(self.x, self.sigma("quadratic_phase"))
+
+    @property
+    def response_width(self) -> Array:
+        return self._response["response_width"]
+
+    @property
+    def pslr(self) -> Array:
+        return self._response["pslr"]
+
+    @property
+    def response_islr(self) -> Array:
+        return self._response["response_islr"]
+
+    @property
+    def peak_loss(self) -> Array:
+        return self._response["peak_loss"]
+
+
+def with_fast(x: Inputs, shift: Shifts) -> Shifts:
+    """The image's shift with what vibration, unsensed motion and oscillator add along the line of sight. [P-7]"""
+    if not x.fast:
+        return shift
+    return shift._replace(
+        range=shift.range + sum(made.mean for made in x.fast.values()),
+        azimuth=shift.azimuth + azimuth_lever(x) ** 2 * fast_slope(x),
+    )
+
+
+def azimuth_lever(x: Inputs) -> Array:
+    """Azimuth shift of a metre a second along the line of sight, s."""
+    return np.asarray(x.slant_range / (x.speed * np.cos(x.squint)))
+
+
+def fast_slope(x: Inputs) -> Array:
+    """Variance of the slope over the aperture from vibration, unsensed motion and oscillator, m²/s²."""
+    return np.asarray(sum(made.slope for made in x.fast.values()) * 4 / x.aperture**2)
+
+
+def sight_weights(x: Inputs) -> tuple[Array, Array]:
+    """Weights of horizontal and vertical variances along the line of sight. [S-1]"""
+    return geometry.line_of_sight_weights(x.grazing_angle)
+
+
+def sum_of(x: Inputs, column: str) -> Array:
+    """What vibration, unsensed motion and oscillator add to a column of the smoother."""
+    return np.asarray(sum(getattr(made, column) for made in x.fast.values()))

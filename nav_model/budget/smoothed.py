@@ -1,0 +1,132 @@
+"""The figures after the flight, when a smoother has every fix. [P-3], [P-5]
+
+What is not here is the same in both processings (`nav_model.budget.real_time`). Constant residual biases cost
+nothing: the smoother takes them up.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from nav_model.analytic.turning import TURNING, Turn, smoothed_bent_variance, turn_weights
+from nav_model.base.arrays import Array, as_numbers
+from nav_model.budget.inputs import Inputs
+from nav_model.budget.real_time import RealTime, azimuth_lever, fast_slope, sight_weights, sum_of
+from nav_model.design.processing import POST_PROCESSED
+from nav_model.processing.flight import Channel
+from nav_model.processing.geolocation import Line
+from nav_model.processing.smoother import SmoothedError
+
+
+def channels(x: Inputs) -> tuple[Channel, Channel]:
+    """Inputs of the smoother for a horizontal axis and the vertical one."""
+    slow = (None, None) if x.slow is None else (as_numbers(x.slow.sigma), as_numbers(x.slow.correlation_time))
+    horizontal, vertical, interval = x.velocity, x.velocity_vertical, x.velocity_interval
+    if horizontal is None:
+        vertical = interval = None
+    return (
+        Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, horizontal, interval, *slow),
+        Channel(x.sigma_a, None, x.fix_vertical, x.interval, vertical, interval, *slow),
+    )
+
+
+class Smoothed(RealTime):
+    """The figures of one design, or of arrays of designs, with a smoother."""
+
+    processing = POST_PROCESSED
+
+    @cached_property
+    def error(self) -> SmoothedError:
+        """The smoothed error of a horizontal axis, and of the vertical one."""
+        x = self.x
+        return SmoothedError(channels(x), x.aperture, x.leg_after, x.before_aperture)
+
+    def variances_of(self, name: str) -> None:  # the smoother weighs all sources together
+        return None
+
+    @property
+    def horizontal_position(self) -> Array:
+        return np.asarray(np.sqrt(self.error["position"][0]))
+
+    @property
+    def vertical_position(self) -> Array:
+        return np.asarray(np.sqrt(self.error["position"][1]))
+
+    @property
+    def horizontal_velocity(self) -> Array:
+        return np.asarray(np.sqrt(self.error["velocity"][0]))
+
+    @property
+    def vertical_velocity(self) -> Array:
+        return np.asarray(np.sqrt(self.error["velocity"][1]))
+
+    @property
+    def tilt(self) -> Array:
+        return np.asarray(np.sqrt(self.error["tilt"][0] + self.x.bias**2) / self.x.g)
+
+    def _along_sight(self, column: str) -> Array:
+        """Variance along the line of sight, with vibration, unsensed motion and oscillator."""
+        wide, high = sight_weights(self.x)
+        horizontal, vertical = self.error[column]
+        return np.asarray(wide * horizontal + high * vertical + sum_of(self.x, column))
+
+    @property
+    def quadratic_phase(self) -> Array:
+        return self.to_phase * np.sqrt(self._along_sight("quadratic"))
+
+    @property
+    def cubic_phase(self) -> Array:
+        return self.to_phase * np.sqrt(self._along_sight("cubic"))
+
+    def detrended(self, order: int) -> Array:
+        """Phase [rad] that is left after autofocus of an order."""
+        return self.to_phase * np.sqrt(self._along_sight(f"left_{order}"))
+
+    @property
+    def along_track_quadratic_phase(self) -> Array:
+        x = self.x
+        turn = x.speed * np.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range)
+        return np.asarray(self.to_phase * turn * np.sqrt(self.error["turned"][0]))
+
+    @property
+    def lines(self) -> tuple[Line, Line]:
+        """As of real time."""
+        mean, slope, both = (self.error[name] for name in ("mean", "slope", "mean_slope"))
+        return Line(mean[0], slope[0], both[0]), Line(mean[1], slope[1], both[1])
+
+    @property
+    def slope_shift(self) -> Array:
+        """Azimuth shift without the position along the track, m: R/V times the slope of the line of sight."""
+        wide, high = sight_weights(self.x)
+        horizontal, vertical = self.error["slope"]
+        return np.asarray(azimuth_lever(self.x) * np.sqrt(wide * horizontal + high * vertical + fast_slope(self.x)))
+
+    # Along the line of sight as it turns over the aperture: [S-2] and the terms that it omits.
+
+    def _turning(self, column: str, of: str = "") -> Array:
+        x = self.x
+        turn: Turn = turn_weights(x.grazing_angle, x.squint, x.speed / x.slant_range, x.aperture)
+        horizontal, vertical = ({name: self.error[of + name][axis] for name in TURNING} for axis in (0, 1))
+        axes = ((turn.along, horizontal), (turn.across, horizontal), (turn.down, vertical))
+        return np.asarray(self._along_sight(column) + sum(smoothed_bent_variance(*pair) for pair in axes))
+
+    @property
+    def turning_quadratic_phase(self) -> Array:
+        """Quadratic phase [rad] with the turn of the line of sight."""
+        return self.to_phase * np.sqrt(self._turning("quadratic"))
+
+    @property
+    def turning_detrended_phase_1(self) -> Array:
+        """What autofocus of order 1 leaves [rad] with the turn: that after the next order, which the turn hardly
+        changes (0.08 % in the examples, 0.7 % where it is 0.225 rad to each side), and the turning quadratic."""
+        return self.to_phase * np.sqrt(self._along_sight("left_2") + 4 / 45 * self._turning("quadratic"))
+
+    @property
+    def turning_detrended_phase_2(self) -> Array:
+        """Likewise for order 2, with the turning cubic."""
+        return self.to_phase * np.sqrt(self._along_sight("left_3") + 4 / 175 * self._turning("cubic", "cubic_"))
+
+
+def model_of(x: Inputs) -> RealTime:
+    """The figures in the design's processing."""
+    return Smoothed(x) if x.processing == POST_PROCESSED else RealTime(x)
