@@ -78,12 +78,15 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
     return data.getvalue()
 
 
-def import_archive(library: Library, data: bytes, author: str) -> Imported:
-    """Add what an archive of `export_archive` holds, or any zip of design files: all of it or nothing.
+Histories = list[tuple[list[Revision], tuple[str, ...]]]
+"""Designs to add: the revisions of each, first to last, and its tags."""
 
-    A design whose revisions are already here, with equal texts, is skipped. Every revision is judged anew; names
-    and dates of an archive are kept, marked as imported. A file that is not in the list becomes a new design, saved
-    by `author`.
+
+def read_archive(data: bytes, author: str) -> Histories:
+    """What an archive of `export_archive` holds, or any zip of design files; for a worker process.
+
+    Every revision is judged anew, which takes seconds for a thousand; names and dates of an archive are kept, marked
+    as imported. A file that is not in the list becomes a new design, saved by `author`.
 
     Raises
     ------
@@ -92,7 +95,7 @@ def import_archive(library: Library, data: bytes, author: str) -> Imported:
     """
     files = _unpack(data)
     listed = _listed(files)
-    histories = [(_history(rows, files), tags) for rows, tags in listed]
+    histories: Histories = [(_history(rows, files), tags) for rows, tags in listed]
     in_list = {row["file"] for rows, _ in listed for row in rows}
     for path, content in files.items():
         if path not in in_list:
@@ -100,6 +103,19 @@ def import_archive(library: Library, data: bytes, author: str) -> Imported:
             histories.append(([revision_from_file(content, path, author, f"from {path}"[:4000], now(), stem)], ()))
     if not histories:
         raise InputError("archive", "holds no design file (*.toml)")
+    return histories
+
+
+def add_histories(library: Library, histories: Histories) -> Imported:
+    """Add the designs of an archive: all of them or nothing.
+
+    A design whose revisions are already here, with equal texts, is skipped.
+
+    Raises
+    ------
+    InputError
+        If the library does not confirm it.
+    """
     added = revisions = 0
     with library.write() as connection:
         known = _fingerprints(connection.execute(text("SELECT design, text FROM revisions ORDER BY design, number")))

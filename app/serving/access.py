@@ -64,7 +64,7 @@ class PasswordLogin(CookieForThisSite, BasicLoginHandler):
             return
         self.set_current_user(name)
         self.set_secure_cookie(_LOGIN, secret, expires_days=config.oauth_expiry, httponly=True)
-        self.redirect(wanted)
+        self.redirect(f".{wanted}")  # from this page: a proxy may serve it below a path of its own
 
     def _try(self, peer: str, name: str, password: str) -> tuple[bool, str | None]:
         """Whether there were too many tries, and the secret of the login if the password is right."""

@@ -38,7 +38,8 @@ def listen(rules: Rules) -> tuple[socket.socket, int]:
     try:
         listening = socket.create_server((rules.address, rules.port), family=family, backlog=_BACKLOG)
     except OSError as error:
-        raise InputError("--address", f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
+        option = "--port" if error.errno in (errno.EADDRINUSE, errno.EACCES) else "--address"
+        raise InputError(option, f"cannot listen on {rules.address}:{rules.port}: {error.strerror}") from error
     listening.setblocking(False)
     return listening, int(listening.getsockname()[1])
 

@@ -13,8 +13,10 @@ from weakref import WeakKeyDictionary, WeakSet
 
 from bokeh.server.contexts import ApplicationContext
 from bokeh.server.session import ServerSession
-from bokeh.util.token import get_session_id
+from bokeh.util.token import check_token_signature, get_session_id, get_token_payload
+from panel.config import config
 from panel.io.server import DocHandler
+from panel.io.state import state
 from tornado.web import OutputTransform, RequestHandler, authenticated
 
 from app.dashboard.lifeline import THEME_COOKIE
@@ -24,9 +26,11 @@ from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules, is_loopback
+from app.ui.faults import caught
 from app.upstream.connection import FirstChanges, LostConnection, NoTracebacks
-from app.upstream.late_session import end_session, new_token
+from app.upstream.late_session import end_session, new_token, person_of
 from app.upstream.requests import serve_only
+from nav_model.base.errors import InputError
 
 # Bokeh compiles its callbacks and carries its model in the page, so scripts cannot be held to files; what holds is
 # that nothing comes from, goes to, or frames us from elsewhere.
@@ -106,6 +110,16 @@ async def hang_up_on_ended_logins() -> None:
         page.close(1008, "logged out")
 
 
+def caught_on_a_page(fault: BaseException) -> None:
+    """Handle an exception in a page's callback; a page that goes on causing them is closed: each fills the log."""
+    caught(fault)
+    if isinstance(fault, InputError):
+        return
+    for page in list(_connections):
+        if page.shows(state.curdoc):
+            page.count_fault()
+
+
 def close_door() -> None:
     """Accept no new sessions, also over open connections."""
     _here.stopping = True
@@ -166,7 +180,8 @@ class PageHandler(DocHandler):
 
     def _turn_away(self, status: int, title: str, text: str, after: int = 0) -> None:
         self.set_status(status)
-        again = {"again": self.request.uri, "link_text": "Try again"} if after else {}
+        # From here: a proxy may serve this below a path of its own.
+        again = {"again": f".{self.request.uri}", "link_text": "Try again"} if after else {}
         if after:
             self.set_header("Retry-After", str(after))
         self.finish(plain_page(title, text, **again))
@@ -185,9 +200,14 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
         if self._finished:
             return
         names = self.request.headers.get("Sec-WebSocket-Protocol", "").split(",")
+        token = names[-1].strip()
         try:
-            wanted = get_session_id(names[-1].strip())
+            wanted = get_session_id(token)
         except ValueError:  # not a token; the handshake refuses it
+            self.set_status(403)
+            self.finish()
+            return
+        if not self._fetched(token):  # the page of another person
             self.set_status(403)
             self.finish()
             return
@@ -198,6 +218,14 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
             _here.row.add("refused")
             self.set_status(503)
             self.finish()
+
+    def _fetched(self, token: str) -> bool:
+        """Whether a token was given out to the person who connects; one that is not signed the handshake refuses."""
+        server = self.application
+        if not check_token_signature(token, server.secret_key, server.sign_sessions):
+            return True
+        person = self.get_secure_cookie("user", max_age_days=config.oauth_expiry)
+        return bool(person_of(get_token_payload(token)) == person)
 
     def open(self, *arguments: Any, **options: Any) -> None:
         """As Bokeh; and remember the connection for as long as it lives."""
@@ -247,9 +275,18 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
         return await super()._handle(message)
 
     async def send_message(self, message: Any) -> None:
-        """As Bokeh; a page that goes on causing faults, each a line in the log, is closed."""
+        """As Bokeh; a message that failed is a fault."""
         await super().send_message(message)
-        self._faults += message.msgtype == "ERROR"
+        if message.msgtype == "ERROR":
+            self.count_fault()
+
+    def shows(self, document: Any) -> bool:
+        """Whether this is the connection of a document's page."""
+        return not self.hung_up() and not self._given_up() and self.connection.session.document is document
+
+    def count_fault(self) -> None:
+        """Count a fault of this page; one that goes on causing them is closed."""
+        self._faults += 1
         if self._faults > _MOST_FAULTS:
             self._refuse("fault after fault")
 
@@ -279,7 +316,7 @@ class Alive(RequestHandler):
     """Health check, without building a page."""
 
     def get(self) -> None:
-        """Yes."""
+        """Say that this process answers."""
         self.set_header("Cache-Control", "no-store")
         self.write({"alive": True})
 

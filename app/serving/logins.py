@@ -86,16 +86,20 @@ class Logins:
 
     def too_many(self, who: str) -> bool:
         """Whether an address or account has failed too often in the last minute."""
-        query = text("SELECT COUNT(*) FROM login_tries WHERE who = :who AND at >= :since")
+        # Until now: a clock that was set back would block for as long as that.
+        query = text("SELECT COUNT(*) FROM login_tries WHERE who = :who AND at BETWEEN :since AND :now")
+        now = self._clock()
+        window = {"who": _hashed(who), "since": now - _WINDOW, "now": now}
         with self._engine.connect() as connection:
-            count = connection.execute(query, {"who": _hashed(who), "since": self._clock() - _WINDOW}).scalar_one()
+            count = connection.execute(query, window).scalar_one()
         return int(count) >= _TRIES
 
     def failed(self, *who: str) -> None:
         """Count a failure."""
         now = self._clock()
         with self._writing() as connection:
-            connection.execute(text("DELETE FROM login_tries WHERE at < :since"), {"since": now - _WINDOW})
+            outside = text("DELETE FROM login_tries WHERE at NOT BETWEEN :since AND :now")
+            connection.execute(outside, {"since": now - _WINDOW, "now": now})
             for one in who:
                 connection.execute(
                     text("INSERT INTO login_tries VALUES (:who, :at)"), {"who": _hashed(one), "at": now}

@@ -23,7 +23,14 @@ from app.serving.access import PasswordProvider, provider_of
 from app.serving.address import SharedSocket, announce, listen, origins
 from app.serving.board import Board, Row
 from app.serving.collector import Collector, settle
-from app.serving.handlers import Surroundings, around, being_sent, close_door, hang_up_on_ended_logins
+from app.serving.handlers import (
+    Surroundings,
+    around,
+    being_sent,
+    caught_on_a_page,
+    close_door,
+    hang_up_on_ended_logins,
+)
 from app.serving.hosts import Hosts, first_rules
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
@@ -31,7 +38,6 @@ from app.serving.rules import Rules
 from app.session import Session, link_parts
 from app.subjects import SUBJECTS, TABS
 from app.ui.defaults import set_defaults
-from app.ui.faults import caught
 from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
 from app.upstream.late_session import page_of, sheets_from_here, visitor
@@ -125,7 +131,7 @@ def serve_on(
     InputError
         If the password file cannot be read or is wrong.
     """
-    pn.extension(exception_handler=caught)
+    pn.extension(exception_handler=caught_on_a_page)
     set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     settings.simple_ids = True  # as it is unless said; said, it is not looked up anew for each id

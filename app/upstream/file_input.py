@@ -32,8 +32,10 @@ class LimitedFileInput(pmui.FileInput):
         self._received = 0
         self._receiving = False
 
-    def _handle_msg(self, msg: dict[str, Any]) -> None:
-        status = msg.get("status")
+    def _handle_msg(self, msg: Any) -> None:
+        if not self._is_step(msg):
+            return
+        status = msg["status"]
         if status == "error":  # the browser's own check
             self._refuse(str(msg.get("error", "the upload failed")))
             return
@@ -53,6 +55,24 @@ class LimitedFileInput(pmui.FileInput):
             self._send_msg({"status": "error", "error": "not taken"})
             return
         super()._handle_msg(msg)
+
+    def _is_step(self, msg: Any) -> bool:
+        """Whether a message is what the button in the browser sends; the rest is ignored."""
+        if not isinstance(msg, dict) or msg.get("status") != "upload_event":
+            return isinstance(msg, dict) and msg.get("status") in ("error", "initializing", "finished")
+        name, chunk, count = msg.get("name"), msg.get("chunk"), msg.get("total_chunks")
+        if not (isinstance(name, str) and isinstance(msg.get("mime_type"), str)):
+            return False
+        if not (isinstance(chunk, int) and isinstance(count, int) and 1 <= chunk <= count):
+            return False
+        if name in self._file_buffer and self._file_buffer[name]["total_chunks"] != count:
+            return False
+        data: Any = msg.get("data")
+        try:
+            memoryview(data)
+        except TypeError:
+            return False
+        return True
 
     def _receive(self) -> None:
         before = _receiving.get(state.curdoc, lambda: None)()

@@ -9,6 +9,7 @@ Reports to send upstream, versions and ends, and what Panel's `reuse_sessions` d
 import secrets
 from collections.abc import Callable
 from types import SimpleNamespace
+from typing import Any
 
 import bokeh.resources
 import panel as pn
@@ -17,8 +18,12 @@ from bokeh.server.contexts import ApplicationContext
 from bokeh.server.session import ServerSession
 from bokeh.server.views.static_handler import StaticHandler
 from bokeh.util.token import generate_jwt_token, generate_session_id
+from panel.config import config
 from panel.io.resources import LOCAL_DIST, Resources
 from panel.io.server import DocHandler, server_html_page_for_session
+from tornado.web import decode_signed_value
+
+_ANY_AGE = 36_500  # days: the login held when the token was given out, and the token has an end of its own
 
 
 def page_of(document: Document, title: str) -> Callable[[str], str]:
@@ -48,6 +53,15 @@ def new_token(handler: DocHandler) -> str:
         extra_payload=handler._generate_token_payload(),
         expiration=server.session_token_expiration,
     )
+
+
+def person_of(payload: dict[str, Any]) -> bytes | None:
+    """Who had logged in when a token with this payload was given out, as the login's cookie says it; None: nobody."""
+    cookies = payload.get("cookies")
+    signed = cookies.get("user") if isinstance(cookies, dict) else None
+    if not isinstance(signed, str) or config.cookie_secret is None:
+        return None
+    return decode_signed_value(config.cookie_secret, "user", signed, max_age_days=_ANY_AGE)
 
 
 async def end_session(context: ApplicationContext, session: ServerSession) -> None:

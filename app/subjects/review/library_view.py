@@ -13,7 +13,7 @@ from app.declared import declared, held
 from app.document.blocks import Answer, Block, Cell, Row, Text, table
 from app.document.pane import html_of
 from app.document.wording import shortened
-from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
+from app.library.exchange import MAX_ARCHIVE, add_histories, export_archive, read_archive
 from app.library.store import Library, Revision, Saved
 from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
@@ -22,6 +22,7 @@ from app.ui.html_pane import html_pane
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.upload import upload
 from app.ui.view import View
+from app.work.pool import elsewhere
 from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
 
@@ -220,7 +221,12 @@ class LibraryView(View):
 
     async def _brought(self, _: str, content: bytes) -> None:
         author = self.desk.who or "not stated"
-        done = await self.desk.ask(lambda place: import_archive(place, content, author))
+        try:
+            histories = await elsewhere(read_archive, content, author)
+        except InputError as error:
+            self.desk.say(f"Not imported. {error}", wrong=True)
+            return
+        done = await self.desk.ask(lambda place: add_histories(place, histories))
         if done is not None:
             await self.refresh()
             self.desk.say(

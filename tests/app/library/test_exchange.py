@@ -9,11 +9,15 @@ from typing import Any
 import pytest
 from sqlalchemy import text
 
-from app.library.exchange import MAX_ARCHIVE, export_archive, import_archive
+from app.library.exchange import MAX_ARCHIVE, Imported, add_histories, export_archive, read_archive
 from app.library.store import Library
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.design.file import format_design, parse_design
+
+
+def _import(library: Library, data: bytes, author: str) -> Imported:
+    return add_histories(library, read_archive(data, author))
 
 
 def _zip(files: dict[str, bytes | str]) -> bytes:
@@ -42,7 +46,7 @@ def test_an_exported_library_comes_back_the_same(
         assert len(names) == 3
         assert all(".." not in name and name.isascii() and name.count("/") == 1 for name in names)
         assert parse_design(archive.read(names[-1])) in (mems.design, tactical.design)
-    done = import_archive(other, data, "Zoe")
+    done = _import(other, data, "Zoe")
     assert (done.designs, done.revisions, done.known) == (2, 3, 0)
 
     def content(library: Library) -> list[object]:
@@ -54,7 +58,7 @@ def test_an_exported_library_comes_back_the_same(
 
     assert content(other) == content(library)
     assert {r.origin for saved in other.designs() for r in other.revisions(saved.design)} == {"import"}
-    again = import_archive(other, data, "Zoe")
+    again = _import(other, data, "Zoe")
     assert (again.designs, again.known) == (0, 2)
 
 
@@ -76,7 +80,7 @@ def test_a_design_changed_by_hand_is_refused_by_name(library: Library, mems: Bud
 
 
 def test_loose_design_files_become_designs(other: Library, mems: Budget) -> None:
-    done = import_archive(other, _zip({"team/mems.toml": format_design(mems.design)}), "Zoe")
+    done = _import(other, _zip({"team/mems.toml": format_design(mems.design)}), "Zoe")
     assert done.designs == 1
     (saved,) = other.designs()
     assert (saved.name, saved.author, saved.content_hash) == ("mems", "Zoe", mems.design.content_hash)
@@ -89,25 +93,25 @@ def test_loose_design_files_become_designs(other: Library, mems: Budget) -> None
 def test_paths_that_lead_outside_are_refused(library: Library, mems: Budget, name: str) -> None:
     good = format_design(mems.design)
     with pytest.raises(InputError, match=r"archive: "):
-        import_archive(library, _zip({"good.toml": good, name: good}), "Zoe")
+        _import(library, _zip({"good.toml": good, name: good}), "Zoe")
     assert library.designs() == ()
 
 
 def test_bombs_are_refused_by_what_they_unpack_to(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match=r"x\.toml: unpacks to more than 1000000 bytes"):
-        import_archive(library, _zip({"x.toml": b"#" * 60_000_000}), "Zoe")
+        _import(library, _zip({"x.toml": b"#" * 60_000_000}), "Zoe")
     lying = bytearray(_zip({"x.toml": b"#" * 5_000_000}))
     size = (5_000_000).to_bytes(4, "little")
     assert lying.count(size) == 2
     with pytest.raises(InputError):  # headers that state ten bytes
-        import_archive(library, bytes(lying.replace(size, (10).to_bytes(4, "little"))), "Zoe")
+        _import(library, bytes(lying.replace(size, (10).to_bytes(4, "little"))), "Zoe")
     many = {f"{i}.toml": b"#" * 900_000 for i in range(60)}
     with pytest.raises(InputError, match="unpacks to more than"):
-        import_archive(library, _zip(many), "Zoe")
+        _import(library, _zip(many), "Zoe")
     with pytest.raises(InputError, match="2001 files"):
-        import_archive(library, _zip({f"{i}.toml": "" for i in range(2001)}), "Zoe")
+        _import(library, _zip({f"{i}.toml": "" for i in range(2001)}), "Zoe")
     with pytest.raises(InputError, match="larger than"):
-        import_archive(library, b"x" * (MAX_ARCHIVE + 1), "Zoe")
+        _import(library, b"x" * (MAX_ARCHIVE + 1), "Zoe")
     assert library.designs() == ()
 
 
@@ -130,15 +134,15 @@ def _listed(mems: Budget, rows: int = 1, design: str = "x", **changes: object) -
     ],
 )
 def test_a_forged_list_is_refused_whole(library: Library, mems: Budget, changes: dict[str, Any], said: str) -> None:
-    assert import_archive(library, _listed(mems), "Zoe").designs == 1
+    assert _import(library, _listed(mems), "Zoe").designs == 1
     with pytest.raises(InputError, match=said):
-        import_archive(library, _listed(mems, **changes), "Zoe")
+        _import(library, _listed(mems, **changes), "Zoe")
     assert len(library.designs()) == 1
 
 
 def test_an_archive_cannot_write_under_anothers_design(library: Library, mems: Budget, tactical: Budget) -> None:
     mine = library.save(tactical, "Ann")
-    import_archive(library, _listed(mems, design=mine.design), "Zoe")
+    _import(library, _listed(mems, design=mine.design), "Zoe")
     assert [r.author for r in library.revisions(mine.design)] == ["Ann"]
     assert len(library.designs()) == 2
 
@@ -151,7 +155,7 @@ def test_an_archive_cannot_write_under_anothers_design(library: Library, mems: B
 )  # fmt: skip
 def test_what_is_no_archive_of_designs_is_refused(library: Library, data: bytes) -> None:
     with pytest.raises(InputError):
-        import_archive(library, data, "Zoe")
+        _import(library, data, "Zoe")
     assert library.designs() == ()
 
 
@@ -163,4 +167,4 @@ def test_a_damaged_entry_of_any_compression_is_refused(library: Library, mems: B
     broken = bytearray(data.getvalue())
     broken[45:120] = b"\xff" * 75
     with pytest.raises(InputError):
-        import_archive(library, bytes(broken), "Eve")
+        _import(library, bytes(broken), "Eve")

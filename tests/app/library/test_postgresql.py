@@ -15,7 +15,7 @@ import pytest
 from sqlalchemy import text
 from waiting import PATIENCE, refusing_port, until
 
-from app.library.exchange import export_archive, import_archive
+from app.library.exchange import Imported, add_histories, export_archive, read_archive
 from app.library.reviews import add_comment, decide, load_review, open_review, sign
 from app.library.schema import STEPS
 from app.library.store import Conflict, Library
@@ -29,6 +29,10 @@ _TABLES = (
     "tags", "revisions", "designs", "schema_version",
 )  # fmt: skip
 _MISSING = "no PostgreSQL: `make test` installs it (`make postgresql`)"
+
+
+def _import(library: Library, data: bytes, author: str) -> Imported:
+    return add_histories(library, read_archive(data, author))
 
 
 def _program(name: str) -> str:
@@ -104,7 +108,7 @@ def test_designs_reviews_and_archives_work_alike(shared: Library, library: Libra
     shared.archive(first.design)
     assert shared.designs() == ()
     data = export_archive(shared, [first.design])
-    assert import_archive(library, data, "Zoe").revisions == 2
+    assert _import(library, data, "Zoe").revisions == 2
     review = open_review(shared, "PDR", "Ann", [first.key])
     review = add_comment(shared, review.id, 1, "tilt", "Bob", "\x00 hm")
     for item, name in review.open_points():

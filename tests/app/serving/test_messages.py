@@ -9,13 +9,16 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from bokeh.document import Document
 from bokeh.server.connection import ServerConnection
 from open_page import Tab
+from panel.io.state import set_curdoc
 from tornado.websocket import WebSocketClosedError
 from waiting import PATIENCE
 
 from app.library.store import Library
 from app.serving import handlers
+from nav_model.base.errors import InputError
 
 pytestmark = pytest.mark.long
 
@@ -109,6 +112,25 @@ async def test_hostile_messages_hurt_nobody_else_and_are_told_nothing(logged: An
     for tab in (bystander, *attackers):
         await tab.close()
     assert served.ask("/liveness")[0] == 200
+
+
+def test_faults_in_callbacks_count_as_those_of_messages_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Page:
+        def __init__(self) -> None:
+            self.document, self.faults = Document(), 0
+
+        def shows(self, document: Document) -> bool:
+            return document is self.document
+
+        def count_fault(self) -> None:
+            self.faults += 1
+
+    page, other = pages = Page(), Page()
+    monkeypatch.setattr(handlers, "_connections", list(pages))
+    with set_curdoc(page.document):
+        for fault in (KeyError("status"), InputError("lines", "are too many"), AttributeError("get")):
+            handlers.caught_on_a_page(fault)
+    assert (page.faults, other.faults) == (2, 0)
 
 
 def test_the_log_never_says_what_a_design_says(logged: Any) -> None:

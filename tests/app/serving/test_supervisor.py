@@ -169,7 +169,7 @@ def test_a_taken_port_is_told_before_anything_starts(capsys: pytest.CaptureFixtu
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         assert main(["serve", "--processes", "2", "--port", str(taken.getsockname()[1])]) == 2
-    assert "cannot listen on 127.0.0.1:" in capsys.readouterr().err
+    assert "--port: cannot listen on 127.0.0.1:" in capsys.readouterr().err
 
 
 def test_a_person_alone_has_one_process_and_a_team_one_per_core(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -66,3 +66,29 @@ def test_of_uploads_that_nobody_ends_a_page_keeps_one(widget: Any) -> None:
         _send(first, b"z", whole=False)
     others[-1]._handle_msg({"status": "finished"})
     assert others[-1].value == b"x" * 900
+
+
+@pytest.mark.parametrize(
+    "msg",
+    [None, 3, "finished", [], {}, {"status": []}, {"status": "explode"}, {"status": "upload_event"},
+     *({"status": "upload_event", "name": "a", "mime_type": "", "chunk": 1, "total_chunks": 1, "data": b"x"} | wrong
+       for wrong in ({"name": 3}, {"mime_type": None}, {"chunk": "1"}, {"chunk": 2}, {"chunk": 0},
+                     {"total_chunks": None}, {"data": None}, {"data": "text"}, {"data": {}}))],
+)  # fmt: skip
+def test_what_no_button_sends_is_ignored(widget: Any, msg: Any) -> None:
+    upload, refused = widget
+    upload._handle_msg({"status": "initializing"})
+    upload._handle_msg(msg)
+    assert not upload._file_buffer
+    _send(upload, b"good")
+    assert (upload.value, refused) == (b"good", [])
+
+
+def test_a_part_that_contradicts_the_one_before_is_ignored(widget: Any) -> None:
+    upload, refused = widget
+    upload._handle_msg({"status": "initializing"})
+    part = {"status": "upload_event", "name": "a", "mime_type": "", "data": b"x"}
+    upload._handle_msg(part | {"chunk": 3, "total_chunks": 3})
+    upload._handle_msg(part | {"chunk": 1, "total_chunks": 2})
+    assert refused == []
+    assert list(upload._file_buffer["a"]["chunks"]) == [3]
