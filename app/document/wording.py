@@ -3,12 +3,12 @@
 import re
 import unicodedata
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import cast
 
 from app.document.numbers import number, show_in
 from nav_model.base.units import format_quantity
 from nav_model.design import Design
-from nav_model.design.declaration import Choice
+from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import deviations, preset_of
 from nav_model.design.table import Table
@@ -48,13 +48,18 @@ def box_text(design: Design, key: str, value: float, digits: int = 4) -> str:
 
 def entered(design: Design, key: str) -> str:
     """An input as a person types it, in the unit in force; empty where it is not given."""
-    value: Any = design[key]
-    if isinstance(table := declaration_of(key), Table):
-        return table.show(value)
-    declared = quantity(key)
-    if value is None or not declared.dimension:
-        return "" if value is None else f"{value:.{_TYPED}g}"
-    return format_quantity(value, design.scale(key), declared.dimension, _TYPED, baseline=design.baseline or 0.0)
+    declared, value = declaration_of(key), design[key]
+    if isinstance(declared, Table):
+        return declared.show(value)
+    if value is None:
+        return ""
+    assert isinstance(declared, BaseQuantity)
+    assert isinstance(value, float | int)
+    if not declared.dimension:
+        return f"{value:.{_TYPED}g}"
+    scale = design.scale(key)
+    baseline = (design.baseline or 0.0) if " + " in scale else 0.0
+    return format_quantity(value, scale, declared.dimension, _TYPED, baseline=baseline)
 
 
 def preset_name(design: Design, section: str) -> str:

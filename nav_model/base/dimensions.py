@@ -44,6 +44,8 @@ class Dimension:
         Canonical symbol -> exact factor to SI. The first is the default for display.
     products : dict
         Product of named units -> its canonical symbol.
+    base : dict
+        Base unit -> its power, the same for all of the units.
     examples : tuple of str
         Quantity strings offered to a user whose text was refused.
     decibels : int
@@ -162,22 +164,22 @@ def _scale(text: str, name: str) -> Scale:
 def _sigmas(accuracies: list[re.Match[str]], kind: Dimension) -> tuple[Fraction, str]:
     """How many sigmas of an axis an accuracy is, and its name."""
     first, *others = sorted(accuracies, key=lambda match: match["word"] is None)
-    word, share = (first["word"] or "").upper(), first["of"]
-    if word == "CEP" and not share and len(others) == 1 and others[0]["share"] and "%" in others[0]["share"]:
+    word, share, unit = (first["word"] or "").upper(), first["of"], (first["share"] or " ")[0]
+    if word == "CEP" and not share and [(other["share"] or " ")[0] for other in others] == ["%"]:
         share, others = others[0]["number"], []  # "CEP (95 %)"
     if others:
         stated = " and ".join(match["accuracy"] for match in accuracies)
         raise InputError("quantity", f"The number states its accuracy twice, {stated}. Write one of them.")
-    if not first["share"] and not word.startswith("L") and kind.name not in ("length", "speed", "angle"):
+    if unit == " " and word[:1] != "L" and kind.name not in ("length", "speed", "angle"):
         raise InputError("quantity", f"{first['accuracy']} is of a place, not of {kind.name}.")
-    if first["share"] and "%" not in first["share"]:
-        sigmas, name = float(first["number"]), f"{first['number']}σ"
-    elif first["share"] or word.startswith("L"):
+    if unit == "%" or word[:1] == "L":
         share = first["number"] or share or "50"
         sigmas, name = NormalDist().inv_cdf(0.5 + float(share) / 200), f"{share} %"
     elif word:
         sigmas = math.sqrt(-2 * math.log(1 - float(share or 50) / 100))
-        name = f"CEP{share}" if share not in (None, "50") else "CEP"
+        name = "CEP" if share in (None, "50") else f"CEP{share}"
+    elif unit != " ":
+        sigmas, name = float(first["number"]), f"{first['number']}σ"
     elif first["times"] is None:
         sigmas, name = _SEP, "SEP"
     else:
@@ -189,16 +191,16 @@ def _sigmas(accuracies: list[re.Match[str]], kind: Dimension) -> tuple[Fraction,
 
 def _refused(unit: str, kind: Dimension, rms: str = "") -> InputError:
     """Why a text is no unit of a kind; where it is that of an `rms` or a drift, which random walks it may mean."""
-    unit = unit.strip()
+    unit, interval = unit.strip(), kind.name == "interval"
     if rms:
         walk = re.sub(r"/(?=[hs]$)", "/√", rms)
-        other = f"{rms} rms @ 100 Hz" if walk == rms else walk
-        said = f"is no {kind.name}. Write {other} or {rms}/√Hz, whichever is meant."
+        choice = f"{rms} rms @ 100 Hz" if walk == rms else walk
+        reason = f"is no {kind.name}. Write {choice} or {rms}/√Hz, whichever is meant."
     elif unit in ("'", '"') and kind.name == "length":
-        one, other = ("ft", "arcmin") if unit == "'" else ("in", "arcsec")
-        said = f"may mean {one} or {other}. Write {one} for a length."
+        length, arc = ("ft", "arcmin") if unit == "'" else ("in", "arcsec")
+        reason = f"may mean {length} or {arc}. Write {length} for a length."
     else:
-        *most, last = [*kind.units, "Hz"] if kind.name == "interval" else kind.units
+        *most, last = [*kind.units, "Hz"] if interval else kind.units
         choice = f"{', '.join(most)} or {last}" if most else last
-        said = f"is not a unit of {'time' if kind.name == 'interval' else kind.name}. Use {choice}."
-    return InputError("quantity", f"{shown(unit)} {said}", unit)
+        reason = f"is not a unit of {'time' if interval else kind.name}. Use {choice}."
+    return InputError("quantity", f"{shown(unit)} {reason}", unit)

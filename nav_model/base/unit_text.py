@@ -23,12 +23,13 @@ Product = Mapping[str, Fraction]
 LONGEST = 100
 """Characters of a quantity; what a text takes grows with its length alone."""
 _MOST_POWER = 12
-_POWERS = {"n": (-9, "nano"), "µ": (-6, "micro"), "m": (-3, "milli"), "c": (-2, "centi"), "k": (3, "kilo"),
-           "M": (6, "mega"), "G": (9, "giga")}  # fmt: skip
-_PREFIXES: dict[str, tuple[Any, ...]] = {"": (1, "")} | {
-    letter: (Fraction(10) ** power, letter, word, f"{word}-", *("u" if letter == "µ" else ""))
-    for letter, (power, word) in _POWERS.items()
-}
+_PREFIXES: dict[str, tuple[Any, ...]] = {
+    letter: (Fraction(10) ** power, *spellings.split(" "))
+    for letter, power, spellings in (
+        ("", 0, ""), ("n", -9, "n nano nano-"), ("µ", -6, "µ u micro micro-"), ("m", -3, "m milli milli-"),
+        ("c", -2, "c centi"), ("k", 3, "k kilo kilo-"), ("M", 6, "M mega mega-"), ("G", 9, "G giga giga-"),
+    )
+}  # fmt: skip
 """Letter -> factor, and how it is written."""
 _SIGNS = str.maketrans("μº˚−–‐‑′’‘´″”“×⋅∙•⁄∕", "µ°°----''''\"\"\"····//")
 _RAISED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
@@ -73,9 +74,7 @@ def product_of(text: str) -> Product:
     text = re.sub("[⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda m: f"^{m[0].translate(_RAISED)}", plain_signs(text).strip())
     product: dict[str, Fraction] = {}
     sign, root = 1, Fraction(1)  # of the factor that comes next
-    outer: list[
-        tuple[dict[str, Fraction], int, Fraction, str]
-    ] = []  # what is before a bracket, and how the bracket ends
+    outer: list[tuple[dict[str, Fraction], int, Fraction, str]] = []  # before a bracket, and the sign that ends it
     place = 0
     while place < len(text):
         token = _TOKEN.match(text, place)
@@ -91,18 +90,15 @@ def product_of(text: str) -> Product:
             outer.append((product, sign, root, _CLOSING[token["open"]]))
             product, sign, root = {}, 1, Fraction(1)
         elif not token["times"]:  # a factor: a name, or a bracket that ends here
-            factor: Product = product
-            if token["name"]:
-                factor = _named(token["name"])
-            elif not outer or outer[-1][3] != token["close"]:
-                raise ValueError("a bracket is not closed")
-            else:
-                product, sign, root, _ = outer.pop()
-            for symbol, of_one in factor.items():
-                raised = product.get(symbol, 0) + of_one * sign * root * Fraction(power or 1)
-                if abs(raised) > _MOST_POWER or raised.denominator > 2:
-                    raise ValueError(f"{raised} is no power of {symbol}")
-                product[symbol] = raised
+            factor: Product = _named(token["name"]) if token["name"] else product
+            if token["close"]:
+                product, sign, root, ending = outer.pop() if outer else (product, sign, root, "")
+                if ending != token["close"]:
+                    raise ValueError("a bracket is not closed")
+            for symbol, inner in factor.items():
+                product[symbol] = product.get(symbol, 0) + inner * sign * root * Fraction(power or 1)
+                if abs(product[symbol]) > _MOST_POWER or product[symbol].denominator > 2:
+                    raise ValueError(f"{product[symbol]} is no power of {symbol}")
             sign, root, power = 1, Fraction(1), None
         if power:
             raise ValueError("a power of nothing")
@@ -143,14 +139,14 @@ def size_of(product: Product) -> tuple[Fraction, Product]:
     size, squared = Fraction(1), Fraction(1)
     base: dict[str, Fraction] = {}
     for symbol, power in product.items():
-        one, of = UNITS[symbol]
+        factor, of_base = UNITS[symbol]
         if power.denominator == 1:
-            size *= one ** int(power)
+            size *= factor ** int(power)
         else:
-            squared *= one ** int(2 * power)
-        for each, inner in of.items():
-            base[each] = base.get(each, Fraction(0)) + inner * power
-    return size * root_of(squared), {each: power for each, power in base.items() if power}
+            squared *= factor ** int(2 * power)
+        for unit, inner in of_base.items():
+            base[unit] = base.get(unit, Fraction(0)) + inner * power
+    return size * root_of(squared), {unit: power for unit, power in base.items() if power}
 
 
 def root_of(squared: Fraction) -> Fraction:

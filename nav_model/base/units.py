@@ -23,7 +23,7 @@ from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
 from nav_model.base.errors import InputError, shown
 from nav_model.base.unit_text import LONGEST, plain_signs
 
-_KEY = "quantity"  # in errors, until whoever asked for the quantity puts his own key in its place
+_KEY = "quantity"  # in errors, until the caller puts the key of the input in its place
 
 
 class Parsed(NamedTuple):
@@ -158,8 +158,8 @@ def _place(text: str, letters: str) -> Fraction | None:
         raise InputError(_KEY, f"{shown(text)} has 60 minutes or seconds, or more.", text)
     letter = (match[1] or "") + (match[6] or "")
     if letter not in ("", *letters) or (letter and match[2]):
-        said = f"Write it with {letters[0]} or {letters[1]}" if letters else "Write it without a point of the compass"
-        raise InputError(_KEY, f"{shown(text)} is not such an angle. {said}, or with a sign.", text)
+        advice = f"with {letters[0]} or {letters[1]}" if letters else "without a point of the compass"
+        raise InputError(_KEY, f"{shown(text)} is not such an angle. Write it {advice}, or with a sign.", text)
     degrees = Fraction(match[3]) + minutes / 60 + seconds / 3600
     return -degrees if letter in ("S", "W") or match[2] == "-" else degrees
 

@@ -225,7 +225,7 @@ class Design:
     def scale(self, key: str) -> str:
         """What follows the number under `key` as a person writes it: its unit, or "m CEP"."""
         written = self.written.get(key, "")
-        return self.unit(key) if not written or ":" in written else written
+        return written if written and ":" not in written else self.unit(key)
 
     @property
     def baseline(self) -> float | None:

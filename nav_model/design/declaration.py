@@ -4,6 +4,7 @@ One declaration serves the file reader, the link, the command line and the widge
 """
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -31,6 +32,8 @@ BASE_LINE = "gnss.baseline"
 """Key of the distance from the base station."""
 ON_BASE_LINE = ("gnss.position_noise", "gnss.vertical_position_noise", "gnss.correlated_noise")
 """Inputs that may grow with it: "1 cm + 1 ppm"."""
+_NO_ERRORS = ("requirements", "flight", "coast", "radar", "motion", "oscillator")
+"""Sections whose inputs are no errors of a 1σ."""
 _COMPASS = {"latitude": "NS", "longitude": "EW"}
 
 
@@ -250,9 +253,12 @@ class BaseQuantity(Declared, param.Number[_T]):
                 baseline = math.nan  # it is asked for
             letters = _COMPASS.get(str(self.label).lower(), "")
             exact, unit = parse_exact(text, dimension, advice, baseline=baseline, letters=letters)
-            if where.startswith("requirements.") and (scale := DIMENSIONS[dimension].scale(unit)).how:
-                said = f"{shown(text)}: a limit has no accuracy. Write {scale.unit.split()[0]} alone; "
-                raise InputError(where, f"{said}requirements.confidence says at how many sigmas it counts.", text)
+            words = unit.partition(" ")[2] if DIMENSIONS[dimension].scale(unit).how else ""
+            if words and where.partition(".")[0] in _NO_ERRORS:
+                reason = f"{shown(text)} states an accuracy, but the {in_sentence(self.label)} is not a 1σ"
+                raise InputError(where, f"{reason}. Write {unit.partition(' ')[0]} alone.", text)
+            if "vertical" in where and re.search("CEP|DRMS", words):
+                raise InputError(where, f"{shown(text)} is of a circle. Write for example LE90 or 95 %.", text)
         except InputError as error:
             raise InputError(where, error.reason, text) from error
         try:
@@ -292,7 +298,7 @@ class BaseQuantity(Declared, param.Number[_T]):
 
         Empty where it is a number of a usual unit.
         """
-        if not self.dimension or not written or ":" in written or written in DIMENSIONS[self.dimension].units:
+        if not written or ":" in written or written in DIMENSIONS[self.dimension].units:
             return ""
         text = format_quantity(value, written, self.dimension, 12, baseline=baseline or 0.0)
         usual = format_quantity(value, self.plain_unit(written), self.dimension, 3, zeros=True)
@@ -300,8 +306,10 @@ class BaseQuantity(Declared, param.Number[_T]):
 
     def plain_unit(self, written: str) -> str:
         """The usual unit in which a value that is written so is shown elsewhere."""
-        unit = written.split(" ")[0]
-        return unit if self.dimension and unit in DIMENSIONS[self.dimension].units else self.unit
+        if not written or written == self.unit:
+            return self.unit
+        unit = written.partition(" ")[0]
+        return unit if unit in DIMENSIONS[self.dimension].units else self.unit
 
     def _write_alternative(self, value: float, unit: str) -> str:
         assert self.alternative is not None

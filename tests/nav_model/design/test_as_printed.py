@@ -67,10 +67,13 @@ def test_noise_written_with_ppm_follows_the_base_line():
 
 
 def test_a_limit_is_no_accuracy():
-    with pytest.raises(
-        InputError, match=r"requirements.horizontal_position: .* a limit has no accuracy. Write m alone"
-    ):
+    with pytest.raises(InputError, match=r"the horizontal position is not a 1σ\. Write m alone"):
         parse_design('[requirements]\nhorizontal_position = "10 m CEP"\n')
+    with pytest.raises(InputError, match=r"flight.speed: '100 m/s 3σ' states an accuracy"):
+        parse_design('[flight]\nspeed = "100 m/s 3σ"\n')
+    with pytest.raises(InputError, match=r"gnss.vertical_position_noise: '2 m CEP' is of a circle"):
+        parse_design('[gnss]\nvertical_position_noise = "2 m CEP"\n')
+    assert parse_design('[gnss]\nvertical_position_noise = "2 m LE90"\n').gnss.vertical_position_noise < 2
     limit = '[[limits]]\nname = "near"\non = "coast_horizontal_velocity"\nlimit = "1 m/s 95 %"\n'
     with pytest.raises(InputError, match="states an accuracy"):
         parse_design(limit)
