@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+import sys
 from typing import TYPE_CHECKING, Any
 
 from nav_model.base.errors import InputError, under
@@ -25,9 +25,12 @@ def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:
     add("--outage", dest="outages", action="append", default=[], metavar="START,STOP",
         help="start and stop of a time without fixes, in seconds; may be repeated")  # fmt: skip
     add("--trajectory", default=usual, metavar="NAME-or-FILE",
-        help="plan (the design's), wandering, straight, turns, climb, or a file: .csv, .gpx, .kml, or .out (SBET); "
-        f"default: {usual}")  # fmt: skip
-    add("--height", metavar="H", help="height of the places of a GPX or KML file that have none, e.g. '3 km'")
+        help="plan (the design's), wandering, straight, turns, climb, or a file: KML, KMZ, GPX, .plan, .waypoints, "
+        f"CSV, SBET; default: {usual}")  # fmt: skip
+    add("--height", metavar="H", help="height of the places of a file that have none, e.g. '3 km'")
+    add("--ground", metavar="G",
+        help="height of the ground, or of the take-off, for a file with heights above it, e.g. '430 m' "
+        "(default: the design's, unless that is 0)")  # fmt: skip
     add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
     add("--states", type=int, choices=(9, 15, 21), default=9,
         help="filter states (default 9): 15 estimates biases, 21 constant and varying biases separately")  # fmt: skip
@@ -80,22 +83,25 @@ def flight_study(
 
 def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
     from nav_model.simulation.design_study import NAMED_TRAJECTORIES
-    from nav_model.simulation.trajectory import FILE_BOUNDS
     from nav_model.trajectory.design_study import PLAN, plan_like
-    from nav_model.trajectory.files import parse_flight
+    from nav_model.trajectory.files.reader import KINDS, read_flight
 
+    height, ground = (_length(options, name) for name in ("height", "ground"))
+    if ground is None and design.trajectory.ground:
+        ground = design.trajectory.ground
     try:
-        height = None if options.height is None else parse_quantity(options.height, "length").value
-    except ValueError as error:
-        raise InputError("--height", str(error), options.height) from error
-    path = Path(options.trajectory)
-    try:
-        with path.open("rb") as file:
-            content = file.read(FILE_BOUNDS.most_bytes + 1)
-        return parse_flight(content, path.name, plan_like(design), height)
+        flight = read_flight(options.trajectory, plan_like(design), height, ground)
     except OSError as error:
         known = ", ".join((PLAN, *NAMED_TRAJECTORIES))
-        said = f"{options.trajectory!r} is no file that can be read. Name a CSV, GPX, KML or SBET file, or {known}."
-        raise InputError("--trajectory", said) from error
+        reason = f"{options.trajectory!r} is no file that can be read. Name a {KINDS} file, or {known}."
+        raise InputError("--trajectory", reason) from error
     except ValueError as error:
         raise InputError("--trajectory", str(error)) from error
+    print(f"{options.trajectory}: {flight.note}", file=sys.stderr)
+    return flight
+
+
+def _length(options: argparse.Namespace, name: str) -> float | None:
+    text = getattr(options, name)
+    with under(f"--{name}"):
+        return None if text is None else parse_quantity(text, "length").value

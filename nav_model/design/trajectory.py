@@ -11,6 +11,8 @@ from nav_model.design.table import Table
 
 LINES, WAYPOINTS = "lines", "waypoints"
 MOST_WAYPOINTS = 200  # more make a link too long
+FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".out", ".sbet")
+"""Usual ends of the names of files of flights; what a file is, its content says."""
 
 AIDING = (
     "bank_limit", "after_loss", "lever_arm_error", "time_offset", "radar_time_offset", "heading_noise",

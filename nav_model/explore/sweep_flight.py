@@ -113,15 +113,18 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
         return str(value)
     if not isinstance(value, str):
         raise InputError("simulate.trajectory", f"{value!r} is not a name or a file", value)
-    from nav_model.simulation.trajectory import read_trajectory
+    from nav_model.trajectory.files.reader import read_file
 
     try:
-        return read_trajectory(folder / value)
+        flight = read_file(folder / value).flight
+        if flight is None:
+            raise ValueError(f"{value} is a plan. Fly it as the designs' own, or give a recording.")
+        return flight.trajectory
     except OSError as error:
         known = ", ".join(NAMED_TRAJECTORIES)
         raise InputError(
             "simulate.trajectory",
-            f"{value!r} is no file that can be read. Name a CSV file, or choose {known}.",
+            f"{value!r} is no file that can be read. Name a CSV or SBET file, or choose {known}.",
             value,
         ) from error
     except ValueError as error:

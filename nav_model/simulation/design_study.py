@@ -66,7 +66,7 @@ def specification(
     altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas [T-3] on all axes,
     so that little time is spent settling; yaw starts at 0.1°.
 
-    trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as `read_trajectory` gives.
+    trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as a file gives.
     duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
     tells two kinds of bias apart. more: sensor errors, receiver and tuning beyond the design.
 

@@ -189,7 +189,7 @@ class TrajectorySpec:
       straight:  exactly straight and level at constant heading; speed 0 is a stationary INS;
       turns:     coordinated turns (`turn_rate`) of +90, -180, +90 deg, then the long straight leg;
       climb:     level, then `climb_height` gained at `climb_rate` half way through, then level;
-      file:      `samples` (see `trajectory.read_trajectory`).
+      file:      `samples` (see `nav_model.trajectory.files.reader`).
     """
 
     kind: TrajectoryKind = "wandering"

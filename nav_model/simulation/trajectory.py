@@ -8,7 +8,6 @@ rate computed from it are consistent with the position to rounding.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ import numpy as np
 from nav_model.base.arrays import Array as FloatArray
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
-from nav_model.earth.trajectory_file import FileBounds, read_trajectory_table
+from nav_model.earth.trajectory_file import FileBounds
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import HIGHEST_LATITUDE, TrajectorySpec, refused
 
@@ -214,34 +213,17 @@ _LARGEST_ACCELERATION: Final = 300.0
 _LARGEST_RATE: Final = math.radians(1000.0)
 
 
-def parse_trajectory(content: bytes, name: str = "trajectory file") -> TrajectorySpec:
-    """The flight of a trajectory file.
-
-    Raises
-    ------
-    InputError
-        As `nav_model.earth.trajectory_file.read_trajectory_table`, and for a path that needs an acceleration above
-        300 m/s² or an angular rate above 1000 °/s.
-    """
-    table = read_trajectory_table(content, name, FILE_BOUNDS)
-    return flight_through(table.samples, table.lines, name)
-
-
 def flight_through(samples: FloatArray, lines: list[int], name: str) -> TrajectorySpec:
     """The flight through rows of time from zero [s], latitude, longitude [rad], height [m], roll, pitch, yaw [rad].
 
-    Angles may be unwrapped or not. lines: of the file, for messages, as `parse_trajectory` gives them.
+    Angles may be unwrapped or not. lines: of the file, for messages.
+
+    Raises InputError for a path that needs an acceleration above 300 m/s² or an angular rate above 1000 °/s.
     """
     for column in (2, 4, 6):
         samples[:, column] = np.unwrap(samples[:, column])
     _check_motion(samples, lines, name)
     return TrajectorySpec(kind="file", samples=samples.tobytes())
-
-
-def read_trajectory(path: str | Path) -> TrajectorySpec:
-    """`parse_trajectory` of a file; OSError where it cannot be read."""
-    with Path(path).open("rb") as file:
-        return parse_trajectory(file.read(FILE_BOUNDS.most_bytes + 1), Path(path).name)
 
 
 def file_duration(spec: TrajectorySpec) -> float:

@@ -18,7 +18,6 @@ BOUNDS = FileBounds(
 )
 """What a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
 
-_LEAST_SPACING = 1e-6  # s between two rows
 _LARGEST_FORCE = 1e6  # m/s^2: no vehicle bears it, and no square of it is too large for a float
 
 
@@ -49,8 +48,6 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     n = round(time[-1] / step_s)
     if n < 1 or abs(n * step_s - time[-1]) >= 1e-6:
         raise InputError(name, f"lasts {time[-1]:g} s, which must be a whole number of steps of {step_s:g} s")
-    if np.diff(time).min() < _LEAST_SPACING:
-        raise InputError(name, f"has rows less than {_LEAST_SPACING:g} s apart")
     axes = ned_to_inertial(lat, lon + EARTH_RATE * time)
     track = CubicSpline(time, -axes[:, :, 2] * (SPHERE_RADIUS + height)[:, None])
     c_bi = axes @ matrix_from_euler(roll, pitch, yaw)

@@ -7,7 +7,7 @@
     aperture.py       the weights of the image figures, of the errors at the nodes of a flight
     result.py         TrajectoryResult and its parts; to_json
     plan.py           a flight from waypoints and lines, with coordinated turns
-    files.py          flights from GPX, KML, SBET and CSV
+    files             flights from files: plans, recordings
 
 Import from the modules; this one imports nothing.
 """

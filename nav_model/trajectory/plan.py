@@ -51,11 +51,13 @@ class Plan:
 
 @dataclass(frozen=True)
 class PlannedFlight:
-    """The flight of a plan, how long it takes [s], and its lines: each from the end of one turn to the next."""
+    """The flight of a plan, how long it takes [s], and its lines: each from the end of one turn to the next. note:
+    what was read of a file."""
 
     trajectory: TrajectorySpec
     duration: float
     lines: tuple[Line, ...]
+    note: str = ""
 
 
 @dataclass(frozen=True)

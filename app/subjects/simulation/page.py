@@ -46,10 +46,11 @@ from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.base.errors import InputError
 from nav_model.design.parts import declaration_of
+from nav_model.design.trajectory import FLIGHT_FILES
 from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
-from nav_model.simulation.trajectory import file_duration, parse_trajectory
-from nav_model.trajectory.design_study import planned
+from nav_model.trajectory.design_study import plan_like, planned
+from nav_model.trajectory.files.reader import parse_flight
 
 _PLAN = "plan"
 _FLIGHTS = {
@@ -58,7 +59,7 @@ _FLIGHTS = {
     "Turns, then a long leg": "turns",
     "A climb half way": "climb",
     "The design's flight plan": _PLAN,
-    "From a file (CSV)": "file",
+    "From a file": "file",
 }
 _FIELDS = {"duration": "Length", "outage": "Outages"}  # what a specification names -> its field here
 _AXES = ["north", "east", "down"]
@@ -131,7 +132,7 @@ class SimulatePage(StudyPage[Flown]):
     def _fields(self) -> tuple[Any, ...]:
         choices, names = self.param, pmui.TextInput.from_param
         self._upload = upload(
-            "Trajectory file", ".csv", _UPLOAD, self._uploaded, self._refuse,
+            "Trajectory file", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded, self._refuse,
             visible=choices.trajectory.rx() == "file",
         )  # fmt: skip
         own = choices.trajectory.rx() != _PLAN  # a plan has its length and outages
@@ -272,14 +273,15 @@ class SimulatePage(StudyPage[Flown]):
 
     async def _uploaded(self, name: str, content: bytes) -> None:
         try:
-            flight = await elsewhere(parse_trajectory, content, name)
+            design = self._session.design
+            heights = design.flight.altitude, design.trajectory.ground or None
+            flight = await elsewhere(parse_flight, content, name, plan_like(design), *heights)
         except InputError as error:
             self._refuse(error)
         else:
-            self._file = flight
-            length = file_duration(flight)
-            self._say(f"{name}: a flight of {shown(length, 4, given=True)} s.")
-            self.length = f"{math.floor(10 * length) / 10:.1f}"
+            self._file = flight.trajectory
+            self._say(f"{name}: a flight of {shown(flight.duration, 4, given=True)} s; {flight.note}.")
+            self.length = f"{math.floor(10 * flight.duration) / 10:.1f}"
 
 
 def _told(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[Flown], str]:

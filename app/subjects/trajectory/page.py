@@ -39,13 +39,12 @@ from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.parts import Trajectory
-from nav_model.design.trajectory import AIDING, LINES, MOST_WAYPOINTS, WAYPOINTS
+from nav_model.design.trajectory import AIDING, FLIGHT_FILES, LINES, MOST_WAYPOINTS, WAYPOINTS
 from nav_model.simulation.specification import FILTER_STATES
 
 _FILE = "file"
 _NAMED = {f"{label[:1].upper()}{label[1:]}": name for name, label in Trajectory.param["flight"].options.items()}
 _FLIGHTS = {**_NAMED, "From a file": _FILE}
-_KINDS = (".gpx", ".kml", ".csv", ".out")
 _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
@@ -54,12 +53,9 @@ _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
-_NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
-_NO_FILE = "Open a file: GPX and KML are plans, flown at the design's speed; CSV and SBET were flown."
 _ADDED = " A double click on the map adds one at the end."
-_NOT_NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
-_NO_FILE = "Open a file: GPX and KML are plans, flown at the design's speed; CSV and SBET were flown."
-_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
+_NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
+_NO_FILE = "Open a file: plans (KML, KMZ, GPX, .plan) are flown at the design's speed, recordings as they were."
 
 
 class TrajectoryPage(StudyPage[Followed]):
@@ -161,7 +157,7 @@ class TrajectoryPage(StudyPage[Followed]):
     def _fields(self) -> tuple[Any, ...]:
         choices, box, flies = self.param, self._plan.box, self.param.flight.rx
         self._upload = upload(
-            "GPX, KML, CSV or SBET file", ",".join(_KINDS), _UPLOAD, self._uploaded,
+            "Plan or recording", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded,
             self._refuse, visible=flies() == _FILE,
         )  # fmt: skip
         lines, turns, named = (flies.in_(those) for those in ((LINES,), (LINES, WAYPOINTS), _HAVE_A_LENGTH))
@@ -267,12 +263,9 @@ class TrajectoryPage(StudyPage[Followed]):
             self._refuse(problem)
 
     async def _uploaded(self, name: str, content: bytes) -> None:
-        if not name.lower().endswith(_KINDS):
-            self._refuse(f"{name} is not a GPX, KML, CSV or SBET (.out) file.")
-            return
-        await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files")
+        await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files.reader")
         try:
-            places = await elsewhere(waypoints_in, content, name, self._session.design.flight.altitude)
+            places, note = await elsewhere(waypoints_in, content, name, self._session.design)
             if not 0 < len(places) <= MOST_WAYPOINTS:
                 self._file = File(name, await self._on_disk.put(content))
         except InputError as error:
@@ -281,9 +274,9 @@ class TrajectoryPage(StudyPage[Followed]):
         if 0 < len(places) <= MOST_WAYPOINTS:
             self._take(places)
             self.flight = WAYPOINTS
-            lacking = "Where the file has no height, it is that of the flight."
-            self._say(f"{name}: {len(places)} waypoints, which are in the design now. {lacking}")
+            self._say(f"{name}: {note}. The waypoints are in the design now.")
         else:
+            self._say(f"{name}: {note}.")
             self.begin()
 
 

@@ -84,13 +84,14 @@ def follow(
     from nav_model.simulation.design_study import specification
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import covariance_specification, plan_like, planned
-    from nav_model.trajectory.files import parse_flight
+    from nav_model.trajectory.files.reader import parse_flight
 
     progress(0.0, "Following the covariance along the flight")
     if file is None:
         flight = planned(design)
     else:
-        flight = parse_flight(file.path.read_bytes(), file.name, plan_like(design), design.flight.altitude)
+        heights = design.flight.altitude, design.trajectory.ground or None
+        flight = parse_flight(file.path.read_bytes(), file.name, plan_like(design), *heights)
     if flight.duration > _MOST_STEPS * design.gnss.interval:
         said = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
         raise InputError("Flight", said + "use the command `navbudget trajectory`")
@@ -115,17 +116,21 @@ def follow(
     )
 
 
-def waypoints_in(content: bytes, name: str, height: float) -> Rows:
-    """The waypoints of a GPX or KML file, those without a height at `height` [m]; none of another file.
+def waypoints_in(content: bytes, name: str, design: Design) -> tuple[Rows, str]:
+    """The waypoints of a plan, none of a recording, and what was read of the file.
+
+    Places without a height are at the design's altitude; heights above the ground are above its ground, unless that
+    is 0.
 
     Raises
     ------
     InputError
         Naming the file, with what is wrong and where.
     """
-    from nav_model.trajectory.files import waypoints_of
+    from nav_model.trajectory.files.reader import parse_file
 
-    return _rows(waypoints_of(content, name, height))
+    file = parse_file(content, name, design.flight.altitude, design.trajectory.ground or None)
+    return _rows(file.waypoints), file.note
 
 
 def waypoints_of_lines(design: Design) -> Rows:

@@ -93,7 +93,7 @@ _HEAD = b"time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\
         (_HEAD + b"".join(b"%d,91,0,1e5,0,0,0\n" % k for k in range(5)), "line 2: latitude_deg = 91"),
         (_HEAD + b"".join(b"%d,0,0,1e300,0,0,0\n" % k for k in range(5)), "line 2: height_m = 1e.300"),
         (_HEAD + b"".join(b"%d,%d,0,1e5,0,0,0\n" % (k, k % 2 * 90) for k in range(5)), "asks for .* m/s²"),
-        (_HEAD + b"".join(b"%de-300,0,0,1e5,0,0,0\n" % k for k in range(5)) + b"1,0,0,1e5,0,0,0\n", "1e-06 s apart"),
+        (_HEAD + b"".join(b"%de-300,0,0,1e5,0,0,0\n" % k for k in range(5)) + b"1,0,0,1e5,0,0,0\n", "1e-06 s at"),
         (b"x" * 16_000_001, "larger than 16 MB"),
     ],
 )  # fmt: skip

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from nav_model.base.errors import InputError
-from nav_model.simulation.trajectory import parse_trajectory, plan_trajectory
+from nav_model.simulation.specification import TrajectorySpec
+from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
-from nav_model.trajectory.files import parse_flight, parse_sbet, waypoints_of
+from nav_model.trajectory.files.reader import parse_file, parse_flight
+from nav_model.trajectory.files.sbet import parse_sbet
 from nav_model.trajectory.plan import Plan, Waypoint, fly, strip
 
 DEGREE = math.pi / 180
@@ -103,8 +105,8 @@ def test_a_plan_that_cannot_be_flown_is_refused_by_the_waypoint(
 
 KML = (
     '<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark>'
-    "<name><![CDATA[<b>North &amp; back</b><br>]]></name><LineString><coordinates>8,50,3000 8,50.2,3000</coordinates>"
-    "</LineString></Placemark></Document></kml>"
+    "<name><![CDATA[<b>North &amp; back</b><br>]]></name><LineString><altitudeMode>absolute</altitudeMode>"
+    "<coordinates>8,50,3000 8,50.2,3000</coordinates></LineString></Placemark></Document></kml>"
 )
 GPX = (
     '<?xml version="1.0"?><gpx xmlns="http://www.topografix.com/GPX/1/1" version="1.1"><rte>'
@@ -133,11 +135,18 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
 )
 def test_a_file_that_is_no_plan_is_refused_with_the_place(kind: str, text: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        waypoints_of(text.encode(), "flight" + kind)
+        parse_file(text.encode(), "flight" + kind)
 
 
 def test_places_without_height_take_the_one_that_is_given() -> None:
-    assert waypoints_of(GPX.replace("<ele>3000</ele>", "").encode(), "a.gpx", 500.0)[0].height == 500.0
+    assert parse_file(GPX.replace("<ele>3000</ele>", "").encode(), "a.gpx", 500.0).waypoints[0].height == 500.0
+
+
+def flown(content: bytes) -> TrajectorySpec:
+    """A file's flight as it was flown."""
+    flight = parse_file(content, "flown").flight
+    assert flight is not None
+    return flight.trajectory
 
 
 HEADINGS = {
@@ -164,13 +173,13 @@ def test_headings_are_read_however_they_are_written() -> None:
     for write in HEADINGS.values():
         rows = turning(write)
         text = header + "\n".join(",".join(map(repr, row)) for row in rows.tolist())
-        flights.append(plan_trajectory(parse_trajectory(text.encode()), 150.0))
+        flights.append(plan_trajectory(flown(text.encode()), 150.0))
         records = np.zeros((len(rows), 17))
         records[:, [0, 1, 2, 3, 7, 8, 9]] = rows
         records[:, [1, 2, 9]] = np.radians(records[:, [1, 2, 9]])
         records[:, 9] += 0.3
         records[:, 10] = 0.3
-        flights.append(plan_trajectory(parse_sbet(records.tobytes(), "sbet"), 150.0))
+        flights.append(plan_trajectory(parse_sbet(records.tobytes(), "sbet")[0], 150.0))
     times = np.linspace(0.0, 150.0, 50)
     for flight in flights[1:]:
         np.testing.assert_allclose(flight.evaluate(times), flights[0].evaluate(times), atol=1e-9)

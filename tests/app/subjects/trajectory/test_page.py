@@ -39,7 +39,7 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design
 from nav_model.simulation.monte_carlo import simulate
-from nav_model.trajectory.files import waypoints_of
+from nav_model.trajectory.files.reader import parse_file
 
 pytestmark = pytest.mark.long
 TWO_LINES = {
@@ -221,7 +221,7 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
         when_done(lambda: page._uploaded(name, content), page.run)
 
     opened("song.mp3", b"abc")
-    assert "song.mp3 is not a GPX, KML, CSV or SBET" in page._bar.message
+    assert "This is not a table. Give a KML, KMZ, GPX" in page._bar.message
     opened("plan.gpx", b"<gpx/>")
     assert "Not used. plan.gpx: holds no route" in page._bar.message
     assert (page._file, session.design.trajectory.waypoints) == (None, ())
@@ -271,7 +271,7 @@ def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> No
     assert str(out["description"].text).startswith("out & <b>in</b> fails ")
     assert wide["description"].text == "wide keeps its limits."
     assert flight["description"].text == "Flight: waypoints, 2 lines, 319 s; outages: none; filter of 9 states."
-    (again,) = [point for point in waypoints_of(text, "again.kml") if point.line == "wide"][:1]
+    (again,) = [point for point in parse_file(text, "again.kml").waypoints if point.line == "wide"][:1]
     assert (again.latitude, again.longitude) == pytest.approx((0.823, 0.14), abs=1e-5)
 
 

@@ -1,0 +1,128 @@
+"""Flights from files of any kind, told by what they hold: plans are flown, recordings are as they were flown."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from nav_model.base.errors import InputError
+from nav_model.base.file_kind import kind_of, text_encoding
+from nav_model.base.number_table import open_table
+from nav_model.simulation.trajectory import FILE_BOUNDS, file_duration
+from nav_model.trajectory.files.gpx import read_gpx
+from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_plan, read_waypoint_list
+from nav_model.trajectory.files.heights import Heights
+from nav_model.trajectory.files.kml import read_kml
+from nav_model.trajectory.files.markup import local_name, read_xml, unpack
+from nav_model.trajectory.files.recorded import Segment, fly_recorded
+from nav_model.trajectory.files.sbet import is_accuracies, is_sbet, parse_sbet
+from nav_model.trajectory.files.table import read_columns
+from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
+
+KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV or SBET"
+
+
+@dataclass(frozen=True)
+class FlightFile:
+    """What a file holds: the waypoints of a plan, or a flight as it was flown; and what was read, in a sentence."""
+
+    waypoints: tuple[Waypoint, ...]
+    flight: PlannedFlight | None
+    note: str
+
+    def flown(self, like: Plan, name: str) -> PlannedFlight:
+        """The flight; waypoints at speed, bank, climb and ground of `like`. Raises InputError under the name."""
+        try:
+            return replace(self.flight or fly(replace(like, waypoints=self.waypoints)), note=self.note)
+        except InputError as error:
+            raise InputError(name, str(error)) from error
+
+
+def read_flight(
+    path: str | Path, like: Plan, height: float | None = None, ground: float | None = None
+) -> PlannedFlight:
+    """`parse_flight` of a file; OSError where it cannot be read."""
+    return read_file(path, height, ground).flown(like, Path(path).name)
+
+
+def read_file(path: str | Path, height: float | None = None, ground: float | None = None) -> FlightFile:
+    """`parse_file` of a file; OSError where it cannot be read."""
+    with Path(path).open("rb") as file:
+        return parse_file(file.read(FILE_BOUNDS.most_bytes + 1), Path(path).name, height, ground)
+
+
+def parse_flight(
+    content: bytes, name: str, like: Plan, height: float | None = None, ground: float | None = None
+) -> PlannedFlight:
+    """The flight of a file's content; like: speed, bank, climb and ground for waypoints; the rest as `parse_file`."""
+    return parse_file(content, name, height, ground).flown(like, name)
+
+
+def parse_file(content: bytes, name: str, height: float | None = None, ground: float | None = None) -> FlightFile:
+    """What a file holds.
+
+    Parameters
+    ----------
+    content, name : bytes, str
+        Of the file; the name only for messages.
+    height : float, optional
+        Of places that have none [m above the ellipsoid].
+    ground : float, optional
+        Height of the ground, or of the take-off, of places whose heights are above it [m above the ellipsoid].
+
+    Raises
+    ------
+    InputError
+        Under the file's name: what is wrong and where, or what the file is when it is no flight.
+    """
+    heights = Heights(name, height, ground)
+    waypoints, segments, flight = _read(content, name, heights)
+    if segments:
+        flight = fly_recorded(segments, heights)
+    return FlightFile(waypoints, flight, "; ".join(heights.notes))
+
+
+def _read(
+    content: bytes, name: str, heights: Heights
+) -> tuple[tuple[Waypoint, ...], list[Segment], PlannedFlight | None]:
+    """Waypoints, recorded segments, or a flight: one of the three."""
+    if len(content) > FILE_BOUNDS.most_bytes:
+        raise heights.refuse(f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
+    if not content.strip():
+        raise heights.refuse("the file is empty")
+    if content.startswith(b"PK"):
+        entry = unpack(content, name)
+        if entry is None:
+            raise heights.refuse(f"is {kind_of(content)} without a flight in it. Unpack it and give a {KINDS} file.")
+        heights.note(f"{entry[0]} in the archive")
+        content = entry[1]
+    if is_accuracies(content):
+        raise heights.refuse("is smrmsg, the accuracies that belong to an SBET file. Give the SBET file itself.")
+    if is_sbet(content):
+        spec, notes = parse_sbet(content, name)
+        heights.notes += notes
+        return (), [], PlannedFlight(spec, file_duration(spec), ())
+    kind = kind_of(content)
+    if kind == "XML" or (kind is None and _is_markup(content)):
+        root = read_xml(content, name)
+        read = {"gpx": read_gpx, "kml": read_kml}.get(local_name(root))
+        if read is None:
+            raise heights.refuse(f"is XML of the kind {local_name(root)!r}. Give a {KINDS} file.")
+        return *read(root, heights), None
+    if kind == "JSON":
+        return read_plan(content, heights), [], None
+    if content.startswith(WAYPOINT_LIST):
+        return read_waypoint_list(content, heights), [], None
+    if kind is None:
+        try:
+            table = open_table(content, name)
+        except InputError as error:
+            raise heights.refuse(f"{error.reason} Give a {KINDS} file.") from error
+        flown = read_columns(table, heights)
+        return ((), [flown], None) if isinstance(flown, Segment) else ((), [], flown)
+    reason = "is no text and no SBET" if kind == "not text" else f"is {kind}"
+    raise heights.refuse(f"{reason}. Give a {KINDS} file.")
+
+
+def _is_markup(content: bytes) -> bool:
+    """Whether a text in any encoding begins as XML does."""
+    start = content[:200].decode(text_encoding(content[:200]) or "ascii", "replace")
+    return start.lstrip("\ufeff \t\r\n").startswith("<")

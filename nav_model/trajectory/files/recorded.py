@@ -1,0 +1,190 @@
+"""Flights from recorded places: smoothed by how noisy they are, attitude from coordinated turns, pauses cut."""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from nav_model.base.arrays import Array
+from nav_model.base.constants import STANDARD_GRAVITY
+from nav_model.earth.wgs84 import metres_per_radian
+from nav_model.simulation.trajectory import flight_through
+from nav_model.trajectory.files.heights import Heights, counted
+from nav_model.trajectory.plan import PlannedFlight
+from nav_model.trajectory.specification import Line
+
+_STEP = 0.5  # s between samples of the flight, where knots are not closer
+_LONGEST = 100 * 3600.0  # s
+_KNOT_EVERY = (2, 4, 8, 16, 32, 64)  # samples
+_FEWEST_SMOOTHED = 16  # samples; a spline through fewer is not fitted but goes through them
+_PAUSE = 10.0  # median intervals, and seconds: a longer gap ends a segment
+_GENTLE = 0.25 * STANDARD_GRAVITY  # across a pause
+_SLOWEST = 1.0  # m/s with a course
+_SETTLE = 1.0  # s, sigma of the smoothing of attitude
+_FAST_ENOUGH = 0.2  # s between rows with an attitude that can be flown
+_ATTITUDE = slice(4, 7)
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """Rows of time [s], latitude, longitude [°], height above the ellipsoid [m], and roll, pitch, yaw [°] where they
+    were recorded: shape (n, 4) or (n, 7)."""
+
+    name: str
+    rows: Array
+
+
+def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight:
+    """The flight through recorded segments, each of which is a line.
+
+    Raises InputError under the file's name: time that runs backwards, nothing that moves in time, and what
+    `flight_through` refuses of a motion.
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    pieces = [piece for segment in segments for piece in _pieces(segment, heights)]
+    if not pieces:
+        raise heights.refuse("holds no two recorded places at different times")
+    for piece, following in pairwise(pieces):
+        if following.rows[0, 0] <= piece.rows[-1, 0]:
+            raise heights.refuse(f"time runs backwards from {piece.name!r} to {following.name!r}")
+    # All in metres about one place, where the noise of the three axes can be compared.
+    latitude, height = math.radians(pieces[0].rows[0, 1]), pieces[0].rows[0, 3]
+    north, east = metres_per_radian(latitude, height)
+    scale = np.array([math.radians(north), math.radians(east), 1.0])
+    origin = pieces[0].rows[0, 1:4]
+    curves = [_smoothed(piece.rows[:, 0], (piece.rows[:, 1:4] - origin) * scale) for piece in pieces]
+
+    recorded = [piece.rows[:, _ATTITUDE] for piece in pieces if piece.rows.shape[1] > 4]
+    fast = all(float(np.median(np.diff(piece.rows[:, 0]))) <= _FAST_ENOUGH for piece in pieces)
+    attitude = bool(recorded) and fast and len(pieces) == 1
+    times, places, lines, clock, cuts = [], [], [], 0.0, list[float]()
+    total = float(sum(piece.rows[-1, 0] - piece.rows[0, 0] for piece in pieces))
+    if total > _LONGEST:
+        raise heights.refuse(f"takes {total / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h are flown")
+    count = Counter(piece.name for piece in pieces)
+    for number, (piece, curve) in enumerate(zip(pieces, curves, strict=True)):
+        name = piece.name if count[piece.name] == 1 else f"{piece.name} {number + 1}"
+        start, stop = float(piece.rows[0, 0]), float(piece.rows[-1, 0])
+        if number:  # across the pause before it, in the time that a gentle flight needs
+            pause = start - pieces[number - 1].rows[-1, 0]
+            bridge = _bridge(curves[number - 1], pieces[number - 1].rows[-1, 0], curve, start, pause)
+            t = np.linspace(0.0, bridge.x[-1], math.ceil(bridge.x[-1] / _STEP) + 1)[1:-1]
+            times.append(clock + t)
+            places.append(bridge(t))
+            clock += float(bridge.x[-1])
+            cuts += [pause - bridge.x[-1]] if pause > bridge.x[-1] else []
+        step = min(_STEP, 0.5 * float(np.diff(np.unique(curve.t)).min()))
+        most = 2 * len(piece.rows) + math.ceil((stop - start) / _STEP)
+        t = np.linspace(start, stop, min(max(math.ceil((stop - start) / step), 8), most) + 1)
+        times.append(clock + t - start)
+        places.append(curve(t))
+        if attitude:
+            turns = np.unwrap(np.radians(recorded[0]), axis=0)
+            angles = _smoothed(piece.rows[:, 0], turns)(t)
+        lines.append(Line(name, clock, clock + stop - start))
+        clock += stop - start
+    time = np.concatenate(times)
+    place = np.vstack(places) / scale + origin
+    place[:, :2] = np.radians(place[:, :2])
+    if attitude:
+        roll, pitch, yaw = angles.T
+        heights.note("attitude as recorded")
+    else:
+        roll, pitch, yaw = _coordinated(time, place)
+        step = float(np.median(np.diff(time)))
+        roll, pitch, yaw = (gaussian_filter1d(angle, _SETTLE / step) for angle in (roll, pitch, yaw))
+        heights.note("attitude from coordinated turns" + (", not as recorded" if recorded else ""))
+    if cuts:
+        heights.note(f"{counted(len(cuts), 'pause')} cut, {sum(cuts):.0f} s")
+    samples = np.column_stack([time, place, roll, pitch, yaw])
+    flight = flight_through(samples, list(range(1, len(samples) + 1)), heights.file_name)
+    return PlannedFlight(flight, float(time[-1]), tuple(lines))
+
+
+def unrolled(time: Array) -> tuple[Array, str]:
+    """Times [s] without the jump back at the end of a week or a day, and which was found."""
+    steps, found = np.diff(time), ""
+    for length, name in ((604_800.0, "week"), (86_400.0, "day")):
+        ends = (steps < 0.0) & (steps + length > 0.0) & (steps + length < 60.0)
+        if ends.any():
+            time = time + length * np.concatenate([[0], np.cumsum(ends)])
+            steps, found = np.diff(time), f"time goes on over the end of the {name}"
+    return time, found
+
+
+def _pieces(segment: Segment, heights: Heights) -> list[Segment]:
+    """A segment without repeated times, cut at its pauses."""
+    rows = segment.rows.copy()
+    steps = np.diff(rows[:, 0])
+    if (back := np.flatnonzero(steps < 0.0)).size:
+        where = f"{segment.name or 'track'}, place {back[0] + 2}"
+        raise heights.refuse(f"{where}: time runs backwards by {-steps[back[0]]:g} s")
+    again = np.concatenate([[False], steps == 0.0]) if len(rows) else np.zeros(0, dtype=bool)
+    if again.any():
+        heights.note(f"{counted(int(again.sum()), 'place')} with the time of the one before left out")
+    rows = rows[~again]
+    if len(rows) < 2:
+        return []
+    rows[:, 2] = np.unwrap(rows[:, 2], period=360.0)
+    steps = np.diff(rows[:, 0])
+    ends = np.flatnonzero(steps > max(_PAUSE, _PAUSE * float(np.median(steps)))) + 1
+    parts = [part for part in np.split(rows, ends) if len(part) > 1]
+    return [Segment(segment.name or "segment", part) for part in parts]
+
+
+def _smoothed(time: Array, values: Array) -> Any:
+    """The cubic spline whose knots are as close as the noise allows, by generalised cross-validation (Craven and
+    Wahba 1979); through the values where they are few."""
+    from scipy.interpolate import make_interp_spline, make_lsq_spline
+
+    if len(time) < _FEWEST_SMOOTHED:
+        degree = 3 if len(time) > 2 else 1
+        ends = ([(2, np.zeros(values.shape[1]))],) * 2 if degree == 3 else None
+        return make_interp_spline(time, values, k=degree, bc_type=ends)
+    fits = []
+    for every in _KNOT_EVERY:
+        inner = time[every : len(time) - every // 2 - 1 : every]
+        if every > 2 and not len(inner):
+            break
+        spline = make_lsq_spline(time, values, np.concatenate([[time[0]] * 4, inner, [time[-1]] * 4]))
+        free = len(time) - len(inner) - 4
+        fits.append((len(time) * float(np.sum((spline(time) - values) ** 2)) / free**2, spline))
+    return min(fits, key=lambda fit: fit[0])[1]
+
+
+def _bridge(curve: Any, stop: float, following: Any, start: float, pause: float) -> Any:
+    """The cubic from the end of one segment to the start of the next: as short as is gentle, not longer than the
+    pause."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    places, speeds = (np.array([curve(stop, nu), following(start, nu)]) for nu in (0, 1))
+    time = min(
+        pause, max(np.linalg.norm(places[1] - places[0]) / max(np.linalg.norm(speeds, axis=1).max(), 1.0), 1.0)
+    )
+    while True:
+        bridge = CubicHermiteSpline([0.0, time], places, speeds)
+        if time >= pause or np.linalg.norm(bridge([0.0, time], 2), axis=1).max() <= _GENTLE:
+            return bridge
+        time = min(1.1 * time, pause)
+
+
+def _coordinated(time: Array, place: Array) -> tuple[Array, Array, Array]:
+    """Roll, pitch and yaw [rad] of a path without slip; the course is kept where it is too slow to have one."""
+    from scipy.interpolate import make_interp_spline
+
+    rates = make_interp_spline(time, place, k=3).derivative()(time)
+    north, east = metres_per_radian(place[:, 0], place[:, 2])
+    velocity = np.column_stack([rates[:, 0] * north, rates[:, 1] * east])
+    speed = np.linalg.norm(velocity, axis=1)
+    moving = speed > _SLOWEST
+    if not moving.any():
+        return np.zeros_like(time), np.zeros_like(time), np.zeros_like(time)
+    course = np.unwrap(np.arctan2(velocity[moving, 1], velocity[moving, 0]))
+    yaw = np.interp(time, time[moving], course)
+    roll = np.arctan(speed * np.gradient(yaw, time) / STANDARD_GRAVITY)
+    return np.where(moving, roll, 0.0), np.where(moving, np.arctan2(rates[:, 2], speed), 0.0), yaw

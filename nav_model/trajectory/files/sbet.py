@@ -1,0 +1,114 @@
+"""SBET: what an inertial post-processor writes, told from other files by its content."""
+
+import math
+
+import numpy as np
+
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError
+from nav_model.earth.trajectory_file import check_samples
+from nav_model.earth.wgs84 import metres_per_radian
+from nav_model.simulation.specification import TrajectorySpec
+from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
+from nav_model.trajectory.files.recorded import unrolled
+
+_DOUBLES = 17  # in a record
+_ACCURACIES = 10  # in a record of smrmsg
+_LOOKED_AT = 2000  # records
+_MOVING = 1.0  # m/s
+
+
+def is_sbet(content: bytes) -> bool:
+    """Whether records of 17 doubles make sense: time that goes on, and places on the Earth."""
+    records = _records(content, _DOUBLES)[:_LOOKED_AT]
+    if len(records) < 2 or not _goes_on(records[:, 0]):
+        return False
+    with np.errstate(invalid="ignore"):
+        return bool((np.abs(records[:, 1]) <= 90.0).all() and (np.abs(records[:, 2]) <= 360.0).all())
+
+
+def is_accuracies(content: bytes) -> bool:
+    """Whether it is smrmsg: records of 10 doubles, a time and nine standard deviations."""
+    records = _records(content, _ACCURACIES)[:_LOOKED_AT]
+    if len(content) % (8 * _ACCURACIES) or len(records) < 2 or not _goes_on(records[:, 0]):
+        return False
+    return bool((records[:, 1:] >= 0.0).all() and (records[:, 1:] < 1e6).all())
+
+
+def parse_sbet(content: bytes, name: str) -> tuple[TrajectorySpec, list[str]]:
+    """The flight of an SBET file, heading less the wander angle, and what was noticed.
+
+    Raises InputError under the file's name, with the record: no finite numbers, time that runs backwards, and what
+    `check_samples` and `flight_through` refuse.
+    """
+    if len(content) > FILE_BOUNDS.most_bytes:
+        raise InputError(name, f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
+    records = _records(content, _DOUBLES)
+    if len(records) < FILE_BOUNDS.fewest_rows:
+        raise InputError(name, f"{len(records)} records; at least {FILE_BOUNDS.fewest_rows} are needed")
+    if len(broken := np.flatnonzero(~np.isfinite(records[:, :11]).all(axis=1))):
+        raise InputError(name, f"record {broken[0] + 1} has no finite numbers")
+    notes = [f"SBET, {len(records)} records"]
+    if rest := len(content) % (8 * _DOUBLES):
+        notes.append(f"the last record is cut off after {rest} bytes and left out")
+    time, end = unrolled(records[:, 0])
+    notes += [end] if end else []
+    if len(back := np.flatnonzero(np.diff(time) <= 0.0)):
+        raise InputError(name, f"record {back[0] + 2}: time runs backwards")
+    samples = np.column_stack([time - time[0], records[:, [1, 2, 3, 7, 8]], records[:, 9] - records[:, 10]])
+    in_degrees = _places_in_degrees(samples, np.hypot(records[:, 4], records[:, 5]))
+    if in_degrees:
+        samples[:, 1:3] = np.radians(samples[:, 1:3])
+        notes.append("positions in degrees, as the velocities say")
+    if _attitude_in_degrees(samples, in_degrees):
+        samples[:, 4:] = np.radians(samples[:, 4:])
+        notes.append("angles in degrees")
+    rows = list(range(1, len(samples) + 1))
+    check_samples(samples, rows, name, FILE_BOUNDS, "record")
+    return flight_through(samples, rows, name), notes
+
+
+def _records(content: bytes, doubles: int) -> Array:
+    """Whole records of so many doubles."""
+    return np.frombuffer(content, dtype="<f8", count=len(content) // (8 * doubles) * doubles).reshape(-1, doubles)
+
+
+def _goes_on(time: Array) -> bool:
+    """Whether these are times of a week or a day that mostly increase, by less than a minute."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        steps = np.diff(time)
+        likely = (steps > -1.0) & (steps < 60.0)
+        return bool((np.abs(time) < 1e7).all() and np.median(steps) > 1e-6 and likely.mean() > 0.9)
+
+
+def _places_in_degrees(samples: Array, speed: Array) -> bool:
+    """Whether latitudes and longitudes are degrees: beyond the poles in radians, or the way between places is that of
+    the velocities only so. Without motion they are radians, as the format says."""
+    if np.abs(samples[:, 1]).max() > 0.5 * math.pi or np.abs(samples[:, 2]).max() > 2.0 * math.pi:
+        return True
+    time = samples[:, 0]
+    flown = float(np.sum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time)))
+    if flown <= _MOVING * time[-1]:
+        return False
+    ways = []
+    for size in (1.0, math.radians(1.0)):
+        north, east = metres_per_radian(size * samples[:, 1], 0.0)
+        steps = size * np.diff(np.unwrap(samples[:, 1:3], axis=0, period=2.0 * math.pi / size), axis=0)
+        ways.append(float(np.hypot(steps[:, 0] * north[1:], steps[:, 1] * east[1:]).sum()))
+    as_radians, as_degrees = (abs(math.log(max(way, 1e-9) / flown)) for way in ways)
+    return as_degrees < as_radians
+
+
+def _attitude_in_degrees(samples: Array, places: bool) -> bool:
+    """Whether roll, pitch and heading are degrees: too large for radians, or, where places are, by the course."""
+    if np.abs(samples[:, 4:]).max() > 4.0 * math.pi:
+        return True
+    if not places:
+        return False
+    north, east = metres_per_radian(samples[:, 1], 0.0)
+    way = np.diff(samples[:, 1:3], axis=0) * np.column_stack([north, east])[1:]
+    moving = np.linalg.norm(way, axis=1) > _MOVING * np.diff(samples[:, 0])
+    if not moving.any():
+        return False
+    course, heading = np.arctan2(way[:, 1], way[:, 0])[moving], samples[1:, 6][moving]
+    return float(np.cos(course - np.radians(heading)).mean()) > float(np.cos(course - heading).mean())

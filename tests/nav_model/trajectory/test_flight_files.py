@@ -1,0 +1,412 @@
+"""Files of flights as other programs write them: each kind with a value that is known, or told what it is."""
+
+import io
+import json
+import math
+import tracemalloc
+import zipfile
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nav_model.base.errors import InputError
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.trajectory.files.reader import FlightFile, parse_file, parse_flight
+from nav_model.trajectory.plan import Plan, PlannedFlight
+
+BROUGHT = Path("/work/shared/data/brought")
+METRE = 180 / math.pi / 6_371_000
+LIKE = Plan((), 100.0)
+
+
+def kml(*marks: str) -> bytes:
+    head = '<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2"><Document>'
+    return f"{head}{''.join(f'<Placemark>{mark}</Placemark>' for mark in marks)}</Document></kml>".encode()
+
+
+def path(mode: str = "<altitudeMode>absolute</altitudeMode>", up: str = ",3000", kind: str = "LineString") -> str:
+    places = f"8,47{up} 8,47.1{up} 8.1,47.1{up}"
+    return f"<name>out</name><{kind}>{mode}<coordinates>{places}</coordinates></{kind}>"
+
+
+def states(flight: PlannedFlight | None) -> np.ndarray:
+    """Time, latitude, longitude [°], height, roll, pitch, yaw [°] of a flight."""
+    assert flight is not None
+    rows = np.frombuffer(flight.trajectory.samples).reshape(-1, 7).copy()
+    rows[:, [1, 2, 4, 5, 6]] = np.degrees(rows[:, [1, 2, 4, 5, 6]])
+    return rows
+
+
+def heights(file: FlightFile) -> list[float]:
+    return [point.height for point in file.waypoints]
+
+
+# --- KML -----------------------------------------------------------------------------------------------------
+
+
+def test_a_path_is_flown_and_what_else_there_is_is_named() -> None:
+    home = "<name>home</name><Point><coordinates>9,46,430</coordinates></Point>"
+    area = (
+        path(kind="Polygon")
+        .replace("<coordinates>", "<outerBoundaryIs><LinearRing><coordinates>")
+        .replace("</coordinates>", "</coordinates></LinearRing></outerBoundaryIs>")
+    )
+    file = parse_file(kml(home, area, path()), "a.kml")
+    assert [(round(math.degrees(p.latitude), 6), p.line) for p in file.waypoints] == [
+        (47.0, "out"), (47.1, "out"), (47.1, ""),
+    ]  # fmt: skip
+    assert "not used: 1 point, 1 area" in file.note
+    with pytest.raises(InputError, match="holds an area and no path"):
+        parse_file(kml(home, area), "a.kml")
+    points = parse_file(kml(home, home.replace("46", "46.1")), "a.kml", 500.0)
+    assert "no path, so single points in their order" in points.note
+    assert len(points.waypoints) == 2
+
+
+def test_heights_are_above_what_the_altitude_mode_says() -> None:
+    clamped, relative = kml(path("")), kml(path("<altitudeMode>relativeToGround</altitudeMode>", ",120"))
+    with pytest.raises(InputError, match=r"has no height .*3000 m is clamped.*--height"):
+        parse_file(clamped, "a.kml")
+    with pytest.raises(InputError, match=r"is 120 m above the ground.*--ground"):
+        parse_file(relative, "a.kml", height=3000.0)
+    assert heights(parse_file(clamped, "a.kml", height=2500.0)) == [2500.0] * 3
+    assert heights(parse_file(relative, "a.kml", ground=430.0)) == [550.0] * 3
+    assert heights(parse_file(kml(path()), "a.kml", height=1.0, ground=2.0)) == [3000.0] * 3
+
+
+def test_a_track_in_kml_is_flown_in_its_own_time() -> None:
+    rows = [
+        (f"2026-05-01T08:00:{k:02}Z", f"{8 + 60 * k * METRE / math.cos(math.radians(47))} 47 900") for k in range(40)
+    ]
+    track = "".join(f"<when>{time}</when><gx:coord>{place}</gx:coord>" for time, place in rows)
+    content = kml(f"<name>run</name><gx:Track><altitudeMode>absolute</altitudeMode>{track}</gx:Track>", path())
+    file = parse_file(content, "a.kml")
+    assert file.flight is not None
+    assert (file.flight.duration, [line.name for line in file.flight.lines]) == (39.0, ["run"])
+    now = states(file.flight)
+    np.testing.assert_allclose(now[:, 6], 90.0, atol=0.1)
+    assert "not used: 1 path" in file.note
+
+
+def test_an_archive_is_read_and_a_bomb_in_it_is_not_expanded() -> None:
+    def archive(name: str, content: bytes) -> bytes:
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as file:
+            file.writestr(name, content)
+        return packed.getvalue()
+
+    assert parse_file(archive("doc.kml", kml(path())), "a.kmz").waypoints == parse_file(kml(path()), "a").waypoints
+    with pytest.raises(InputError, match="holds more than 5 MB of XML"):
+        parse_file(archive("doc.kml", b" " * 60_000_000), "a.kmz")
+    with pytest.raises(InputError, match="is a ZIP archive without a flight"):
+        parse_file(archive("notes.txt", b"none"), "a.zip")
+    with pytest.raises(InputError, match="cannot be read"):
+        parse_file(archive("doc.kml", kml(path()) * 100)[:-30], "a.kmz")
+    mission = (
+        b'<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:wpml="http://www.dji.com/wpmz/1.0.2"><Document><Folder>'
+        b"<wpml:executeHeightMode>relativeToStartPoint</wpml:executeHeightMode>%s</Folder></Document></kml>"
+    )
+    place = (
+        b"<Placemark><Point><coordinates>8,%g</coordinates></Point><wpml:executeHeight>80</wpml:executeHeight>"
+        b"</Placemark>"
+    )
+    content = mission % b"".join(place % (47 + 0.01 * k) for k in range(4))
+    file = parse_file(archive("wpmz/waylines.wpml", content), "a.kmz", ground=400.0)
+    assert heights(file) == [480.0] * 4
+    assert [point.line for point in file.waypoints] == ["line 1", "line 2", "line 3", ""]
+
+
+# --- what was recorded ---------------------------------------------------------------------------------------
+
+
+def recorded(noise: float = 1.1, rate: float = 1.0) -> np.ndarray:
+    """Time, north, east [m] of 60 s north, half a turn of 3 °/s to the right and 60 s south, at 60 m/s."""
+    t = np.arange(0.0, 180.0, 1.0 / rate)
+    course = np.radians(np.clip(3.0 * (t - 60.0), 0.0, 180.0))
+    fine = np.linspace(0.0, 180.0, 180_001)
+    track = np.radians(np.clip(3.0 * (fine - 60.0), 0.0, 180.0))
+    north, east = (np.interp(t, fine, np.cumsum(60.0 * wave(track)) * 1e-3) for wave in (np.cos, np.sin))
+    rng = np.random.default_rng(5)
+    return np.column_stack(
+        [t, north + noise * rng.standard_normal(len(t)), east + noise * rng.standard_normal(len(t)), course]
+    )
+
+
+def gpx(rows: np.ndarray, start: float = 0.0) -> str:
+    def point(time: float, north: float, east: float) -> str:
+        stamp = np.datetime64("2026-05-01T08:00:00.000") + np.timedelta64(round(1000 * (start + time)), "ms")
+        return (
+            f'<trkpt lat="{north * METRE:.8f}" lon="{east * METRE:.8f}"><ele>1500</ele><time>{stamp}Z</time></trkpt>'
+        )
+
+    return f"<trkseg>{''.join(point(*row[:3]) for row in rows)}</trkseg>"
+
+
+def test_a_recorded_track_is_smoothed_and_banks_as_its_turn_needs() -> None:
+    rows = recorded()
+    file = parse_file(f"<gpx><trk>{gpx(rows)}</trk></gpx>".encode(), "a.gpx")
+    now = states(file.flight)
+    turn, straight = (now[:, 0] > 70) & (now[:, 0] < 110), now[:, 0] < 50
+    bank = math.degrees(math.atan(60.0 * math.radians(3.0) / 9.80665))
+    assert np.mean(now[turn, 4]) == pytest.approx(bank, abs=0.5)
+    assert np.std(now[straight, 2] / METRE) < 0.75  # of 1.1 m
+    assert np.std(now[straight, 6]) < 0.5
+    assert np.polyfit(now[turn, 0], now[turn, 6], 1)[0] == pytest.approx(3.0, abs=0.05)
+    assert file.flight is not None
+    assert [line.stop - line.start for line in file.flight.lines] == [179.0]
+
+
+def test_a_pause_is_cut_and_each_segment_is_a_line() -> None:
+    rows = recorded(0.0)[:60]
+    later = rows + np.array([0.0, 0.0, 9000.0, 0.0])
+    text = f"<gpx><trk><name>day</name>{gpx(rows)}{gpx(later, 7200.0)}</trk></gpx>"
+    file = parse_file(text.encode(), "a.gpx")
+    assert file.flight is not None
+    first, second = file.flight.lines
+    assert (first.start, first.stop, second.stop - second.start) == pytest.approx((0.0, 59.0, 59.0))
+    assert 60.0 < second.start < 600.0
+    assert (first.name, second.name) == ("day 1", "day 2")
+    assert "1 pause cut" in file.note
+    at = plan_trajectory(file.flight.trajectory, file.flight.duration).evaluate(np.array([second.start]))[0]
+    assert np.degrees(at[1]) / METRE == pytest.approx(9000.0, abs=0.5)
+
+
+def test_time_that_runs_backwards_is_named() -> None:
+    rows = recorded(0.0)[:60]
+    rows[30, 0] = 12.0
+    with pytest.raises(InputError, match="place 31: time runs backwards by 17 s"):
+        parse_file(f"<gpx><trk>{gpx(rows)}</trk></gpx>".encode(), "a.gpx")
+
+
+@pytest.mark.parametrize("rate", [1.0, 10.0])
+def test_columns_of_a_drone_are_read_by_their_names_and_units(rate: float) -> None:
+    rows = recorded(0.0, rate)
+    head = "sep=,\nCUSTOM.date [local],OSD.flyTime,OSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height [ft],"
+    text = head + "OSD.altitude [ft],OSD.pitch,OSD.roll,OSD.yaw [360]\n"
+    for t, north, east, _ in rows:
+        text += f"5/1/2026,0m {t}s,{t},{47 + north * METRE},{8 + east * METRE},393.7,1804.5,-3,1,77\n"
+    file = parse_file(text.encode(), "a.csv")
+    now = states(file.flight)
+    np.testing.assert_allclose(now[:, 3], 550.01, atol=0.01)
+    assert now[-1, 0] == rows[-1, 0]
+    if rate < 5.0:  # attitude once a second cannot be flown
+        assert "attitude from coordinated turns, not as recorded" in file.note
+    else:
+        np.testing.assert_allclose(now[:, 4:], [[1.0, -3.0, 77.0]] * len(now), atol=1e-6)
+    relative = text.replace("OSD.altitude [ft]", "OSD.x")
+    with pytest.raises(InputError, match="above the ground"):
+        parse_file(relative.encode(), "a.csv")
+    np.testing.assert_allclose(
+        states(parse_file(relative.encode(), "a.csv", ground=100.0).flight)[:, 3], 220.0, atol=0.01
+    )
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "said"),
+    [
+        ("time_s;lat;lon;alt [fathom]", "{t};47.{t};8;9", "column alt .fathom.*"),
+        ("time,lat,alt", "{t},47.{t},9", "latitude and longitude are missing"),
+        ("lat,lon,alt", "47.{t},8,9", "no column with the time"),
+        ("t,lat,lon,alt", "{t},0.0{t},0.2,900", "may be degrees or radians"),
+        ("t,lat,lon,alt", "{t},97,0.2,900", "line 2: 97, 0.2 is no place"),
+    ],
+)
+def test_columns_that_are_missing_or_have_two_meanings_are_asked_for(head: str, row: str, said: str) -> None:
+    text = "\n".join([head, *(row.format(t=t) for t in range(10, 40))])
+    with pytest.raises(InputError, match=said):
+        parse_file(text.encode(), "a.csv")
+
+
+# --- ground stations -----------------------------------------------------------------------------------------
+
+
+def item(command: int, *place: float | None, frame: int = 3, first: float = 0.0) -> dict[str, object]:
+    return {"type": "SimpleItem", "command": command, "frame": frame, "params": [first, 0, 0, None, *place]}
+
+
+def plan(*items: object, home: float | None = 430.0) -> bytes:
+    mission = {"items": items, "plannedHomePosition": [47.0, 8.0, home], "cruiseSpeed": 15}
+    return json.dumps({"fileType": "Plan", "mission": mission}).encode()
+
+
+def test_a_plan_of_a_ground_station_is_flown_above_its_home() -> None:
+    content = plan(
+        item(22, 47, 8, 50), item(16, 47, 8, 120), item(16, 47.1, 8, 120), item(16, 47.1, 8.1, 900, frame=0)
+    )
+    file = parse_file(content, "a.plan")
+    assert heights(file) == [550.0, 550.0, 900.0]
+    assert "not used: 1 take-off" in file.note
+    assert heights(parse_file(content, "a.plan", ground=100.0)) == [220.0, 220.0, 900.0]
+    with pytest.raises(InputError, match="above the ground"):
+        parse_file(plan(item(16, 47, 8, 120), item(16, 47.1, 8, 120), home=None), "a.plan")
+
+
+def test_lines_of_a_survey_are_where_its_camera_is_triggered() -> None:
+    legs = [(47.0, 8.0), (47.1, 8.0), (47.1, 8.01), (47.0, 8.01)]
+    parts = []
+    for number, place in enumerate(legs):
+        parts += [item(16, *place, 120), item(206, None, None, None, first=25.0 if number % 2 == 0 else 0.0)]
+    survey = {"type": "ComplexItem", "complexItemType": "survey", "TransectStyleComplexItem": {"Items": parts}}
+    file = parse_file(plan(survey), "a.plan")
+    assert [point.line for point in file.waypoints] == ["line 1", "", "line 2", ""]
+    with pytest.raises(InputError, match=r"survey.*holds no lines"):
+        parse_file(plan({"type": "ComplexItem", "complexItemType": "survey"}), "a.plan")
+
+
+def test_a_waypoint_list_has_its_home_in_the_first_line() -> None:
+    rows = ["0 1 0 16 0 0 0 0 47 8 430 1", "1 0 3 16 0 0 0 0 47 8 120 1", "2 0 3 16 0 0 0 0 47.1 8 120 1"]
+    content = "\n".join(["QGC WPL 110", *("\t".join(row.split()) for row in rows)]).encode()
+    assert heights(parse_file(content, "a.waypoints")) == [550.0, 550.0]
+    with pytest.raises(InputError, match="line 3: 11 columns"):
+        parse_file(content.replace(b"\t1\n2", b"\n2"), "a.waypoints")
+
+
+# --- SBET ----------------------------------------------------------------------------------------------------
+
+
+def sbet(latitude: float = 47.0, start: float = 1000.0, in_degrees: bool = False, count: int = 400) -> np.ndarray:
+    """Records of a flight north-east at 100 m/s, 20 Hz."""
+    t = np.arange(count) / 20.0
+    rows = np.zeros((count, 17))
+    rows[:, 0] = (start + t) % 604_800.0
+    north = 100.0 * math.cos(0.5) * t / 6.36e6
+    rows[:, 1] = math.radians(latitude) + north
+    rows[:, 2] = 0.1 + 100.0 * math.sin(0.5) * t / (6.38e6 * math.cos(math.radians(latitude)))
+    rows[:, 3], rows[:, 4], rows[:, 5], rows[:, 9], rows[:, 10] = (
+        1500.0,
+        100 * math.cos(0.5),
+        -100 * math.sin(0.5),
+        0.6,
+        0.1,
+    )
+    if in_degrees:
+        rows[:, [1, 2, 7, 8, 9, 10]] = np.degrees(rows[:, [1, 2, 7, 8, 9, 10]])
+    return rows
+
+
+@pytest.mark.parametrize("latitude", [0.0, 47.0])
+def test_sbet_is_known_by_its_content_and_so_are_degrees(latitude: float) -> None:
+    plain, degrees = (
+        states(parse_file(sbet(latitude, in_degrees=way).tobytes(), "a.bin").flight) for way in (False, True)
+    )
+    np.testing.assert_allclose(degrees, plain, atol=1e-9)
+    np.testing.assert_allclose(plain[:, 6], math.degrees(0.5), atol=1e-9)
+    assert "degrees" in parse_file(sbet(latitude, in_degrees=True).tobytes(), "a.bin").note
+
+
+def test_a_week_that_ends_in_flight_goes_on() -> None:
+    file = parse_file(sbet(start=604_790.0).tobytes(), "a.out")
+    assert states(file.flight)[-1, 0] == pytest.approx(399 / 20.0)
+    assert "end of the week" in file.note
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "said"),
+    [
+        (3, -7e6, "record 1: height_m = -7000000: must be between"),
+        (7, 1e301, "record 1: roll_deg = .*: must be between"),
+        (0, 0.0, "record 2: time"),
+    ],
+)
+def test_sbet_is_held_to_the_bounds_of_columns(column: int, value: float, said: str) -> None:
+    with pytest.raises(InputError, match=r"record 1: latitude_deg = 89\.9: must be between"):
+        parse_file(sbet(89.9).tobytes(), "a.out")
+    rows = sbet()
+    rows[:, column] = (
+        value if column else np.where(np.arange(len(rows)) < 2, 5e-324 * np.arange(len(rows)), rows[:, 0])
+    )
+    with pytest.raises(InputError, match=said):
+        parse_file(rows.tobytes(), "a.out")
+
+
+# --- everything else -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"%PDF-1.7 ...", "is a PDF document. Give a KML"),
+        (b'{"type": "FeatureCollection"}', "is JSON, but no plan"),
+        (b"<svg/>", "is XML of the kind 'svg'"),
+        (
+            np.hstack([np.arange(1e5, 1e5 + 50)[:, None], np.full((50, 9), 0.02)]).tobytes(),
+            "is smrmsg, the accuracies",
+        ),
+        (b"", "the file is empty"),
+        (b"\x01\x02\x03" * 100, "is no text and no SBET"),
+        (b"hello", "No numbers found"),
+    ],
+)
+def test_any_other_file_is_told_what_it_is(content: bytes, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        parse_file(content, "a.kml")
+
+
+def test_text_of_sixteen_bits_is_read() -> None:
+    text = "time_s,lat,lon,alt\n" + "\n".join(f"{t},{47 + t * 60 * METRE},8,900" for t in range(30))
+    assert states(parse_file(text.encode("utf-16"), "a.csv").flight)[0, 3] == pytest.approx(900.0)
+    wide = kml(path()).decode().encode("utf-16")
+    assert parse_file(wide, "a.kml").waypoints == parse_file(kml(path()), "a.kml").waypoints
+
+
+# --- bounds --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (kml("<Placemark>" * 50 + path() + "</Placemark>" * 50), "placemark within a placemark"),
+        (b"<kml>" + b"<a>" * 200_000, "more than 100 deep"),
+        (b"<kml>" + b"<a/>" * 300_000, "more than 200000 elements"),
+        (b"<kml>" + b" " * 5_000_000 + b"</kml>", "more than 5 MB of XML"),
+        (kml(f"<LineString><coordinates>{'8,47,1 ' * 600_000}</coordinates></LineString>"), "more than 2000 points"),
+        (b"<gpx>" + b"<wpt lat='1' lon='1'><ele>1</ele></wpt>" * 50_000 + b"</gpx>", "more than 2000 points"),
+        (b"QGC WPL 110\n" + b"1 0 0 16 0 0 0 0 47 8 120 1\n" * 150_000, "more than 2000 points"),
+        (plan(*[item(16, 47, 8, 120)] * 3000), "more than 2000 points"),
+        (b'{"a": ' + b"[" * 100_000, "is JSON that cannot be read"),
+        (b"PK\x01\x02" * 3000, "more than 2000 files"),
+        (b'<!DOCTYPE a [<!ENTITY b "c">]><kml>&b;</kml>', "declares entities"),
+    ],
+    ids=range(11),
+)
+@pytest.mark.long
+def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, said: str) -> None:
+    if not content.startswith((b"{", b"<kml><", b"PK")):
+        content = content.replace(b"<LineString>", b"<LineString><altitudeMode>absolute</altitudeMode>")
+    tracemalloc.start()
+    with pytest.raises(InputError, match=said):
+        parse_file(content, "a.kml")
+    assert tracemalloc.get_traced_memory()[1] < 250_000_000
+    tracemalloc.stop()
+
+
+# --- what was brought ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "count", "height", "said"),
+    [
+        ("20_drawn_path_height_0.kml", {"height": 3000.0}, 6, 3000.0, "without a height are at 3000 m"),
+        ("24_relative_to_ground.kml", {"ground": 430.0}, 6, 550.0, "ground, which is at 430 m"),
+        ("25_area_home_path.kml", {}, 6, 3000.0, "not used: 1 point, 1 area"),
+        ("27_gap_between_segments.gpx", {}, 0, 3000.0, "1 pause cut"),
+        ("28_recorded_1hz.gpx", {}, 0, 1500.0, "attitude from coordinated turns"),
+        ("29_mission.plan", {}, 6, 550.0, "heights above home"),
+        ("30_path.kmz", {}, 6, 3000.0, "doc.kml"),
+        ("31_drone_record.csv", {}, 0, 550.0, "OSD.altitude [ft]"),
+    ],
+)
+def test_files_that_people_brought_are_flown(
+    name: str, given: dict[str, float], count: int, height: float, said: str
+) -> None:
+    if not BROUGHT.is_dir():
+        pytest.skip("the shared files are not here")
+    content = (BROUGHT / name).read_bytes()
+    file = parse_file(content, name, **given)
+    assert len(file.waypoints) == count
+    assert said in file.note
+    flight = parse_flight(content, name, LIKE, **given)
+    assert np.mean(states(flight)[:, 3]) == pytest.approx(height, abs=2.0)
+    assert all(a.stop <= b.start for a, b in pairwise(flight.lines))
