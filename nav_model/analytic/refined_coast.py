@@ -23,7 +23,7 @@ from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS
 
 # Schuler angle -> points of the rule that integrate the squared responses up to it to rounding.
 _RULES = ((0.8, 8), (3.0, 14), (20.0, 40))
-_KEPT = 1000  # points of the longest curve that is remembered
+_MOST_REMEMBERED = 1000  # points of the longest curve that is remembered
 
 
 class RefinedGrowth(NamedTuple):
@@ -72,7 +72,7 @@ def refined_growth(
     g, t, v, latitude, heading = (as_numbers(x) for x in (g, time, speed, latitude, heading))
     radius = MEAN_RADIUS + as_numbers(altitude)
     omega = np.sqrt(g / radius)
-    p, own = start, start_vertical
+    p, v0 = start, start_vertical
     free, noise = _transition(omega, t) if rule is None else (_responses(omega, t), _integrals(omega, t, *rule))
     sine, tilt, coupled, twice, cosine = free.sine, free.tilt, free.coupled, free.twice, free.cosine
     horizontal = (
@@ -85,11 +85,11 @@ def refined_growth(
         + g**2 * qw * noise.tilt
     )
     # Effect of one horizontal channel's velocity error on the vertical channel, for a coupling of one.
-    pull = omega**2
-    through = (
+    schuler = omega**2
+    by_coupling = (
         p.p22 * coupled**2
-        + twice**2 * (p.p11 * pull**2 + g**2 * p.p33 - 2 * pull * g * p.p13)
-        + 2 * twice * coupled * (g * p.p23 - pull * p.p12)
+        + twice**2 * (p.p11 * schuler**2 + g**2 * p.p33 - 2 * schuler * g * p.p13)
+        + 2 * twice * coupled * (g * p.p23 - schuler * p.p12)
         + qa * noise.coupled
         + g**2 * qw * noise.twice
     )
@@ -97,11 +97,11 @@ def refined_growth(
     # east = along sin(heading) + cross cos(heading)
     along, cross = coriolis * np.sin(heading) + 2 * v / radius, coriolis * np.cos(heading)
     vertical = (
-        own.v11 * free.rising**2
-        + 2 * own.v12 * free.rising * free.falling
-        + own.v22 * free.falling**2
+        v0.v11 * free.rising**2
+        + 2 * v0.v12 * free.rising * free.falling
+        + v0.v22 * free.falling**2
         + qa * noise.falling
-        + (along**2 + cross**2) * through
+        + (along**2 + cross**2) * by_coupling
     )
     return RefinedGrowth(horizontal, vertical)
 
@@ -125,7 +125,7 @@ class _Responses(NamedTuple):
 
 def _transition(omega: Array, t: Array) -> tuple[_Responses, _Responses]:
     """Responses and the integrals of their squares; those of a curve are kept while only the sensors change."""
-    if omega.ndim == 0 and t.ndim == 1 and omega.dtype == t.dtype == float and len(t) <= _KEPT:
+    if omega.ndim == 0 and t.ndim == 1 and omega.dtype == t.dtype == float and len(t) <= _MOST_REMEMBERED:
         return _of_curve(float(omega), t.tobytes())
     return _responses(omega, t), _squared_integrals(omega, t)
 
@@ -133,11 +133,11 @@ def _transition(omega: Array, t: Array) -> tuple[_Responses, _Responses]:
 @lru_cache(maxsize=32)
 def _of_curve(omega: float, times: bytes) -> tuple[_Responses, _Responses]:
     rate, t = np.array(omega), np.frombuffer(times)
-    found = _responses(rate, t), _squared_integrals(rate, t)
-    for part in found:
-        for response in part:
+    curve = _responses(rate, t), _squared_integrals(rate, t)
+    for responses in curve:
+        for response in responses:
             response.flags.writeable = False
-    return found
+    return curve
 
 
 def _responses(omega: Array, t: Array) -> _Responses:

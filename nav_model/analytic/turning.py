@@ -47,15 +47,17 @@ def turn_weights(
     grazing_angle: ArrayLike, squint_angle: ArrayLike, turn_rate: ArrayLike, aperture_time: ArrayLike
 ) -> Turn:
     """How the functionals of each axis add up along the line of sight; turn_rate V/R [rad/s]. Broadcasts."""
-    s, down, turned = np.broadcast_arrays(
+    s, down, kappa = np.broadcast_arrays(
         np.sin(as_numbers(squint_angle)),
         np.sin(as_numbers(grazing_angle)),
         as_numbers(turn_rate) * as_numbers(aperture_time) / 2,
     )
-    left = 1 - s**2 - down**2  # below zero by rounding alone: `analyse` refuses the rest
-    across = np.sqrt(np.where(left.real > 0, left, 0.0))
-    powers = np.stack([np.ones_like(turned), turned * s, turned**2 * (3 * s**2 - 1) / 2], axis=-1)
-    track = np.stack([np.zeros_like(turned), turned, turned**2 * s], axis=-1)
+    # u0 = (s, across, down); across² is below zero by rounding alone: `analyse` refuses the rest.
+    across_squared = 1 - s**2 - down**2
+    across = np.sqrt(np.where(across_squared.real > 0, across_squared, 0.0))
+    # Coefficients of 1, x and x² in u(x): those of u0 and those of e.
+    powers = np.stack([np.ones_like(kappa), kappa * s, kappa**2 * (3 * s**2 - 1) / 2], axis=-1)
+    track = np.stack([np.zeros_like(kappa), kappa, kappa**2 * s], axis=-1)
     return Turn(s[..., None] * powers - track, across[..., None] * powers, down[..., None] * powers)
 
 
@@ -86,16 +88,18 @@ def free_quadratic_variance(
     t, coast, s_a, s_g, j = (
         np.asarray(x, float) for x in (aperture_time, coast_time, accelerometer_noise, tilt_noise, jerk)
     )
+    # The covariance at the aperture's start, after the outage.
     s_a, s_g = s_a**2, s_g**2
-    _, forward, gathered = drift(coast, s_a, s_g)
-    carried = forward @ start @ np.swapaxes(forward, -1, -2) + gathered
+    _, phi, coast_noise = drift(coast, s_a, s_g)
+    covariance = phi @ start @ phi.mT + coast_noise
+    # Weights of the three functionals times what each is for a unit position, velocity, acceleration and jerk.
     q, v, p = np.moveaxis(weights, -1, 0)
     h, age = t / 2, coast + t / 2
     by_state = np.stack(np.broadcast_arrays(p, (v + p) * h, (q + 2 * v + 13 / 7 * p) * t**2 / 8), axis=-1)
     by_jerk = q * age * t**2 / 8 + v * (age**2 * t / 4 + h**3 / 7) + p * (age**3 / 6 + 3 / 7 * age * h**2)
     noise = s_a * t**3 * np.einsum("...i,ij,...j", weights, _ACCELEROMETER, weights)
     noise = noise + s_g * t**5 * np.einsum("...i,ij,...j", weights, _GYRO, weights)
-    return np.asarray(np.einsum("...i,...ij,...j", by_state, carried, by_state) + noise + (j * by_jerk) ** 2)
+    return np.asarray(np.einsum("...i,...ij,...j", by_state, covariance, by_state) + noise + (j * by_jerk) ** 2)
 
 
 def bent_variance(weights: Array, start: Array, *free: ArrayLike) -> Array:
@@ -111,7 +115,7 @@ def bent_variance(weights: Array, start: Array, *free: ArrayLike) -> Array:
 def smoothed_bent_variance(weights: Array, covariances: Mapping[str, Array]) -> Array:
     """The same of a smoothed error: from the covariances of `TURNING` [m²] of one axis."""
     q, v, p = (weights[..., k] for k in range(3))
-    turned, curved, with_turned, with_curved, both = (covariances[name] for name in TURNING)
-    own = v**2 * turned + p**2 * curved
-    shared = q * v * with_turned + q * p * with_curved + v * p * both
-    return np.asarray(own + 2 * shared)
+    turned, curved, with_turned, with_curved, turned_curved = (covariances[name] for name in TURNING)
+    squares = v**2 * turned + p**2 * curved
+    products = q * v * with_turned + q * p * with_curved + v * p * turned_curved
+    return np.asarray(squares + 2 * products)

@@ -44,7 +44,7 @@ def error_statistics(design: Design) -> ErrorStatistics:
     trajectory = np.zeros((6, 6))
     for axis, line in enumerate((vertical, horizontal, horizontal)):
         trajectory[axis, axis], trajectory[axis + 3, axis + 3] = line.mean, line.slope
-        trajectory[axis, axis + 3] = trajectory[axis + 3, axis] = line.both
+        trajectory[axis, axis + 3] = trajectory[axis + 3, axis] = line.covariance
     sigma_range, sigma_azimuth = math.sqrt(float(shift.range)), math.sqrt(float(shift.azimuth))
-    correlation = float(shift.both) / (sigma_range * sigma_azimuth)
+    correlation = float(shift.covariance) / (sigma_range * sigma_azimuth)
     return ErrorStatistics(sigma_range, sigma_azimuth, correlation, trajectory)

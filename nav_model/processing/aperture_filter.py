@@ -29,40 +29,40 @@ def spherical_bessel(x: Array, highest: int = 3) -> Array:
     """
     x = as_numbers(x)
     near = x.real < _SERIES_BELOW
-    found = np.empty((highest + 1, *x.shape), x.dtype)
+    j = np.empty((highest + 1, *x.shape), x.dtype)
     small, large = x[near], x[~near]
     sums = np.vander(-(small**2) / 2, _TERMS, increasing=True) @ _series()[:, : highest + 1]
-    found[:, near] = (np.vander(small, highest + 1, increasing=True) * sums).T
-    before = np.sin(large) / large
-    now = (before - np.cos(large)) / large
+    j[:, near] = (np.vander(small, highest + 1, increasing=True) * sums).T
+    j_m = np.sin(large) / large
+    j_next = (j_m - np.cos(large)) / large
     for m in range(highest + 1):
-        found[m, ~near] = before
-        before, now = now, (2 * m + 3) / large * now - before
-    return found
+        j[m, ~near] = j_m
+        j_m, j_next = j_next, (2 * m + 3) / large * j_next - j_m
+    return j
 
 
 @cache
 def _series() -> Array:
     """Coefficients of j_m(x)/x^m in powers of -x²/2, shape (terms, orders)."""
-    found = np.empty((_TERMS, _HIGHEST + 1))
+    series = np.empty((_TERMS, _HIGHEST + 1))
     for m in range(_HIGHEST + 1):
-        found[0, m] = 1 / math.prod(range(1, 2 * m + 2, 2))
+        series[0, m] = 1 / math.prod(range(1, 2 * m + 2, 2))
         for k in range(1, _TERMS):
-            found[k, m] = found[k - 1, m] / (k * (2 * m + 2 * k + 1))
-    return found
+            series[k, m] = series[k - 1, m] / (k * (2 * m + 2 * k + 1))
+    return series
 
 
-def _left(x: Array, taken: Array) -> dict[str, Array]:
-    """What is left of the mean square after the polynomials up to orders 1, 2, 3: one less the sum of (2m + 1) j_m².
+def _left(x: Array, square: Array) -> dict[str, Array]:
+    """What remains of the mean square after the polynomials up to orders 1, 2, 3: one less the sum of (2m + 1) j_m².
 
     Below the seam as the sum of the higher orders, which does not cancel: x⁴/45 after order 1, x⁶/1575 after 2.
-    `taken` holds those terms for the orders up to 3.
+    `square` holds those terms for the orders up to 3.
     """
     near = x.real < _SERIES_BELOW
-    rest = np.asarray(1 - taken.sum(axis=0))
+    order_3 = np.asarray(1 - square.sum(axis=0))
     weight = 2 * np.arange(4, _HIGHEST + 1) + 1
-    rest[near] = np.tensordot(weight, spherical_bessel(x[near], _HIGHEST)[4:] ** 2, 1)
-    return {"left_3": rest, "left_2": rest + taken[3], "left_1": rest + taken[3] + taken[2]}
+    order_3[near] = np.tensordot(weight, spherical_bessel(x[near], _HIGHEST)[4:] ** 2, 1)
+    return {"left_3": order_3, "left_2": order_3 + square[3], "left_1": order_3 + square[3] + square[2]}
 
 
 def filters(x: Array) -> dict[str, Array]:

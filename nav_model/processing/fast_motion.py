@@ -121,22 +121,22 @@ def through_aperture(source: Source, aperture: Array, lobe: float) -> Fast:
     lobe : float
         Cells from the peak of the response to its first null: slower errors blur, faster ones scatter.
     """
-    found = dict.fromkeys((*_FILTERS, "scattered", "near"), 0 * aperture)
+    variances = dict.fromkeys((*_FILTERS, "scattered", "near"), 0 * aperture)
     w = 2 * np.pi * source.frequency
-    left = 1.0 if source.delay is None else power_left(
+    power = 1.0 if source.delay is None else power_left(
         w, source.delay[..., None], None if source.bandwidth is None else source.bandwidth[..., None]
     )  # fmt: skip
-    amplitude = source.amplitude * np.sqrt(left + _NEVER) + 0 * aperture[..., None]
+    amplitude = source.amplitude * np.sqrt(power + _NEVER) + 0 * aperture[..., None]
     if len(w):
-        through = filters(w / 2 * aperture[..., None])
+        responses = filters(w / 2 * aperture[..., None])
         for name in _FILTERS:
-            found[name] = found[name] + np.sum(amplitude**2 / 2 * through[name], axis=-1)
-    for curve, power in ((source.accelerations, 4), (source.displacements, 0)):
+            variances[name] = variances[name] + np.sum(amplitude**2 / 2 * responses[name], axis=-1)
+    for curve, order in ((source.accelerations, 4), (source.displacements, 0)):
         if curve is not None:
-            for name, part in zip(found, _integrals(curve, power, source, aperture, lobe), strict=True):
-                found[name] = found[name] + part
-    made = Fast(**found, frequency=source.frequency, amplitude=amplitude)
-    return made if source.scale is None else made.scaled(source.scale)
+            for name, part in zip(variances, _integrals(curve, order, source, aperture, lobe), strict=True):
+                variances[name] = variances[name] + part
+    result = Fast(**variances, frequency=source.frequency, amplitude=amplitude)
+    return result if source.scale is None else result.scaled(source.scale)
 
 
 def density_of(source: Source, frequency: Array) -> Array:
@@ -158,10 +158,10 @@ def density_of(source: Source, frequency: Array) -> Array:
     for curve, power in ((source.accelerations, 4), (source.displacements, 0)):
         if curve is not None:
             inside = (frequency >= curve.frequency[0]) & (frequency <= curve.frequency[-1])
-            found = curve.at(_interval(curve, frequency), np.log(frequency))
-            total = total + np.where(inside, found, 0.0) / w**power
-    left = 1.0 if source.delay is None else power_left(w, source.delay, source.bandwidth)
-    return np.asarray(total * left * (1.0 if source.scale is None else source.scale**2))
+            density = curve.at(_interval(curve, frequency), np.log(frequency))
+            total = total + np.where(inside, density, 0.0) / w**power
+    remaining = 1.0 if source.delay is None else power_left(w, source.delay, source.bandwidth)
+    return np.asarray(total * remaining * (1.0 if source.scale is None else source.scale**2))
 
 
 def _interval(curve: Curve, frequency: Array) -> NDArray[np.intp]:
@@ -181,7 +181,8 @@ def _integrals(curve: Curve, power: int, source: Source, aperture: Array, lobe: 
 
 
 def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
-    """One row per different aperture: aperture [s] and, where there are any, delay [s] and bandwidth [Hz]."""
+    """Integrals of one curve, a row per different aperture: aperture [s] and, where there are any, delay [s] and
+    bandwidth [Hz]. Columns are those of `_FILTERS`, and the variance beyond the lobe and near it."""
     aperture, *others = rows.T
     delay, bandwidth = (*others, None, None)[:2]
     # Panels end where the curve bends, where the filters or the delay oscillate, and at the lobe.
@@ -191,48 +192,53 @@ def _rows(curve: Curve, power: int, rows: Array, lobe: float) -> Array:
     if delay is not None:
         late = np.where(delay.real > 0, delay, 1 / _NEVER)[:, None]  # infinity has no product with a complex step
         moving = np.concatenate([moving, _STEPS_DELAY / (2 * np.pi * late)], axis=1)
-    narrow_x, more = _narrow(curve, aperture.real, OSCILLATING / math.pi)
-    moving = np.concatenate([moving, more], axis=1)
+    few_x, inner = _narrow(curve, aperture.real, OSCILLATING / math.pi)
+    moving = np.concatenate([moving, inner], axis=1)
     if delay is not None:
-        narrow_delay, more = _narrow(curve, delay.real, compensation.OSCILLATING / (2 * math.pi))
-        moving = np.concatenate([moving, more], axis=1)
+        few_delay, inner = _narrow(curve, delay.real, compensation.OSCILLATING / (2 * math.pi))
+        moving = np.concatenate([moving, inner], axis=1)
     moving = np.where(moving.real < low, low, np.where(moving.real > high, high, moving))
     fixed = np.broadcast_to(np.concatenate([curve.frequency, fill]), (len(rows), len(curve.frequency) + len(fill)))
+    # Every row has its own panels in log f; those of no width are left out, so that the rest are one long list.
     edges = np.log(np.sort(np.concatenate([fixed, moving], axis=1), axis=1))
     row, panel = np.nonzero(np.diff(edges.real, axis=1) > 0)
     first, last = edges[row, panel], edges[row, panel + 1]
+    # Gauss and Legendre's rule on every panel: df = f d(log f).
     logarithm = ((first + last) / 2)[:, None] + ((last - first) / 2)[:, None] * _NODES
     f = np.exp(logarithm)
     weight = ((last - first) / 2)[:, None] * _WEIGHTS * f
     middle = np.exp(((first + last) / 2).real)
     place = _interval(curve, middle)
     w = 2 * np.pi * f
+    # Density of displacement at the nodes, times their weights: that of acceleration over w⁴, less what is
+    # compensated. Far beyond the first oscillations with the delay their mean serves.
     density = weight * curve.at(place[:, None], logarithm)
     if power:
         density /= (w**2) ** (power // 2)
     if delay is not None:
         wide = None if bandwidth is None else bandwidth[row, None]
-        settled = (2 * np.pi * middle * delay[row].real > compensation.OSCILLATING) & ~narrow_delay[row, place]
-        for where, mean in ((settled, True), (~settled, False)):
+        averaged = (2 * np.pi * middle * delay[row].real > compensation.OSCILLATING) & ~few_delay[row, place]
+        for where, mean in ((averaged, True), (~averaged, False)):
             density[where] *= power_left(
                 w[where], delay[row[where], None], None if wide is None else wide[where], mean=mean
             )
     # Over many oscillations a filter is a constant and a part that falls with x²: two sums serve them all.
     x = w / 2 * aperture[row, None]
-    far = (np.pi * middle * aperture[row].real > OSCILLATING) & ~narrow_x[row, place]
+    far = (np.pi * middle * aperture[row].real > OSCILLATING) & ~few_x[row, place]
     whole, falling = density.sum(axis=1), np.sum(density[far] / x[far] ** 2, axis=1)
-    close, near = density[~far], filters(x[~far])
+    resolved, near = density[~far], filters(x[~far])
     cells = middle * aperture[row].real
-    found = np.zeros((len(rows), len(_FILTERS) + 2), density.dtype)
+    integrals = np.zeros((len(rows), len(_FILTERS) + 2), density.dtype)
     part = np.empty_like(whole)
     for column, name in enumerate(_FILTERS):
-        constant, fall = AVERAGES[name]
-        part[far] = constant * whole[far] + fall * falling
-        part[~far] = np.einsum("ij,ij->i", close, near[name])
-        np.add.at(found[:, column], row, part)
-    for column, seen in enumerate((cells > lobe, (cells > lobe) & (cells < NEAR_CELLS * lobe)), len(_FILTERS)):
-        np.add.at(found[:, column], row, whole * seen)
-    return found
+        constant, falling_factor = AVERAGES[name]
+        part[far] = constant * whole[far] + falling_factor * falling
+        part[~far] = np.einsum("ij,ij->i", resolved, near[name])
+        np.add.at(integrals[:, column], row, part)
+    # What lies beyond the main lobe scatters; near is within ten null distances.
+    for column, counted in enumerate((cells > lobe, (cells > lobe) & (cells < NEAR_CELLS * lobe)), len(_FILTERS)):
+        np.add.at(integrals[:, column], row, whole * counted)
+    return integrals
 
 
 def _narrow(curve: Curve, time: Array, settled: float) -> tuple[NDArray[np.bool_], Array]:

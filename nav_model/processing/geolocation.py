@@ -26,11 +26,12 @@ NINETY = 1.6448536269514722
 
 
 class Line(NamedTuple):
-    """Error of one axis over the aperture: variance of its mean [m²], of its slope [m²/s²], and their covariance."""
+    """Error of one axis over the aperture: variance of its mean [m²], of its slope [m²/s²], and their covariance
+    [m²/s]."""
 
     mean: Array
     slope: Array
-    both: Array
+    covariance: Array
 
 
 class Shifts(NamedTuple):
@@ -38,7 +39,7 @@ class Shifts(NamedTuple):
 
     range: Array
     azimuth: Array
-    both: Array
+    covariance: Array
     height: Array
 
 
@@ -67,8 +68,8 @@ def free_line(
     """
     sigma_a, sigma_w, b, d, g, c, t = (as_numbers(x) for x in (sigma_a, sigma_w, bias_a, bias_w, g, coast, aperture))
     if isinstance(start, Vertical):
-        none = 0 * start.v11
-        start = Horizontal(start.v11, start.v12, none, start.v22, none, none)
+        zero = 0 * start.v11
+        start = Horizontal(start.v11, start.v12, zero, start.v22, zero, zero)
     p = carried(start, sigma_a, sigma_w, g, c)
     a, w = sigma_a**2, (g * sigma_w) ** 2
     p13, p23, p33 = g * p.p13, g * p.p23, g**2 * p.p33
@@ -78,7 +79,7 @@ def free_line(
         + a * t**3 / 20 + w * t**5 / 252
     )  # fmt: skip
     slope = p.p22 + p23 * t + p33 * t**2 / 4 + 13 / 35 * a * t + 23 / 504 * w * t**3
-    both = (
+    covariance = (
         p.p12 + p13 * t / 2 + p.p22 * t / 2 + p23 * t**2 * (1 / 4 + 1 / 6) + p33 * t**3 / 12
         + 2 / 15 * a * t**2 + 3 / 224 * w * t**4
     )  # fmt: skip
@@ -88,12 +89,17 @@ def free_line(
     return Line(
         mean + by_a[0] ** 2 + by_w[0] ** 2,
         slope + by_a[1] ** 2 + by_w[1] ** 2,
-        both + by_a[0] * by_a[1] + by_w[0] * by_w[1],
+        covariance + by_a[0] * by_a[1] + by_w[0] * by_w[1],
     )
 
 
 def shifts(
-    level: Line, upright: Line, grazing: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, squint: ArrayLike = 0.0
+    horizontal: Line,
+    vertical: Line,
+    grazing: ArrayLike,
+    slant_range: ArrayLike,
+    speed: ArrayLike,
+    squint: ArrayLike = 0.0,
 ) -> Shifts:
     """Shift of the image from the lines in the errors of a horizontal axis and of the vertical. [P-7]
 
@@ -102,13 +108,18 @@ def shifts(
     image back along the track: hence the sign of the covariance.
     """
     psi, r, v, squint = (as_numbers(x) for x in (grazing, slant_range, speed, squint))
-    wide, high = np.cos(psi) ** 2, np.sin(psi) ** 2
-    sight = Line(*(wide * h + high * z for h, z in zip(level, upright, strict=True)))
+    w_h, w_v = np.cos(psi) ** 2, np.sin(psi) ** 2
+    along_sight = Line(*(w_h * h + w_v * z for h, z in zip(horizontal, vertical, strict=True)))
     lever = r / (v * np.cos(squint))
     up = np.tan(squint) * np.sin(psi)  # of the azimuth's direction, the line of sight going down by the grazing angle
-    apart = Line(*(-up * np.sin(psi) * (z - h) for h, z in zip(level, upright, strict=True)))
-    azimuth = level.mean * (1 - up**2) + upright.mean * up**2 - 2 * lever * apart.both + lever**2 * sight.slope
-    return Shifts(sight.mean, azimuth, apart.mean - lever * sight.both, upright.mean)
+    between = Line(*(-up * np.sin(psi) * (z - h) for h, z in zip(horizontal, vertical, strict=True)))
+    azimuth = (
+        horizontal.mean * (1 - up**2)
+        + vertical.mean * up**2
+        - 2 * lever * between.covariance
+        + lever**2 * along_sight.slope
+    )
+    return Shifts(along_sight.mean, azimuth, between.mean - lever * along_sight.covariance, vertical.mean)
 
 
 def ground_covariance(
@@ -123,11 +134,11 @@ def ground_covariance(
     s, k = np.sin(squint), np.cos(squint)
     side = np.cos(psi) ** 2 - s**2  # squared part of the line of sight across the track
     side = np.where(side.real > _LEAST_SIDE, side, _LEAST_SIDE)
-    along = s**2 * moved.range + k**2 * moved.azimuth + 2 * s * k * moved.both
-    across = k**4 * moved.range + (s * k) ** 2 * moved.azimuth - 2 * s * k**3 * moved.both
+    along = s**2 * moved.range + k**2 * moved.azimuth + 2 * s * k * moved.covariance
+    across = k**4 * moved.range + (s * k) ** 2 * moved.azimuth - 2 * s * k**3 * moved.covariance
     across = (across + (np.sin(psi) * height) ** 2) / side
-    both = (k**2 * s * (moved.range - moved.azimuth) + k * (k**2 - s**2) * moved.both) / np.sqrt(side)
-    return along, across, both + 0.0  # a zero has no sign
+    covariance = (k**2 * s * (moved.range - moved.azimuth) + k * (k**2 - s**2) * moved.covariance) / np.sqrt(side)
+    return along, across, covariance + 0.0  # a zero has no sign
 
 
 def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: float = 0.9) -> Array:
@@ -149,10 +160,10 @@ def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: flo
     >>> f"{float(circular_error(1.0, 1.0, 0.0)):.4f} {float(circular_error(1.0, 0.0, 0.0)):.4f}"
     '2.1460 1.6449'
     """
-    one, other, both = (as_numbers(x) for x in (one, other, both))
-    middle, spread = (one + other) / 2, np.sqrt((one - other) ** 2 / 4 + both**2)
+    a, b, ab = (as_numbers(x) for x in (one, other, both))
+    middle, spread = (a + b) / 2, np.sqrt((a - b) ** 2 / 4 + ab**2)
     large = middle + spread
-    small = np.where(spread == 0, middle, (one * other - both**2) / large)
+    small = np.where(spread == 0, middle, (a * b - ab**2) / large)
     return np.asarray(np.sqrt(large * chebyshev.chebval(2 * small / large - 1, _square_radius(share))))
 
 

@@ -33,26 +33,28 @@ class Agreement(NamedTuple):
 
 def agreement(flown: SarStudy, fast: SarStudy) -> tuple[Agreement, ...]:
     """Every strategy but the ideal; both studies of the same design."""
-    found = []
+    agreements = []
     for index, strategy in enumerate(STRATEGIES[1:], start=1):
-        one, other = float(flown.rms[index]), float(fast.rms[index])
-        ratio = one / other
-        error = ratio * float(np.hypot(flown.rms_error[index] / one, fast.rms_error[index] / other))
-        found.append(Agreement(strategy.key, one, other, ratio, error))
-    return tuple(found)
+        flown_rms, fast_rms = float(flown.rms[index]), float(fast.rms[index])
+        ratio = flown_rms / fast_rms
+        error = ratio * float(np.hypot(flown.rms_error[index] / flown_rms, fast.rms_error[index] / fast_rms))
+        agreements.append(Agreement(strategy.key, flown_rms, fast_rms, ratio, error))
+    return tuple(agreements)
 
 
-def agreement_sentence(found: tuple[Agreement, ...]) -> str:
+def agreement_sentence(agreements: tuple[Agreement, ...]) -> str:
     """Whether the engines agree, and where they differ."""
-    apart = [one for one in found if not one.agrees]
-    if not apart:
-        worst = max(found, key=lambda one: abs(one.ratio - 1) / one.error)
+    different = [row for row in agreements if not row.agrees]
+    if not different:
+        worst = max(agreements, key=lambda row: abs(row.ratio - 1) / row.error)
         return (
             "Both engines agree within three standard errors for every strategy. The largest difference is "
             f"{100 * (worst.ratio - 1):+.1f} % (standard error {100 * worst.error:.1f} %), for {NAMES[worst.key]}."
         ).replace("-", "−")
-    named = "; ".join(f"{NAMES[one.key]} {100 * (one.ratio - 1):+.0f} % ± {100 * one.error:.0f} %" for one in apart)
+    named = "; ".join(
+        f"{NAMES[row.key]} {100 * (row.ratio - 1):+.0f} % ± {100 * row.error:.0f} %" for row in different
+    )
     return (
-        f"The engines differ by more than three standard errors for {len(apart)} of {len(found)} strategies "
+        f"The engines differ by more than three standard errors for {len(different)} of {len(agreements)} strategies "
         f"(simulator over error model): {named}. The cautions list what only the simulator includes."
     ).replace("-", "−")

@@ -43,16 +43,18 @@ class Fixes(NamedTuple):
 def filtered(model: AxisModel, start: Array, covariance: Array, at_fixes: Array, fixes: Fixes) -> Filtered:
     """From the error ``start`` (runs, m) just after the first fix; ``at_fixes`` (3, runs, k) is the noise path."""
     priors, posteriors, prior_covariances, covariances = [start], [start], [covariance], [covariance]
-    phi, grown = filter_drift(model, model.fix_interval)
-    rows, inertial = fix_rows(model), inertial_drift(model, model.fix_interval)[0]
+    phi, q = filter_drift(model, model.fix_interval)
+    h, phi_inertial = fix_rows(model), inertial_drift(model, model.fix_interval)[0]
     for k in range(1, len(fixes.noise)):
+        # The noise of this interval is the path at its end less what the path at its beginning has become by then.
         prior = posteriors[-1] @ phi.T
-        prior[:, :3] += at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ inertial.T
+        prior[:, :3] += at_fixes[:, :, k].T - at_fixes[:, :, k - 1].T @ phi_inertial.T
+        # The filter's fourth state is its estimate of the slow error less the truth, which has moved on.
         prior[:, 3:] -= fixes.fresh[k][:, None]
-        prior_covariance = phi @ covariances[-1] @ phi.T + grown
+        prior_covariance = phi @ covariances[-1] @ phi.T + q
         gain, covariance = measure(prior_covariance, model)
         priors.append(prior)
-        posteriors.append(prior - (prior @ rows.T - fixes.noise[k]) @ gain.T)
+        posteriors.append(prior - (prior @ h.T - fixes.noise[k]) @ gain.T)
         prior_covariances.append(prior_covariance)
         covariances.append(covariance)
     return Filtered(*(np.stack(part) for part in (priors, posteriors, prior_covariances, covariances)))
@@ -81,45 +83,47 @@ def filtered_in_leg(
         Seconds from the aperture's end to the next fix.
     random : Generator
     """
+    # The filter up to the next fix, which is not taken: its noise path goes on from the aperture's end.
     runs = len(settled[0])
-    after = information_after(model, model.leg_after - rest)
-    phi, noise = inertial_drift(model, rest)
-    onward = path[1].T @ phi.T + draw_state(noise, runs, random)
+    phi, q = inertial_drift(model, rest)
+    next_path = path[1].T @ phi.T + draw_state(q, runs, random)
     fresh = draw_fresh(model, runs, random, model.fix_interval)
-    more = Fixes(
+    extended = Fixes(
         np.concatenate([fixes.noise, np.zeros_like(fixes.noise[:1])]), np.concatenate([fixes.fresh, fresh[None]])
     )
-    found = filtered(model, *settled, np.concatenate([path[0], onward.T[:, :, None]], axis=2), more)
-    prior = found.prior_covariance[-1]
-    known = prior @ after
-    drawn = random.standard_normal((runs, len(prior))) @ _root(after).T
-    joined = np.linalg.solve(np.eye(len(prior)) + known, (found.prior[-1] + drawn @ prior).T).T
-    return found._replace(posterior=np.concatenate([found.posterior[:-1], joined[None]]))
+    result = filtered(model, *settled, np.concatenate([path[0], next_path.T[:, :, None]], axis=2), extended)
+    # Information Y about the state there, of that fix and all later ones, makes of its error e the error
+    # (1 + P Y)⁻¹ (e + P n), where n of covariance Y is what the noise of these fixes comes to.
+    y, p = information_after(model, model.leg_after - rest), result.prior_covariance[-1]
+    noise = random.standard_normal((runs, len(p))) @ _root(y).T
+    posterior = np.linalg.solve(np.eye(len(p)) + p @ y, (result.prior[-1] + noise @ p).T).T
+    return result._replace(posterior=np.concatenate([result.posterior[:-1], posterior[None]]))
 
 
 def navigated(done: Filtered, at_fixes: Array, sampled: Array, time: Array, fix_time: Array) -> Array:
     """The filter's error (3, runs, n) between the fixes, from the noise path at the fixes and at the times."""
-    found = sampled.copy()
+    error = sampled.copy()
     for k, span in _stretches(time, fix_time):
-        found[:, :, span] += carried(done.posterior[k][:, :3] - at_fixes[:, :, k].T, time[span] - fix_time[k])
-    return found
+        error[:, :, span] += carried(done.posterior[k][:, :3] - at_fixes[:, :, k].T, time[span] - fix_time[k])
+    return error
 
 
 def smoothed(model: AxisModel, done: Filtered, position: Array, time: Array, fix_time: Array) -> Array:
     """Position error (runs, n) of the smoother that has all fixes of `done`, from the filter's between the fixes."""
     phi = filter_drift(model, model.fix_interval)[0]
-    every = np.broadcast_to(phi, (len(done.prior) - 1, *phi.shape))
-    at_fixes = rts_smooth(done.posterior, done.covariance, done.prior, done.prior_covariance, every)
-    found = position.copy()
+    transitions = np.broadcast_to(phi, (len(done.prior) - 1, *phi.shape))
+    at_fixes = rts_smooth(done.posterior, done.covariance, done.prior, done.prior_covariance, transitions)
+    error = position.copy()
     for k, span in _stretches(time, fix_time):
         if k + 1 < len(done.prior):
+            # Between two fixes: what the smoother changes at the next one, times the gain from here to there.
             age = time[span] - fix_time[k]
-            forward, grown = filter_drift(model, age)
-            predicted = forward @ done.covariance[k] @ np.swapaxes(forward, 1, 2) + grown
-            onward = filter_drift(model, model.fix_interval - age)[0]
-            gain_row = smoother_gain(predicted, onward, done.prior_covariance[k + 1])[:, 0, :]
-            found[:, span] += (at_fixes[k + 1] - done.prior[k + 1]) @ gain_row.T
-    return found
+            phi_here, q_here = filter_drift(model, age)
+            predicted = phi_here @ done.covariance[k] @ phi_here.mT + q_here
+            phi_next = filter_drift(model, model.fix_interval - age)[0]
+            gain_row = smoother_gain(predicted, phi_next, done.prior_covariance[k + 1])[:, 0, :]
+            error[:, span] += (at_fixes[k + 1] - done.prior[k + 1]) @ gain_row.T
+    return error
 
 
 def carried(state: Array, age: Array) -> Array:

@@ -67,16 +67,16 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
     interval = design.gnss.interval
     for key, span in (("coast.before_aperture", coast), ("gnss.interval", sar.aperture_time)):
         if span / interval > _MOST_FIXES:
-            held = f"{span:.4g} s hold {span / interval:.4g} fixes"
-            raise InputError(key, f"{held}; strategies are simulated with at most {_MOST_FIXES}")
+            excess = f"{span:.4g} s hold {span / interval:.4g} fixes"
+            raise InputError(key, f"{excess}; strategies are simulated with at most {_MOST_FIXES}")
     if radar.grazing_angle >= math.radians(89.9):
         raise InputError("radar.grazing_angle", "Enter less than 89.9°: straight down gives no image.")
     try:
         geometry = ApertureGeometry(radar.slant_range, design.flight.speed, radar.grazing_angle, radar.squint_angle)
     except ValueError as error:
         raise InputError("radar.squint_angle", str(error)) from error
-    wanted = max(sar.aperture_time * _RATE_HZ, 8 * sar.aperture_time / interval)
-    samples = min(max(math.ceil(wanted), _LEAST_SAMPLES), _MOST_SAMPLES)
+    needed = max(sar.aperture_time * _RATE_HZ, 8 * sar.aperture_time / interval)
+    samples = min(max(math.ceil(needed), _LEAST_SAMPLES), _MOST_SAMPLES)
     x = inputs_of(design)
     velocities = x.velocity_of_fix or (0.0, 0.0)
     level, down = (
@@ -181,36 +181,36 @@ def required_phase(design: Design) -> float | None:
 def study_cautions(budget: Budget) -> tuple[str, ...]:
     """Cautions about the strategies for this design."""
     design, processing = budget.design, budget.design.processing
-    said = []
+    cautions = []
     if design.gnss.velocity_noise is not None:
-        said.append(
+        cautions.append(
             "Velocity fixes are in the filter and in both smoothers, one with each position fix at noise of the same "
             "density. Both quadratic fits use the position fixes alone. The map varies the position noise alone."
         )
     if design.gnss.correlated:
-        said.append(
+        cautions.append(
             "The slow GNSS error is on: the filter estimates it [T-8], and both quadratic fits follow it. The map "
             "varies the white part of the position noise only."
         )
     if design.radar.squint_angle:
-        said.append(
+        cautions.append(
             "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight turns velocity errors of "
             "all axes into phase. Cells and widths are measured across the line of sight."
         )
-    said += not_flown(design)
+    cautions += not_flown(design)
     if design.coast.before_aperture > 0:
-        said.append(
+        cautions.append(
             f"Only {NAMES['3']} flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "
             f"others have fixes throughout. Without fixes {NAMES['3']} is the only option in real time. The formula "
             f"of {NAMES['9']} counts the outage, its runs do not."
         )
     else:
-        said.append(f"No outage before the aperture is set, so {NAMES['3']} equals {NAMES['2']}.")
-    said.append(
+        cautions.append(f"No outage before the aperture is set, so {NAMES['3']} equals {NAMES['2']}.")
+    cautions.append(
         f"{NAMES['6']} and {NAMES['7']} are reconstructions: the literature names the schemes, not the gains. Gains "
         "are optimised for this design on separate seeds."
     )
-    said.append(
+    cautions.append(
         f"{NAMES['8']} uses fixes up to the aperture's end, so it bounds what real-time and in-aperture methods can "
         f"do. {NAMES['9']} needs post-processing: it also uses {processing.leg_after:.4g} s of fixes after the "
         "aperture, and estimates constant biases. "
@@ -220,32 +220,32 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
             else "The design is processed in real time, so it is shown for reference."
         )
     )
-    said.append(
+    cautions.append(
         f"The formula of {NAMES['5']} assumes continuous fixes. With few fixes in the aperture its inertial part is "
         "low: by up to 6 % with a fix at both ends, by more if the aperture ends well after its last fix [T-16]."
     )
-    return tuple(said)
+    return tuple(cautions)
 
 
 def flight_cautions(budget: Budget) -> tuple[str, ...]:
     """Effects that are in the simulator's flights but not in the per-axis error model and the closed forms."""
     design = budget.design
     interval, coast = design.gnss.interval, design.coast.before_aperture
-    said = [
+    cautions = [
         "The simulator flies straight and level over a rotating Earth with WGS 84 gravity, Schuler and Coriolis "
         "terms, coupled axes, sampled sensors, and a filter of nine states that settles before the aperture."
     ]
     if design.imu.accelerometer_bias or design.imu.gyro_bias:
-        said.append(
+        cautions.append(
             "Its residual biases act from take-off and the filter does not estimate them. Tilt absorbs most of an "
             "accelerometer bias, so the image suffers less than the formulas and the error model predict."
         )
     if design.gnss.correlated:
-        said.append(
+        cautions.append(
             "Its fixes carry the slow error, which its filter of nine states does not estimate; the error model's "
             "filter does. Expect strategies that use the filter to be worse here."
         )
     flown = round(coast / interval) * interval
     if abs(flown - coast) > 1e-6:
-        said.append(f"The outage is rounded to whole fix intervals: {flown:.4g} s instead of {coast:.4g} s.")
-    return tuple(said)
+        cautions.append(f"The outage is rounded to whole fix intervals: {flown:.4g} s instead of {coast:.4g} s.")
+    return tuple(cautions)

@@ -46,8 +46,8 @@ def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
 
     Radars whose entry lacks range, resolution, frequency or speed are left out.
     """
-    own = budget.design.gnss.position_noise
-    noise = _axis(own, _GNSS_SPAN, points)
+    of_design = budget.design.gnss.position_noise
+    noise = _axis(of_design, _GNSS_SPAN, points)
     names, spans = [], []
     for entry in catalogue("radar").values():
         known = {key: item.value for key, item in (*entry.values.items(), *entry.extra.items())}
@@ -62,23 +62,25 @@ def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
                 )
             )  # fmt: skip
     # The vertical fix noise, if it has one of its own, goes with the horizontal.
-    upright = (budget.design.gnss.vertical_position_noise or own) / own * noise
+    upright = (budget.design.gnss.vertical_position_noise or of_design) / of_design * noise
     changes = {"gnss.position_noise": noise, "gnss.vertical_position_noise": upright}
-    return _made(budget, changes, own, names, np.array(spans), np.full(len(spans), own))
+    return _made(budget, changes, of_design, names, np.array(spans), np.full(len(spans), of_design))
 
 
 def arw_map(budget: Budget, points: int = POINTS) -> DesignMap:
     """Aperture time against angle random walk; the catalogue's inertial units at this design's aperture."""
-    own = budget.design.imu.angle_random_walk
-    walk = _axis(own, _ARW_SPAN, points)
+    of_design = budget.design.imu.angle_random_walk
+    walk = _axis(of_design, _ARW_SPAN, points)
     known = [entry for entry in catalogue("imu").values() if "angle_random_walk" in entry.values]
     values = np.array([entry.values["angle_random_walk"].value for entry in known])
     names = [entry.name for entry in known]
     apertures = np.full(len(known), budget.sar.aperture_time)
-    return _made(budget, {"imu.angle_random_walk": walk}, own, names, apertures, values)
+    return _made(budget, {"imu.angle_random_walk": walk}, of_design, names, apertures, values)
 
 
-def _made(budget: Budget, changes: dict[str, Array], own: float, names: list[str], x: Array, y: Array) -> DesignMap:
+def _made(
+    budget: Budget, changes: dict[str, Array], of_design: float, names: list[str], x: Array, y: Array
+) -> DesignMap:
     """The map over apertures and what the first of the changes changes; the whole-leg smoother is computed where it
     may win."""
     other = next(iter(changes.values()))
@@ -93,13 +95,13 @@ def _made(budget: Budget, changes: dict[str, Array], own: float, names: list[str
         other=other,
         winner=result.winner,
         phase=4 * np.pi / budget.sar.wavelength * result.best_sigma,
-        here=(budget.sar.aperture_time, own),
+        here=(budget.sar.aperture_time, of_design),
         names=tuple(name for name, shown in zip(names, inside, strict=True) if shown),
         x=x[inside],
         y=y[inside],
     )
 
 
-def _axis(own: float, span: tuple[float, float], points: int) -> Array:
+def _axis(of_design: float, span: tuple[float, float], points: int) -> Array:
     """A log axis over `span`, grown where the design lies outside it."""
-    return np.geomspace(min(span[0], own / 2), max(span[1], own * 2), points)
+    return np.geomspace(min(span[0], of_design / 2), max(span[1], of_design * 2), points)

@@ -105,7 +105,11 @@ class SarStudy:
 
     def _able(self, causal: bool = False) -> list[str]:
         """Keys of the candidates, the simplest first."""
-        return [one.key for one in map(_named, _SIMPLEST_FIRST) if one.causal or (not causal and self._allowed(one))]
+        return [
+            strategy.key
+            for strategy in map(_named, _SIMPLEST_FIRST)
+            if strategy.causal or (not causal and self._allowed(strategy))
+        ]
 
     def _allowed(self, strategy: Strategy) -> bool:
         return strategy.timing != POST_PROCESSED or self.budget.design.processing.mode == POST_PROCESSED
@@ -122,22 +126,22 @@ class SarStudy:
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
         least = self.residual(best.key) <= min(map(self.residual, self._able()))
         why = "the least" if least else "the simplest within 5 % of the least"
-        said = (
+        sentence = (
             f"Over {self.runs} {what}, {best.name} leaves {_millimetres(self.residual(best.key))} rms "
             f"{LEFT[self.budget.sar.autofocus_order]}, {why}."
         )
         if best.timing == POST_PROCESSED:
-            said += " It needs post-processing."
+            sentence += " It needs post-processing."
         if now.key != best.key:
-            said += f" The best in flight is {now.name} with {_millimetres(self.residual(now.key))}."
+            sentence += f" The best in flight is {now.name} with {_millimetres(self.residual(now.key))}."
         if not smoothed:
-            said += f" Post-processed, {NAMES['9']} leaves {_millimetres(self.residual('9'))}."
+            sentence += f" Post-processed, {NAMES['9']} leaves {_millimetres(self.residual('9'))}."
         if advised not in (best.key, now.key):
-            said += (
+            sentence += (
                 f" By the formulas, which cover five of the strategies, the best is {NAMES[advised]} "
                 f"({_millimetres(self.residual(advised))})."
             )
-        return said
+        return sentence
 
 
 def _named(key: str) -> Strategy:
@@ -192,8 +196,8 @@ def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
 def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> Array:
     """Residual (10, n) [m] of one run, simulated again from its chunk's seed."""
     along, across, down = _simulated(case, tuning, seed, index, runs)
-    one = (axis.error[:, within] for axis in (along, across, down))
-    return autofocus(range_error(case.geometry, along.time, *one), case.autofocus_order)
+    errors = (axis.error[:, within] for axis in (along, across, down))
+    return autofocus(range_error(case.geometry, along.time, *errors), case.autofocus_order)
 
 
 def gather(
@@ -273,8 +277,8 @@ def design_study(
 
 def _simulated(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> list[StrategyErrors]:
     if case.flight is None:
-        own = np.random.SeedSequence([seed, 0, index])
-        return simulate_axes(case.models, case.aperture_time, case.coast_time, runs, own, case.rate, tuning)
+        sequence = np.random.SeedSequence([seed, 0, index])
+        return simulate_axes(case.models, case.aperture_time, case.coast_time, runs, sequence, case.rate, tuning)
     first = index * _CHUNK["simulator"]
     return fly_axes(case.flight, case.models, case.aperture_time, case.rate, seed, first, runs, tuning)
 

@@ -135,10 +135,10 @@ def histories(
         level = np.swapaxes(values[:, 1:] @ turn.T, 0, 1).reshape(-1, 3)
         return np.stack([np.interp(flight.start + time, both, column) for column in level.T])
 
-    def flown(one: SimulationSpec) -> tuple[list[RunRecord], Array, Array]:
+    def flown(flight_spec: SimulationSpec) -> tuple[list[RunRecord], Array, Array]:
         """The runs of a flight, and their position and velocity errors (3, runs, n)."""
-        instants = plan(one).outputs.time_s[1:]
-        records = [fly(replace(one, seed=seed), run) for run in range(first_run, first_run + runs)]
+        instants = plan(flight_spec).outputs.time_s[1:]
+        records = [fly(replace(flight_spec, seed=seed), run) for run in range(first_run, first_run + runs)]
         position, velocity = (
             np.stack([sampled(record.error[..., part], instants) for record in records], axis=1)
             for part in (slice(0, 3), slice(3, 6))

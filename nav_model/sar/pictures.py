@@ -88,7 +88,7 @@ def uploaded_pictures(
     history = read_phase_history(name, data)
     laid = pulse_errors(time, np.atleast_2d(np.asarray(residual, float)), history.samples.shape[1])
     axis = np.linspace(-half_width, half_width, pixels)
-    images = [back_project(history, axis, axis, range_error=one, window="taylor") for one in (0 * laid[0], *laid)]
+    images = [back_project(history, axis, axis, range_error=error, window="taylor") for error in (0 * laid[0], *laid)]
     brightest = np.abs(images[0]).max()
     if not brightest > 0:
         raise ValueError(f"{name}: nothing lies within {half_width:g} m of the scene centre")

@@ -51,6 +51,6 @@ def scene_images(
     )
     laid = pulse_errors(np.linspace(0, aperture_time, range_error.shape[-1]), range_error, pulses)
     axis = np.linspace(-half_width, half_width, pixels)
-    images = [back_project(history, axis, axis, range_error=one, window=window) for one in laid]
+    images = [back_project(history, axis, axis, range_error=error, window=window) for error in laid]
     with np.errstate(divide="ignore"):
         return axis, 20 * np.log10(np.abs(np.stack(images)))

@@ -69,10 +69,9 @@ def shrunk_residual_variance(
     The quadratic left is var_INS var_GNSS / (var_INS + var_GNSS): below both, so 5w loses to neither 2 nor 5 on
     one axis. With a slow GNSS error the two quadratics have a ``covariance``, which the weight leaves out.
     """
-    left = shrunk_weight(ins_quadratic, fit_quadratic)
+    weight = shrunk_weight(ins_quadratic, fit_quadratic)
     with np.errstate(invalid="ignore"):
-        gained = np.where(left > 0, left * np.asarray(fit_quadratic, float), 0.0)
-    gained = np.where(np.isfinite(fit_quadratic), gained, ins_quadratic) + 2 * left * (1 - left) * np.asarray(
-        covariance, float
-    )
-    return np.asarray(QUADRATIC_MEAN_SQUARE * gained + np.asarray(beyond_quadratic, float))
+        quadratic = np.where(weight > 0, weight * np.asarray(fit_quadratic, float), 0.0)
+    quadratic = np.where(np.isfinite(fit_quadratic), quadratic, ins_quadratic)
+    quadratic = quadratic + 2 * weight * (1 - weight) * np.asarray(covariance, float)
+    return np.asarray(QUADRATIC_MEAN_SQUARE * quadratic + np.asarray(beyond_quadratic, float))

@@ -53,8 +53,8 @@ def simulate_axes(
 ) -> list[StrategyErrors]:
     """Every strategy on each axis (along, across, down), each with its own seed."""
     return [
-        simulate_axis(model, aperture_time, coast_time, runs, one, rate, tuning)
-        for model, one in zip(models, seed.spawn(3), strict=True)
+        simulate_axis(model, aperture_time, coast_time, runs, axis_seed, rate, tuning)
+        for model, axis_seed in zip(models, seed.spawn(3), strict=True)
     ]
 
 
@@ -100,9 +100,9 @@ def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: i
 
     A grid search on one axis; the seeds are never those of a study's runs.
     """
-    own = np.random.SeedSequence([seed, 1])
+    sequence = np.random.SeedSequence([seed, 1])
     rate = max(min(25.0, 2000.0 / aperture_time), 200.0 / aperture_time)
-    h = simulate_histories(model, aperture_time, 0.0, runs, own, rate)
+    h = simulate_histories(model, aperture_time, 0.0, runs, sequence, rate)
 
     def score(output: Array) -> float:
         return float(np.median(np.sqrt(np.mean(autofocus(output) ** 2, axis=-1))))

@@ -64,34 +64,34 @@ def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
 
 
 def _agreement(study: SarStudy, beside: SarStudy) -> dict[str, Any]:
-    found = agreement(study, beside)
+    agreements = agreement(study, beside)
     return {
         "with": {"engine": beside.engine, "runs": beside.runs, "seed": beside.seed},
-        "sentence": agreement_sentence(found),
+        "sentence": agreement_sentence(agreements),
         "strategies": [
             {
-                "key": one.key,
-                "flown_residual_rms_m": one.flown,
-                "fast_residual_rms_m": one.fast,
-                "ratio": one.ratio,
-                "ratio_standard_error": one.error,
-                "agrees": one.agrees,
+                "key": row.key,
+                "flown_residual_rms_m": row.flown,
+                "fast_residual_rms_m": row.fast,
+                "ratio": row.ratio,
+                "ratio_standard_error": row.error,
+                "agrees": row.agrees,
             }
-            for one in found
+            for row in agreements
         ],
     }
 
 
 def advice(closed: ClosedForms) -> dict[str, Any]:
     """The advice of the closed forms."""
-    said = closed.advice
+    text = closed.advice
     return {
-        "strategy": said.strategy,
-        "sentence": said.sentence,
-        "because": said.because,
-        "would_change": said.would_change,
-        "break_even_aperture_s": said.break_even_aperture,
-        "break_even_gnss_sigma_m": said.break_even_gnss_sigma,
+        "strategy": text.strategy,
+        "sentence": text.sentence,
+        "because": text.because,
+        "would_change": text.would_change,
+        "break_even_aperture_s": text.break_even_aperture,
+        "break_even_gnss_sigma_m": text.break_even_gnss_sigma,
         "required_phase_rad": closed.required_phase,
     }
 

@@ -133,11 +133,11 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     else:
         corrected = [np.where(n > 2, rest, np.inf), rest]
     ends = [np.add(part, c.fast[0]) for part in (free.quadratic, coasted.quadratic, fitted, shrunk)]
-    left = [np.add(part, c.fast[1]) for part in (free.detrended, coasted.detrended, *corrected)]
+    residuals = [np.add(part, c.fast[1]) for part in (free.detrended, coasted.detrended, *corrected)]
     if c.smoothed is not None:
         ends.append(np.asarray(c.smoothed.quadratic))
-        left.append(np.asarray(c.smoothed.detrended))
-    return StrategyVariances(np.stack(np.broadcast_arrays(*ends)), np.stack(np.broadcast_arrays(*left)))
+        residuals.append(np.asarray(c.smoothed.detrended))
+    return StrategyVariances(np.stack(np.broadcast_arrays(*ends)), np.stack(np.broadcast_arrays(*residuals)))
 
 
 def whole_variances(c: Conditions, detrended: Array) -> Array:
@@ -146,13 +146,13 @@ def whole_variances(c: Conditions, detrended: Array) -> Array:
     Of and in the order of `strategy_variances`. An autofocus beyond the line removes what the turn adds but for
     little.
     """
-    found = detrended.copy()
+    variances = detrended.copy()
     if c.autofocus_order == 1:
         bent = QUADRATIC_MEAN_SQUARE * np.stack(np.broadcast_arrays(*_bent_by_the_turn(c)))
-        found[: len(IN_APERTURE)] += bent
+        variances[: len(IN_APERTURE)] += bent
     if c.smoothed is not None:
-        found[len(IN_APERTURE) :] = c.smoothed.whole
-    return found
+        variances[len(IN_APERTURE) :] = c.smoothed.whole
+    return variances
 
 
 def _bent_by_the_turn(c: Conditions) -> tuple[Array, ...]:

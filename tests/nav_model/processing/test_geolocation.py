@@ -69,7 +69,7 @@ def test_line_of_a_free_ins_by_monte_carlo():
     spread = 4 * math.sqrt(2 / runs)  # four sigmas of a variance
     assert np.var(mean) == pytest.approx(float(line.mean), rel=spread + 0.005)
     assert np.var(slope) == pytest.approx(float(line.slope), rel=spread + 0.005)
-    assert np.mean(mean * slope) == pytest.approx(float(line.both), rel=spread + 0.01)
+    assert np.mean(mean * slope) == pytest.approx(float(line.covariance), rel=spread + 0.01)
 
 
 def test_shifts_of_the_image_by_exact_geometry():

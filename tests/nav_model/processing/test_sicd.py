@@ -68,7 +68,7 @@ def covariance(level, upright):
     whole = np.zeros((6, 6))
     for axis, line in enumerate((upright, level, level)):
         whole[axis, axis], whole[axis + 3, axis + 3] = line.mean, line.slope
-        whole[axis, axis + 3] = whole[axis + 3, axis] = line.both
+        whole[axis, axis + 3] = whole[axis + 3, axis] = line.covariance
     return whole
 
 
@@ -101,7 +101,7 @@ def test_ground_covariance_of_five_hundred_geometries(compared):
         off += [float(ours[0]) / ground[0, 0] - 1, float(ours[1]) / ground[1, 1] - 1]
         off.append((float(ours[2]) - ground[0, 1]) / scale)
         off += [float(moved.range) / slant[0, 0] - 1, float(moved.azimuth) / slant[1, 1] - 1]
-        off.append((sign * float(moved.both) - slant[0, 1]) / math.sqrt(slant[0, 0] * slant[1, 1]))
+        off.append((sign * float(moved.covariance) - slant[0, 1]) / math.sqrt(slant[0, 0] * slant[1, 1]))
     oracle = "sarkit 1.8, error propagation of SICD volume 3, 500 geometries"
     compared("Where the image lies on the ground", "P-7", "another program", oracle, off, 1e-6)
 

@@ -202,7 +202,7 @@ def test_free_ins_is_the_closed_forms(compared):
             off += [c[2, 2] * 45 / 4 / closed.quadratic - 1, c[3, 3] * 175 / 4 / closed.cubic - 1]
             line = free_line(start, a, w, 0.0, 0.0, g, 0.0, aperture)
             off += [c[0, 0] / line.mean - 1, c[1, 1] * 12 / aperture**2 / line.slope - 1]
-            off.append(c[0, 1] * math.sqrt(12) / aperture / line.both - 1)
+            off.append(c[0, 1] * math.sqrt(12) / aperture / line.covariance - 1)
             end, closed = carried(known, one.segment)[0], horizontal_growth(start, a, w, g, aperture)
             off += [
                 end[0, 0] / closed.position - 1,
