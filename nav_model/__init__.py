@@ -10,13 +10,13 @@ Examples
 ... angle_random_walk = "0.1 °/√h"
 ... velocity_random_walk = "0.03 m/s/√h"
 ... [requirements]
-... quadratic_phase = "45°"
+... detrended_phase = "20°"
 ... ''')
 >>> budget = analyse(design)
->>> f"{budget['quadratic_phase', 'real time'].sigma:.3f} rad"  # 1 sigma, over the aperture
-'0.259 rad'
+>>> f"{budget['detrended_phase', 'real time'].sigma:.3f} rad"  # 1 sigma, over the aperture
+'0.078 rad'
 >>> [(check.name, round(check.margin, 2)) for check in budget.verdict.checks]
-[('quadratic_phase', 0.67), ('along_track_quadratic_phase', 0.8)]
+[('detrended_phase', 0.78)]
 >>> budget.verdict.closes
 True
 """

@@ -31,7 +31,7 @@ from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import limit_on
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES, REQUIRED, label_of
+from nav_model.design.figures import FIGURES, REQUIRED, label_of, of_kind
 from nav_model.design.parts import INPUTS
 
 _COLUMNS = 5  # designs that fit side by side on a page
@@ -253,7 +253,7 @@ def phase_comparison(budgets: Sequence[Budget], labels: Sequence[str]) -> BarCha
     """Quadratic and detrended phase of some budgets."""
 
     def bar(budget: Budget, label: str) -> Bar:
-        phases = np.array([budget.figure(name).sigma for name in ("quadratic_phase", "detrended_phase")])
+        phases = np.array([budget.figure(name).sigma for name in of_kind("phase") if FIGURES[name].tile])
         first, second = map(float, np.degrees(phases))
         first_mm, second_mm = map(float, 1000 * phase_to_metres(phases, budget.sar.wavelength))
         marks = "[P-5]" if budget.post_processed else "[S-5], [T-15], [S-6]"

@@ -12,11 +12,11 @@ from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget
 from nav_model.budget.verdict import Check, Verdict
 from nav_model.design.contributors import Contributor
-from nav_model.design.figures import FIGURES
+from nav_model.design.figures import FIGURES, REQUIRED, of_kind
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
-_PHASES = ("quadratic_phase", "cubic_phase", "detrended_phase")
+_PHASES = tuple(name for name in of_kind("phase") if name in REQUIRED)
 
 
 def to_json(budget: Budget) -> dict[str, Any]:
@@ -63,7 +63,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "aperture_length_m": sar.aperture_length,
             "cell_length_m": sar.cell_length,
             "autofocus_order": sar.autofocus_order,
-            **_sigmas_of(budget, REAL_TIME, *_PHASES, "along_track_quadratic_phase"),
+            **_sigmas_of(budget, REAL_TIME, *_PHASES),
             "lines": [
                 {
                     "source": line.source,
@@ -140,10 +140,10 @@ def _model_shares(budget: Budget, name: str) -> dict[str, float]:
 
 def _post_processed(budget: Budget) -> dict[str, Any]:
     figures = {name: budget[name, POST_PROCESSED] for name in FIGURES}
-    sigmas = {name: figure.sigma for name, figure in figures.items()}
+    sigmas, lines = {name: figure.sigma for name, figure in figures.items()}, budget.phase_lines(POST_PROCESSED)
     return {
         **_sigmas(sigmas),
-        **_sigmas_of(budget, POST_PROCESSED, *_PHASES, "along_track_quadratic_phase"),
+        **_sigmas_of(budget, POST_PROCESSED, *_PHASES),
         "detrended_phase_by_order_sigma_rad": {str(order): sigmas[f"detrended_phase_{order}"] for order in (1, 2, 3)},
         "turning_quadratic_phase_sigma_rad": budget.beside("turning_quadratic_phase"),
         "turning_detrended_phase_by_order_sigma_rad": {
@@ -151,7 +151,7 @@ def _post_processed(budget: Budget) -> dict[str, Any]:
         },
         "azimuth_shift_sigma_m": budget.beside("slope_shift"),
         "method": "state space",
-        "lines": [{"source": source, "share": share} for source, share in figures["quadratic_phase"].shares.items()],
+        "lines": [{"source": line.source, "share": line.share} for line in lines if line.share],
     }
 
 

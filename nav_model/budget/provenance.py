@@ -112,21 +112,19 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             f"With that in mid-aperture it is {growth:.3g} times as large, which the verdict leaves out."
         )
     if budget.post_processed:
-        counted = (budget.figure(f"{name}quadratic_phase").model for name in ("", "along_track_"))
-        change = budget.beside("turning_quadratic_phase") / math.hypot(*counted) - 1
+        change = budget.beside("turn_of_quadratic")
         if abs(change) > _TURN_SAID:
             said.append(
                 "The line of sight turns over the aperture. The along-track phase [S-2] has its effect on velocity "
                 f"errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
                 f"along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
             )
-        order, residual = budget.sar.autofocus_order, budget.figure("detrended_phase").model
-        change = budget.beside(f"turning_detrended_phase_{order}") / residual - 1 if order < 3 else 0.0
+        change = budget.beside("turn_of_detrended")
         if abs(change) > _TURN_SAID:
             said.append(
-                f"The residual after autofocus of order {order} is along the line of sight of mid-aperture. With the "
-                f"turn it is {100 * abs(change):.2g} % {'larger' if change > 0 else 'smaller'}, which the verdict "
-                "leaves out [P-5]."
+                f"The residual after autofocus of order {budget.sar.autofocus_order} is along the line of sight of "
+                f"mid-aperture. With the turn it is {100 * abs(change):.2g} % "
+                f"{'larger' if change > 0 else 'smaller'}, which the verdict leaves out [P-5]."
             )
     said += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     said += [sentence for holds, sentence in _STANDING if holds(design)]

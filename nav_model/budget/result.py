@@ -166,10 +166,10 @@ class Budget(Mapping[tuple[str, str], Composed]):
     def _of_model(self, name: str, processing: str, at: float | None, moment: str) -> tuple[float, Shares]:
         """A figure without contributors, 1σ, and the share of each source in its variance."""
         figure, model = FIGURES[name], self.models[processing]
-        # The response has the shares of the quadratic phase, which it follows from.
-        if figure.kind == "response":
-            quadratic = self.composed("quadratic_phase", processing)
-            return float(measures(self.x, quadratic.sigma)[name]), quadratic.shares
+        # The response has the shares of the phase that it is read from.
+        if figure.follows:
+            phase = self.composed(figure.follows, processing)
+            return float(measures(self.x, phase.sigma)[name]), phase.shares
         # A phase in real time is a sum over its sources.
         if variances := model.variances_of(name):
             whole = sum(variances.values())

@@ -64,7 +64,7 @@ class Smoothed(RealTime):
     def tilt(self) -> Array:
         return np.asarray(np.sqrt(self.error["tilt"][0] + self.x.bias**2) / self.x.g)
 
-    def _along_sight(self, column: str) -> Array:
+    def sight_variance(self, column: str) -> Array:
         """Variance along the line of sight, with vibration, unsensed motion and oscillator."""
         wide, high = sight_weights(self.x)
         horizontal, vertical = self.error[column]
@@ -72,15 +72,15 @@ class Smoothed(RealTime):
 
     @property
     def quadratic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._along_sight("quadratic"))
+        return self.to_phase * np.sqrt(self.sight_variance("quadratic"))
 
     @property
     def cubic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._along_sight("cubic"))
+        return self.to_phase * np.sqrt(self.sight_variance("cubic"))
 
     def detrended(self, order: int) -> Array:
         """Phase [rad] that is left after autofocus of an order."""
-        return self.to_phase * np.sqrt(self._along_sight(f"left_{order}"))
+        return self.to_phase * np.sqrt(self.sight_variance(f"left_{order}"))
 
     @property
     def along_track_quadratic_phase(self) -> Array:
@@ -108,7 +108,7 @@ class Smoothed(RealTime):
         turn: Turn = turn_weights(x.grazing_angle, x.squint, x.speed / x.slant_range, x.aperture)
         horizontal, vertical = ({name: self.error[of + name][axis] for name in TURNING} for axis in (0, 1))
         axes = ((turn.along, horizontal), (turn.across, horizontal), (turn.down, vertical))
-        return np.asarray(self._along_sight(column) + sum(smoothed_bent_variance(*pair) for pair in axes))
+        return np.asarray(self.sight_variance(column) + sum(smoothed_bent_variance(*pair) for pair in axes))
 
     @property
     def turning_quadratic_phase(self) -> Array:
@@ -119,12 +119,26 @@ class Smoothed(RealTime):
     def turning_detrended_phase_1(self) -> Array:
         """What autofocus of order 1 leaves [rad] with the turn: that after the next order, which the turn hardly
         changes (0.08 % in the examples, 0.7 % where it is 0.225 rad to each side), and the turning quadratic."""
-        return self.to_phase * np.sqrt(self._along_sight("left_2") + 4 / 45 * self._turning("quadratic"))
+        return self.to_phase * np.sqrt(self.sight_variance("left_2") + 4 / 45 * self._turning("quadratic"))
 
     @property
     def turning_detrended_phase_2(self) -> Array:
         """Likewise for order 2, with the turning cubic."""
-        return self.to_phase * np.sqrt(self._along_sight("left_3") + 4 / 175 * self._turning("cubic", "cubic_"))
+        return self.to_phase * np.sqrt(self.sight_variance("left_3") + 4 / 175 * self._turning("cubic", "cubic_"))
+
+    @property
+    def turn_of_quadratic(self) -> Array:
+        """By how much the turn changes quadratic and along-track phase together, a part of them."""
+        together = np.sqrt(self.quadratic_phase**2 + self.along_track_quadratic_phase**2)
+        return np.asarray(self.turning_quadratic_phase / together - 1)
+
+    @property
+    def turn_of_detrended(self) -> Array:
+        """The same of what the design's autofocus leaves; nothing after order 3, which removes the turn."""
+        order = self.x.autofocus_order
+        if order == 3:
+            return np.zeros(())
+        return np.asarray(getattr(self, f"turning_detrended_phase_{order}") / self.detrended_phase - 1)
 
 
 def model_of(x: Inputs) -> RealTime:

@@ -45,6 +45,8 @@ class Figure:
         Whether it always has a tile among the key figures.
     in_flight : bool
         Whether it is known along a flight too.
+    follows : str
+        Of a measure of the impulse response, the phase that it is read from.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Figure:
     scaled: bool = True
     tile: bool = False
     in_flight: bool = False
+    follows: str = ""
 
     @property
     def required_as(self) -> str:
@@ -215,10 +218,15 @@ _DECLARED = (
         )
         for order in (1, 2, 3)
     ),
-    Figure("response_width", "Response width", "length", "response", "[S-5]", "[P-5]", scaled=False),
-    Figure("pslr", "Peak side-lobe ratio", "level", "response", "[S-5]", "[P-5]", scaled=False),
-    Figure("response_islr", "Integrated side-lobe ratio", "level", "response", "[S-5]", "[P-5]", scaled=False),
-    Figure("peak_loss", "Peak loss", "loss", "response", "[S-5]", "[P-5]", scaled=False),
+    *(
+        Figure(name, label, dimension, "response", "[S-5]", "[P-5]", scaled=False, follows="quadratic_phase")
+        for name, label, dimension in (
+            ("response_width", "Response width", "length"),
+            ("pslr", "Peak side-lobe ratio", "level"),
+            ("response_islr", "Integrated side-lobe ratio", "level"),
+            ("peak_loss", "Peak loss", "loss"),
+        )
+    ),
 )  # fmt: skip
 
 FIGURES: Mapping[str, Figure] = MappingProxyType({figure.name: figure for figure in _DECLARED})

@@ -14,7 +14,7 @@ from nav_model.budget.smoothed import model_of
 from nav_model.budget.verdict import required
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import OFFERED, Entry, SourcedValue
-from nav_model.design.figures import RESPONSE
+from nav_model.design.figures import FIGURES
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
@@ -204,7 +204,8 @@ def _dominant(
     A measure of the impulse response has the shares of the quadratic phase.
     """
     limited = required(design)
-    names = ["quadratic_phase" if limited[name].on in RESPONSE else name for name in names]
+    followed = {name: FIGURES[limited[name].on].follows for name in names if limited[name].on in FIGURES}
+    names = [followed.get(name) or name for name in names]
     keys = [key for key in SENSORS if key in stated(design) or key in columns]
     slopes = log_derivatives(design, keys, names, columns)
     by_source: dict[str, Array] = {}

@@ -158,11 +158,9 @@ def conditions(
 
 def _smoothed(x: Inputs, *, whole: bool) -> Smoothed:
     """The whole-leg smoother's variances [m²] as the budget has them. [P-5], [S-2]"""
-    model, order = post_processed.Smoothed(x), x.autofocus_order
-    phases = [model.quadratic_phase, model.detrended_phase]
-    if whole:  # autofocus of order 3 removes what the turn adds
-        phases.append(getattr(model, f"turning_detrended_phase_{order}") if order < 3 else model.detrended_phase)
-    return Smoothed(*((phase / x.to_phase) ** 2 for phase in phases))
+    model = post_processed.Smoothed(x)
+    quadratic, residual = model.sight_variance("quadratic"), model.sight_variance(f"left_{x.autofocus_order}")
+    return Smoothed(quadratic, residual, *((residual * (1 + model.turn_of_detrended) ** 2,) if whole else ()))
 
 
 def judged(design: Design) -> str:

@@ -3,26 +3,18 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.budget.contributors import Part, with_contributors
+from nav_model.design.figures import FIGURES
 from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.truth import TruthStates
 from nav_model.trajectory.specification import CovarianceSpec
 
 FloatArray = NDArray[np.float64]
-FIGURES: Final = {
-    "quadratic_phase": "quadratic_phase_sigma_rad",
-    "cubic_phase": "cubic_phase_sigma_rad",
-    "detrended_phase": "detrended_phase_sigma_rad",
-    "azimuth_shift": "azimuth_shift_sigma_m",
-    "range_shift": "range_shift_sigma_m",
-    "ce90": "ce90_m",
-}
-"""Image figures and their names in JSON."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +22,7 @@ class Processed:
     """Figures of one processing over the result's times, 1 sigma.
 
     position [m] and velocity [m/s] north, east, down, attitude [rad] roll, pitch, yaw: (outputs, 3). image: by the
-    names of `FIGURES`, (outputs), NaN where the aperture does not lie within the flight. shares: by figure,
+    names of their figures, (outputs), NaN where the aperture does not lie within the flight. shares: by figure,
     (sources, outputs); they add up to one at every time. Shares of `ce90` are of the sum of both variances.
     entering: the user's own contributors by figure. `image`, its shares and `figure` have them; position, velocity
     and attitude are the model's.
@@ -44,7 +36,7 @@ class Processed:
     entering: Mapping[str, tuple[Part, ...]]
 
     def figure(self, name: str) -> FloatArray:
-        """A figure by its name among `design.trajectory.LIMITED`, (outputs): of states the larger axis."""
+        """A figure by its name among `nav_model.design.figures.IN_FLIGHT`, (outputs): of states the larger axis."""
         if name in self.image:
             return self.image[name]
         part = self.position if name.endswith("position") else self.velocity
@@ -141,7 +133,7 @@ def _processed(part: Processed) -> dict[str, Any]:
     found: dict[str, Any] = {
         name: {axis: values[:, n].tolist() for n, axis in enumerate(axes)} for name, (values, axes) in named.items()
     }
-    return found | {FIGURES[name]: _numbers(values) for name, values in part.image.items()}
+    return found | {FIGURES[name].column: _numbers(values) for name, values in part.image.items()}
 
 
 def _numbers(values: FloatArray) -> list[float | None]:

@@ -249,7 +249,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 def image_table(budget: Budget, key: str) -> Table:
     """The aperture, and the azimuth response with the quadratic phase."""
     sar, sources = budget.sar, provenance(budget)
-    response, phases = budget.response(budget.processing), ("quadratic_phase", "cubic_phase", "detrended_phase")
+    response, phases = budget.response(budget.processing), [name for name in of_kind("phase") if name in REQUIRED]
 
     def image(name: str, show_value: Callable[[float], str], scale: float = 1.0) -> str:
         return "no image: more than 1000 rad" if response is None else show_value(scale * getattr(response, name))

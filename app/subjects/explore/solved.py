@@ -30,12 +30,12 @@ from nav_model.explore.solve import solve
 class SolvedPanel(Question):
     """The solved values on the left, the ranking of one figure's inputs on the right."""
 
-    figure = chosen("quadratic_phase", {label_of(name): name for name in RANKED}, "Quantity to improve")
+    figure = chosen(RANKED[0], {label_of(name): name for name in RANKED}, "Quantity to improve")
 
     def __init__(self, session: Session) -> None:
         tightest = session.budget.verdict.tightest
         limited = tightest.on if tightest else ""
-        super().__init__(session=session, figure=limited if limited in RANKED else "quadratic_phase")
+        super().__init__(session=session, figure=limited if limited in RANKED else RANKED[0])
         self._ways: tuple[Way, ...] = ()
         self._table = SortableTable(self._take, margin=(0, 12))
         self._each = html_pane("")
