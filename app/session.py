@@ -49,13 +49,12 @@ class Session(param.Parameterized):
 
     ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``lineage`` changes when a
     whole design takes the place of another, and is triggered when its base is another. ``running`` is for long work
-    of this person alone, ``presenting`` while a review is shown to a room.
+    of this person alone.
     """
 
     lineage = held(Lineage, constant=False)
     budget = held(Budget, constant=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
-    presenting = param.Boolean(default=False, doc="Whether a decision is shown to a room: tools stand back.")
     shown = param.String(doc="How figures are told, as a link says it (`app.document.display`); empty: as usual.")
     study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
     settings: dict[str, str] = declared(

@@ -224,9 +224,8 @@ export function render({ model }) {
     at("[data-do=undo]").disabled = !model.can_undo
     at("[data-do=redo]").disabled = !model.can_redo
   }
-  const present = () => place.classList.toggle("presenting", model.presenting)
   const follow = {
-    named, description: described, active: () => { turned(); find(".main-content")?.scrollTo(0, 0) }, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown, presenting: present,
+    named, description: described, active: () => { turned(); find(".main-content")?.scrollTo(0, 0) }, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown,
   }
   for (const [property, change] of Object.entries(follow)) {
     model.on(property, change)

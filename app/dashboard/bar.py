@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import param
 
-from app.ui.theme import FIND, PRINT_NOTHING
+from app.ui.theme import BASE, FIND, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 
 _KINDS = {
@@ -35,9 +35,8 @@ class Bar(PlainScript):
     left_out = param.String(doc="What a report written now would lack.")
     writing = param.String(doc="What is being written; empty: nothing.")
     shown = param.String(doc='How figures are told, such as "95.si"; empty: as usual.')
-    presenting = param.Boolean(default=False, doc="Whether the screen is left to a decision.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
     _before = FIND
 
     def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:

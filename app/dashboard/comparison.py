@@ -10,7 +10,7 @@ import param
 from app.document.wording import shortened
 from app.report.inputs import shown_value
 from app.session import Compared, Session
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import BASE, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -29,7 +29,7 @@ class ComparisonChoice(PlainScript):
     problem = param.String(doc="Why the last choice was not taken.")
     most = param.Integer(default=MAX_BYTES, doc="Bytes of the largest file.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
 
     def __init__(self, session: Session) -> None:
         super().__init__(sizing_mode="stretch_width", margin=(8, 10, 0, 10))

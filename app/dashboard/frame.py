@@ -154,11 +154,6 @@ class Frame(pn.viewable.Viewer):
         if self.session.lineage is lineage:
             self.session.came_from(revision)
 
-    @param.depends("session.presenting", watch=True)
-    def _present(self) -> None:
-        """Show only the current decision on the screen, or everything again."""
-        self._shell.sidebar_open = not self.session.presenting
-
     def _say_width(self) -> None:
         """Where figures do not follow the choice of how to show them, say so."""
         tab, display = TABS[self._toolbar.bar.active], display_of(self.session.shown)

@@ -2,10 +2,11 @@
 mode is kept."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import param
 
+from app.ui.theme import BASE
 from app.upstream.plain_script import PlainScript
 
 THEME_COOKIE = "navbudget-theme"
@@ -24,6 +25,7 @@ class Lifeline(PlainScript):
     who = param.String(doc="Who is logged in; empty: nobody has to.")
     dark = param.Boolean(doc="Whether the page is dark: kept in a cookie, for every page of this server.")
 
+    _stylesheets: ClassVar[list[str]] = [BASE]
     _before = f'const THEME_COOKIE = "{THEME_COOKIE}"\n'
 
     def __init__(self, come_back: Callable[[str, str], None], **params: Any) -> None:

@@ -4,7 +4,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import param
 
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import BASE, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 
 
@@ -41,7 +41,7 @@ class StartChoice(PlainScript):
     chosen = param.String(default="", doc="Empty: none.")
     says = param.String(default="", doc="What to do next.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
 
     def _handle_msg(self, msg: Any) -> None:
         if isinstance(msg, str) and msg in STARTS:

@@ -51,7 +51,6 @@ class Toolbar(View):
             description=session.design.description,
             can_undo=session.param.can_undo,
             can_redo=session.param.can_redo,
-            presenting=session.param.presenting,
             link=session.short_link,
             shown=session.shown,
             sizing_mode="stretch_width",

@@ -1,10 +1,13 @@
-"""Key figures as tiles, each with its limit, its margin as a bar and in words: on a page and in an HTML report."""
+"""Key figures as tiles, each with its limit, its margin as a bar and in words: on a page and in an HTML report.
+
+On a page those that fail come first, then the other limited ones; those without a limit are one line below.
+"""
 
 from collections.abc import Callable
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
-from app.document.numbers import margin_in_short, whole_percent
+from app.document.numbers import margin_in_short
 
 
 def tiles_html(
@@ -16,13 +19,31 @@ def tiles_html(
     ----------
     figures : KeyFigures
     before : KeyFigures, optional
-        The values before a change, compared by their name: an outline of the bar, and a change in percent.
+        The values before a change, compared by their name: an outline of the bar, and the old value.
     said : callable, optional
         How a detail is written, as HTML, under its figure; without it the detail is a tip.
     """
     old = {figure.label: figure for figure in before.items} if before else {}
-    tiles = "".join(_tile(figure, old.get(figure.label), said) for figure in figures.items)
-    return f'<dl class="{"cards" if said else "tiles"}" aria-label="{escape(figures.caption)}">{tiles}</dl>'
+    limited = sorted(
+        (figure for figure in figures.items if figure.met is not None), key=lambda figure: bool(figure.met)
+    )
+    if said or not limited:
+        tiles = "".join(_tile(figure, old.get(figure.label), said) for figure in figures.items)
+        return f'<dl class="{"cards" if said else "tiles"}" aria-label="{escape(figures.caption)}">{tiles}</dl>'
+    tiles = "".join(_tile(figure, old.get(figure.label), None) for figure in limited)
+    others = "".join(_other(figure, old.get(figure.label)) for figure in figures.items if figure.met is None)
+    return (
+        f'<div class="key"><dl class="tiles" aria-label="{escape(figures.caption)}">{tiles}</dl>'
+        f'<dl class="others quiet" aria-label="{escape(figures.caption)} without a limit">{others}</dl></div>'
+    )
+
+
+def _other(figure: KeyFigure, was: KeyFigure | None) -> str:
+    label = escape(figure.label)
+    return (
+        f'<div class="card" title="{label}: {escape(figure.detail)}"><dt>{label}</dt> '
+        f'<dd class="big num">{escape(figure.value)}</dd> {_change(figure, was)}</div>'
+    )
 
 
 def _tile(figure: KeyFigure, was: KeyFigure | None, said: Callable[[str], str] | None) -> str:
@@ -51,11 +72,7 @@ def _share(used: float | None) -> str:
 
 
 def _change(figure: KeyFigure, was: KeyFigure | None) -> str:
-    """By how much a figure changed, with the old value as a tip."""
+    """The value before the change, where it was another."""
     if was is None or was.value == figure.value:
         return ""
-    said = f"was {was.value}"
-    if figure.amount is not None and was.amount:
-        ratio = figure.amount / was.amount
-        said = whole_percent(ratio - 1, ratio)
-    return f'<span class="delta num" title="was {escape(was.value)}">{escape(said)}</span>'
+    return f'<span class="delta num">was {escape(was.value)}</span>'

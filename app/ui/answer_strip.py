@@ -1,4 +1,5 @@
-"""The strip above a page: the answer, its reasons, and controls."""
+"""The strip above a page: verdict, the value and limit that decide, cause, and what to do. It stays while the page
+scrolls."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -36,9 +37,9 @@ class AnswerStrip(View):
         self._view = pn.Row(self._text, *controls, css_classes=[answer.tone], stylesheets=[_SHEET])
 
     def show(self, answer: Answer, note: str = "") -> None:
-        """Show another answer; ``note`` is a warning before its reasons."""
+        """Show another answer. A ``note`` says why it is one of other inputs: the strip is grey then."""
         self._text.say(_said(answer, note))
-        self._view.css_classes = [answer.tone]
+        self._view.css_classes = ["open" if note else answer.tone]
 
 
 def _said(answer: Answer, note: str) -> str:

@@ -19,9 +19,9 @@ def first_screen(
     left: Sequence[Any],
     right: Sequence[Any] = (),
     bottom: Any = None,
-    height: str = "calc(100dvh - 48px)",
+    height: str = "calc(100dvh - 104px)",
 ) -> pn.Column:
-    """Rows across the top, and below them two halves, or one whole, that fill the rest of the window.
+    """Rows across the top, and below them two halves, or one whole, that fill the window under bar and strip.
 
     ``bottom`` is a row under them.
 
@@ -63,7 +63,6 @@ def first_screen(
     return pn.Column(*parts, height=None if within else _ABOUT, stylesheets=[sheet], css_classes=["first-screen"])
 
 
-def screen_of_views(strip: Any, views: Any, *below: Any) -> pn.Column:
-    """A page with one view at a time: the answer, the switch, the chosen view in the rest of the window, and
-    tools."""
-    return pn.Column(strip, views, *below, height=_ABOUT, stylesheets=[_VIEWS, NARROW])
+def screen_of_views(strip: Any, *parts: Any) -> pn.Column:
+    """A page with one view at a time: the strip, and parts of which the chosen view takes the rest of the window."""
+    return pn.Column(strip, pn.Column(*parts, height=_ABOUT, stylesheets=[_VIEWS, NARROW]))

@@ -13,7 +13,7 @@ import panel as pn
 import param
 
 from app.ui.log_scale import STEP, LogScale
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import BASE, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError
@@ -105,7 +105,7 @@ class InputSheet(PlainScript):
 
     _rename: ClassVar[dict[str, str | None]] = {"invalid": None}
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
 
     def __init__(self, groups: Sequence[Group], **params: Any) -> None:
         self.inputs = {each.key: each for group in groups for each in group.inputs}

@@ -13,9 +13,11 @@ def _sheet(name: str) -> str:
 
 _FACES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 
-LIGHT: dict[str, Any] = {**_FACES["light"], "components": _FACES["components"]}
+_SAME = {"typography": _FACES["typography"], "components": _FACES["components"]}
+LIGHT: dict[str, Any] = {**_FACES["light"], **_SAME}
 DARK: dict[str, Any] = {
     **_FACES["dark"],
+    **_SAME,
     "components": {**_FACES["components"], **_FACES["dark"]["components"]},
 }
 
@@ -28,6 +30,9 @@ FRAME = {
 FULL_HEIGHT = {"max-height": "none"}
 """Styles of the page's main column, and of a column of several parts in one that scrolls: it may be taller than the
 window, where Bokeh keeps it within."""
+
+BASE = _sheet("base")
+"""Face, buttons, fields and focus of every component of our own."""
 
 NARROW = _sheet("narrow")
 """Sheet of a part: on a narrow window what is in it is as high as it wants."""
@@ -52,7 +57,7 @@ SWITCH = _sheet("switch")
 
 # Panes of our own HTML live in shadow roots: each carries this sheet. Colours follow the page's theme through
 # currentColor, so there is one sheet for light and dark.
-SHEET = ROWS_SHEET + _sheet("sheet")
+SHEET = BASE + ROWS_SHEET + _sheet("sheet")
 
 FIND = Path(__file__).with_name("find.js").read_text("utf-8")
 """Before a script that looks for parts of the page."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import param
 
-from app.ui.theme import FIND, PRINT_NOTHING
+from app.ui.theme import BASE, FIND, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 
 _STEPS: list[Any] = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
@@ -21,5 +21,5 @@ class Tour(PlainScript):
     steps = param.List(default=_STEPS, doc="Title, text and place of each.")
     offers = param.Boolean(default=True, doc="Whether the page in view has room for the offer, which floats over it.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
     _before = FIND

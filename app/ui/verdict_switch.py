@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import panel as pn
 import param
 
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import BASE, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
 
 
@@ -23,7 +23,7 @@ class VerdictSwitch(PlainScript):
     options = param.Dict(default={}, doc="What each button says -> its value.")
     value = param.String(default="", doc="Value of the one that is on.")
 
-    _stylesheets: ClassVar[list[str]] = [PRINT_NOTHING]
+    _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
 
     def __init__(self, choose: Callable[[str], object], **params: Any) -> None:
         super().__init__(**params)

@@ -166,8 +166,6 @@ def test_hostile_names_notes_and_comments_are_shown_and_do_nothing(visit: Visit)
     box(page, "Comment").fill(HOSTILE)
     press(page, "Add comment")
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text(HOSTILE)
-    page.get_by_label("Presenter view").check()
-    expect(page.locator(".slide")).to_contain_text("<script>")
     assert page.title() == "NavBudget"
     assert page.locator("img[src=x]").count() == 0
 
@@ -376,25 +374,3 @@ def test_forged_links_are_said_so(visit: Visit) -> None:
         page = visit("/" + query)
         said(page, re.compile("not used|not in the library"))
         assert page.title() == "NavBudget"
-
-
-@pytest.mark.slow
-def test_the_presenter_view_leaves_the_room_one_decision(visit: Visit) -> None:
-    page = visit(width=1920, height=1080)
-    tab(page, "Review")
-    begin_review(page, "Shown to a room", "In the room")
-    said(page, "In the room is open")
-    page.get_by_label("Presenter view").check()
-    slide = page.locator(".slide")
-    expect(slide).to_contain_text("decision 1 of 5")
-    for tool in (page.get_by_role("button", name="Report", exact=True), box(page, "Your name"),
-                 page.get_by_role("tab", name="Budget"), page.get_by_role("tab", name="Library")):  # fmt: skip
-        expect(tool).to_be_hidden()
-    assert slide.locator("h2").evaluate("e => parseFloat(getComputedStyle(e).fontSize)") >= 60
-    decide(page, "Quadratic phase", "Reject", "too large")
-    expect(slide).to_contain_text("decision 2 of 5")
-    page.evaluate("() => { location.hash = '#budget' }")  # the only way out but the switch
-    expect(page.get_by_role("tab", name="Budget")).to_be_visible()
-    tab(page, "Review")
-    expect(box(page, "Your name")).to_be_visible()
-    expect(page.get_by_label("Presenter view")).not_to_be_checked()

@@ -34,7 +34,8 @@ from app.charts.screen.axes import TOOLS, empty_figure, line_look
 from app.charts.screen.sources import Sources
 from app.charts.styles import INK, STYLES
 
-CHIP: dict[str, Any] = {"text_color": "white", "text_font_size": "11px", "padding": [3, 0], "border_radius": 3}
+FACE = {"text_font": "Roboto, 'Segoe UI', system-ui, sans-serif", "text_font_size": "12px"}
+CHIP: dict[str, Any] = {"text_color": "white", **FACE, "padding": [3, 0], "border_radius": 3}
 """Of a text inside a frame: white on a dark ground (`behind_text`), which is read on a light page and a dark one."""
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
 _LEAST = 180  # pixels of height of a figure that fills its place
@@ -213,7 +214,7 @@ def _regions(chart: MapChart, height: int | None) -> Figure:
     plot.image("image", x="x", y="y", dw="dw", dh="dh", source=sources["map"], color_mapper=mapper, global_alpha=0.55)
     plot.text(
         "x", "y", text="name", source=sources["regions"], text_align="center", text_baseline="middle",
-        text_font_size="12px", text_color="#1b2329", background_fill_color="#ffffff", background_fill_alpha=0.8,
+        **FACE, text_color="#1b2329", background_fill_color="#ffffff", background_fill_alpha=0.8,
         padding=4, border_radius=4,
     )  # fmt: skip
     look = line_look(STYLES[chart.contour.style]) | {"line_width": 2.2}

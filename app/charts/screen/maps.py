@@ -9,7 +9,7 @@ from bokeh.models import ColorBar, CustomJSTickFormatter, FixedTicker, HoverTool
 from app.charts.kinds import LEVELS, Array, TradeMapChart
 from app.charts.region import share
 from app.charts.screen.axes import empty_figure
-from app.charts.screen.figures import fill, image_columns
+from app.charts.screen.figures import FACE, fill, image_columns
 from app.charts.screen.sources import Sources
 from app.charts.styles import STYLES
 from nav_model.explore.trade_map import MapPoint
@@ -52,7 +52,7 @@ class MapFigure:
         )  # fmt: skip
         self.plot.text(
             "x", "y", text="name", x_offset="right", y_offset="down", text_align="align", source=sources["catalogue"],
-            text_baseline="middle", text_font_size="11px", text_color="#10151a", background_fill_color="#ffffff",
+            text_baseline="middle", **FACE, text_color="#10151a", background_fill_color="#ffffff",
             background_fill_alpha=0.7,
         )  # fmt: skip
         cross = {"marker": "cross", "size": 26, "line_width": 3.5, "line_color": STYLES["this design"].colour}
@@ -60,7 +60,7 @@ class MapFigure:
         self.plot.add_layout(
             ColorBar(
                 color_mapper=mapper, width=10, title="× " + chart.reference.replace("this design's value", "now"),
-                ticker=FixedTicker(ticks=[0.125, 0.25, 0.5, 1, 2, 4, 8]), title_text_font_size="11px",
+                ticker=FixedTicker(ticks=[0.125, 0.25, 0.5, 1, 2, 4, 8]), title_text_font_size="12px",
                 formatter=CustomJSTickFormatter(code=_TIMES),
             ),
             "right",

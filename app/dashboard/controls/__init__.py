@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
+from app.dashboard.controls.biases import BiasInput
 from app.dashboard.controls.design_input import ChoiceInput, DesignInput, TableInput
 from app.dashboard.controls.preset import PresetInput
 from app.dashboard.controls.quantity import QuantityInput
@@ -21,6 +22,9 @@ def design_groups(session: Session, opened: Iterable[str]) -> list[Group]:
         catalogue = [f"{section}.preset"] if section in {"imu", "radar"} else []
         keys = [*catalogue, *(f"{section}.{name}" for name in INPUTS[section])]
         inputs = [input_of(session, key) for key in keys]
+        if section == "imu":
+            first = keys.index("imu.accelerometer_bias")
+            inputs.insert(first, BiasInput(session, "imu.residual_bias", None))
         groups.append(Group(part.title, inputs, section in opened, section == "radar"))
     return groups
 

@@ -23,7 +23,6 @@ from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
-from app.subjects.budget.biases import bias_choices
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table, steady_table
@@ -45,11 +44,11 @@ from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
 
 _KEY = key_html(limit="limit", faint="compared")
-_QUIET = ".switch { border: 0; justify-content: end; } button { font-size: 12px; padding: 1px 8px; }"
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
 _OVER = {
-    "position": "absolute", "top": "100%", "z-index": "20", "max-height": "60vh", "overflow-y": "auto",
+    "position": "absolute", "top": "100%", "left": "10px", "right": "10px",
+    "max-height": "60vh", "overflow-y": "auto",
     "background": "var(--panel-surface-color, Canvas)", "box-shadow": "0 6px 22px rgb(0 0 0 / 30%)",
 }  # fmt: skip
 """Of what opens over the page: the charts keep their size."""
@@ -75,16 +74,11 @@ class BudgetPage(View):
             self._choose, label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing,
             margin=(8, 4), sizing_mode=None,
         )  # fmt: skip
-        self._biases = VerdictSwitch(
-            self._choose_biases, label="Residual biases", sizing_mode=None, margin=(0, 4, 6, 4), stylesheets=[_QUIET]
-        )
-        self._offer_biases()
-        switches = pn.Column(self._mode, self._biases, styles={"flex": "none", "width": "max-content"})
-        self._strip = AnswerStrip(verdict_strip(budget, self._display), switches, self._close)
         self._ways: tuple[Way, ...] = ()
         self._ways_of: Budget | None = None
         self._table = SortableTable(self._take, over=True, margin=(4, 14))
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
+        self._strip = AnswerStrip(verdict_strip(budget, self._display), self._mode, self._close, self._panel)
         self._tiles = html_pane("", margin=0)
         self._lines = self._timelines(budget)
         self._stack = Timelines(self._lines)
@@ -105,8 +99,8 @@ class BudgetPage(View):
         lines = pn.Column(self._stack_head, sizing_mode="stretch_both", stylesheets=[STACK_ON_A_PHONE])
         response = pn.Column(sizing_mode="stretch_both", stylesheets=[NARROW])
         self._view = pn.Column(
+            self._strip,
             first_screen(
-                pn.Column(self._strip, self._panel),
                 self._tiles,
                 left=[lines],
                 right=[
@@ -142,7 +136,6 @@ class BudgetPage(View):
             self._hold()
         self._strip.show(verdict_strip(budget, self._display), _invalid(self.session.invalid))
         self._offer_modes(both=False)
-        self._offer_biases()
         self._lines = self._timelines(budget)
         with validate(False):  # computed here, so it needs no check at each step
             self._stack.feed(self._lines)
@@ -156,14 +149,6 @@ class BudgetPage(View):
 
     def _choose(self, mode: str) -> None:
         self.session.change({"processing.mode": mode})
-
-    def _choose_biases(self, name: str) -> None:
-        choices, written, _ = bias_choices(self.session.design)
-        self.session.change(choices[name], written)
-
-    def _offer_biases(self) -> None:
-        choices, _, in_force = bias_choices(self.session.design)
-        self._biases.param.update(options={name: name for name in choices}, value=in_force)
 
     @param.depends("session.invalid", watch=True)
     def _warn(self) -> None:

@@ -59,7 +59,6 @@ class Desk(param.Parameterized):
             disabled=bool(self._known),
             max_length=100,
             width=260,
-            visible=session.param.presenting.rx.not_(),
             **{**LOOK, "margin": (14, 10, 4, 10)},
         )
         self.notice = html_pane("", margin=(2, 10))

@@ -42,15 +42,14 @@ class ReviewPage(View):
         # Only the bar is Material, for keyboard and screen reader: figures must not be inside it.
         self._tabs = pmui.Tabs(
             *((name, pn.Spacer(height=0)) for name in ("Library", "Compare", "Reviews")),
-            visible=session.param.presenting.rx.not_(), sizing_mode="stretch_width", margin=(0, 4),
+            sizing_mode="stretch_width", margin=(0, 4),
         )  # fmt: skip
         self._place = pn.Column(self._library)
         self._strip = AnswerStrip(self._library.answer, self._desk.name_field)
         for part in self._parts:
             part.param.watch(lambda _: self._tell(), "answer")
         self._tabs.param.watch(self._turned, "active")
-        head = pn.Column(self._strip, visible=session.param.presenting.rx.not_(), margin=(8, 10, 0, 10))
-        self._view = pn.Column(head, self._desk.notice, self._tabs, self._place, self._desk.memory)
+        self._view = pn.Column(self._strip, self._desk.notice, self._tabs, self._place, self._desk.memory)
         pn.state.execute(self._library.refresh)
         self._follow_link()
         if settings.text:
@@ -71,16 +70,8 @@ class ReviewPage(View):
         self.opened = review.id if review else ""
 
     def leave(self) -> None:
-        """Another page is turned to; what is on this one changes only when that has been drawn."""
+        """Another page is turned to."""
         self._room.follow(wanted=False)
-        document = pn.state.curdoc
-        if document is None:
-            self._end_presenting()
-        else:
-            document.add_next_tick_callback(self._end_presenting)
-
-    def _end_presenting(self) -> None:
-        self.session.presenting = False
 
     async def _turned(self, _: param.parameterized.Event) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""

@@ -31,7 +31,7 @@ from app.report import report_bytes
 from app.subjects.review import report
 from app.subjects.review.desk import LOOK, Desk, button
 from app.subjects.review.overview import overview, state_of
-from app.subjects.review.slide import decision_row, figure_of, frozen_designs, slide
+from app.subjects.review.rows import decision_row, figure_of, frozen_designs
 from app.ui.decision_table import DecisionTable
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
@@ -62,15 +62,12 @@ class ReviewRoom(View):
 
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk=desk)
-        presenting = desk.session.param.presenting
         self._asked: object = None
         self._wanted = ""  # id of the review to show
         self._watch: Any = None  # looks for what others add, while a review is in view
-        self._about = pmui.Select(label="Requirement", options={}, width=330, **LOOK)
         self._design = pmui.Select(label="Design", options={}, width=300, **LOOK)
         self._subject = pmui.Select(label="Comment on", options=_SUBJECTS, value="", width=240, **LOOK)
         self._comment = pmui.TextAreaInput(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
-        self._slide = html_pane("")
         self._all = SortableTable(self._pressed, visible=self.param.review.rx.is_(None), margin=(4, 10))
         self._table = DecisionTable(self._decided, visible=False, sizing_mode="stretch_width", margin=(4, 10))
         self._comments, self._record = html_pane(_EMPTY), html_pane("")
@@ -81,7 +78,6 @@ class ReviewRoom(View):
                 ("Record: every decision, frozen designs, signature", lambda: self._record),
             ]
         )
-        self._comments.visible = presenting.rx.not_()
         self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=200, **LOOK)
         self._begin_button = button("Start review of selected designs", self._begin)
         self._of_review = [
@@ -94,41 +90,28 @@ class ReviewRoom(View):
         self._confirm = pn.FlexBox(
             self._to_sign, self._yes, button("Not yet", self._unasked), align_items="center", visible=False
         )
-        self._turns = pn.FlexBox(
-            button("Previous", functools.partial(self._turn, -1)),
-            button("Next", functools.partial(self._turn, 1)),
-            self._about,
-            align_items="center",
-            visible=False,
-            margin=(2, 4),
-        )
         self._talk = pn.FlexBox(
             self._design, self._subject, self._comment, button("Add comment", self._say),
             align_items="center", visible=False, margin=(2, 4),
         )  # fmt: skip
         self._details = pn.Column(self._folded, visible=False)
-        switch = pmui.Switch.from_param(presenting, label="Presenter view", description="", margin=(12, 8))
         self._view = pn.Column(
             pn.FlexBox(
                 self._of_review[0],
                 self._title,
                 self._begin_button,
                 self._sign_button,
-                switch,
                 *self._of_review[1:],
                 align_items="center",
                 margin=(6, 4),
             ),
             self._confirm,
-            self._slide,
-            self._turns,
             self._table,
             self._comments,
             self._talk,
             self._details,
             self._all,
         )
-        self._about.param.watch(self._turned, "value")
 
     # --- which review ----------------------------------------------------------------------------------
 
@@ -175,34 +158,32 @@ class ReviewRoom(View):
             await self.refresh()
             self.desk.say(f"Review {review.title} is open with {counted(len(keys), 'frozen design')}.")
 
-    @param.depends("desk.session.presenting", watch=True)
-    def _present(self) -> None:
-        self.desk.say("")
-        self._show()
-
     @param.depends("review", watch=True)
     def _show(self) -> None:
-        review, presenting = self.review, self.desk.session.presenting
+        review = self.review
         open_ = review is not None and review.signed is None
         with pn.io.hold():
             self._confirm.visible = False
             for part in self._of_review:
-                part.visible = review is not None and not presenting
+                part.visible = review is not None
             for part in (self._title, self._begin_button):
-                part.visible = review is None and not presenting
-            self._turns.visible = review is not None and presenting
+                part.visible = review is None
             self._table.visible = review is not None
-            self._talk.visible = self._sign_button.visible = open_ and not presenting
-            self._details.visible = review is not None and not presenting
+            self._talk.visible = self._sign_button.visible = open_
+            self._details.visible = review is not None
             if review is None:
-                self._slide.object, self._comments.object = "", _EMPTY
+                self._comments.object = _EMPTY
             else:
                 self.answer = state_of(review)
                 self._offer(review)
                 self._comments.object = html_of(report.comment_table(review)) if review.comments else ""
                 self._owners.object = html_of(*report.owner_tables(review))
                 self._record.object = html_of(report.decision_table(review), report.audit_table(review))
-                self._turned()
+                self._table.param.update(
+                    caption=frozen_designs(review),
+                    open=open_,
+                    rows=[decision_row(review, *point) for point in review.points()],
+                )
         self.follow(open_)
 
     def follow(self, wanted: bool) -> None:
@@ -228,38 +209,12 @@ class ReviewRoom(View):
             await self.refresh()
 
     def _offer(self, review: Review) -> None:
-        """What can be decided and commented on; what was chosen stays chosen where it can."""
-        points = {
-            f"D{item.place}: {check.label}": (item.place, check.name)
-            for item, revision in zip(review.items, review.revisions, strict=True)
-            for check in revision.budget().verdict.checks
-        }
-        if self._about.options != points:
-            self._about.param.update(options=points, value=next(iter(points.values()), None))
+        """What can be commented on; what was chosen stays chosen where it can."""
         self._design.options = {
             f"D{item.place}: {shortened(r.name, 30)}": item.place
             for item, r in zip(review.items, review.revisions, strict=True)
         }
         self._design.value = self._design.value or 1
-
-    def _turned(self, *_: param.parameterized.Event) -> None:
-        """Show every row to decide on, or, when presenting, the current one with its slide."""
-        review, presenting = self.review, self.desk.session.presenting
-        if review is None:
-            return
-        points = review.points()
-        chosen = points
-        self._slide.object = ""
-        if presenting and self._about.value is not None:
-            place, name = self._about.value
-            chosen = [(place, name)]
-            at = points.index((place, name)) + 1
-            self._slide.object = slide(review, place, name, at, len(points))
-        self._table.param.update(
-            caption=frozen_designs(review),
-            open=review.signed is None,
-            rows=[decision_row(review, *point) for point in chosen],
-        )
 
     # --- what people do --------------------------------------------------------------------------------
 
@@ -291,8 +246,7 @@ class ReviewRoom(View):
             if point not in known or not isinstance(seen, int) or not isinstance(reason, str):
                 return
             work = functools.partial(_decide_all, [(*point, bool(told.get("accepted")), reason, seen)], review)
-        if await self._change(work) and self.desk.session.presenting:
-            await self._turn(1)
+        await self._change(work)
 
     async def _say(self) -> None:
         design, subject, said = self._design.value, self._subject.value or "", self._comment.value or ""
@@ -329,11 +283,6 @@ class ReviewRoom(View):
     async def _sign(self) -> None:
         if await self._change(lambda library, review, author: sign(library, review, author, self._seen)):
             self.desk.say("Signed off and sealed; this review never changes again.")
-
-    async def _turn(self, step: int) -> None:
-        points = list(self._about.options.values())
-        if points:
-            self._about.value = points[(points.index(self._about.value) + step) % len(points)]
 
     # --- report -------------------------------------------------------------------------------------
 

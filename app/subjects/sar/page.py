@@ -113,8 +113,8 @@ class SarPage(StudyPage[SarResult]):
             )
         )
         self._view = pn.Column(
+            self._strip,
             first_screen(
-                self._strip,
                 self._bar,
                 left=[pn.Column(self._rank_head, self._ranks, sizing_mode="stretch_both")],
                 right=[self._of_design.chart(gnss_winner_chart)],

@@ -106,8 +106,9 @@ class SimulatePage(StudyPage[Flown]):
         ]
         details = self._of_result
         self._view = pn.Column(
+            self._strip,
             first_screen(
-                self._strip, pn.Column(self._bar, self._more.given), left=self._halves[:1], right=self._halves[1:],
+                pn.Column(self._bar, self._more.given), left=self._halves[:1], right=self._halves[1:],
             ),
             Folded(
                 (

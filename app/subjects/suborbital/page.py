@@ -66,7 +66,7 @@ class SuborbitalPage(StudyPage[Survey]):
         self._bar = RunBar(self.run, self.begin, "Run full simulation", strip=True)
         self.study.views.param.watch(lambda _: self._sweep_camera(), "chosen")
         tools = pn.Row(self._bar, download("Study (JSON)", "suborbital.json", self._json))
-        self._view = screen_of_views(pn.Column(self._strip, self.inputs.notice, self._tiles), self.study, tools)
+        self._view = screen_of_views(self._strip, pn.Column(self.inputs.notice, self._tiles), self.study, tools)
         self._open()
 
     def show(self, budget: Budget) -> None:

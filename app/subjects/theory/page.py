@@ -46,8 +46,7 @@ class TheoryPage(View):
 
     def __init__(self, session: Session) -> None:
         super().__init__(text=AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14)))
-        strip = pn.Column(AnswerStrip(validation_answer()), margin=(8, 10, 0, 10))
-        self._view = pn.Column(strip, self.text)
+        self._view = pn.Column(AnswerStrip(validation_answer()), self.text)
 
     def show(self, budget: Budget) -> None:
         """Nothing here depends on the design."""

@@ -48,7 +48,7 @@ _FLIGHTS = {**_NAMED, "From a file": _FILE}
 _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
-_HEIGHT = "max(100dvh - 48px, 780px)"  # room for four charts above each other, and for fields in two rows
+_HEIGHT = "max(100dvh - 104px, 724px)"  # room for four charts above each other, and for fields in two rows
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
@@ -88,8 +88,9 @@ class TrajectoryPage(StudyPage[Followed]):
         above = details.later(self._map, **whole)
         self._places = pn.Column(self._plan.table("waypoints", "waypoint", _ADDED), visible=False, margin=(0, 10))
         self._view = pn.Column(
+            self._strip,
             self._places,
-            first_screen(self._strip, self._bar, left=[curves], right=[above, self._shares], height=_HEIGHT),
+            first_screen(self._bar, left=[curves], right=[above, self._shares], height=_HEIGHT),
             Folded(
                 (
                     ("Aiding, and limits of single lines", self._more),

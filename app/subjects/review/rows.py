@@ -1,6 +1,5 @@
-"""One decision as a slide for presenting: requirement, value against limit, decision."""
+"""Requirements of a review as the rows that are decided on."""
 
-from html import escape
 from typing import Any
 
 from app.document.verdict import CheckWords, check_words, judged
@@ -44,30 +43,3 @@ def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
         "met": check.met, "seen": standing.number if standing else 0, "decision": said,
         "reason": standing.reason if standing else "",
     }  # fmt: skip
-
-
-def slide(review: Review, place: int, name: str, number: int, count: int) -> str:
-    """HTML of the slide of a requirement, number so many of `count`."""
-    _, check, words = _judged(review, place, name)
-    standing = review.standing(place, name)
-    decided = "Open"
-    if standing is not None:
-        decided = f"{decided_word(standing, met=check.met).text} by {standing.author}"
-    return (
-        f'<section class="slide" aria-live="polite"><p class="quiet">{escape(review.title)} · decision '
-        f"{number} of {count}</p>"
-        f"<p>D{place}: {escape(review.revisions[place - 1].name)}</p><h2>{escape(check.label)}</h2>"
-        f'<p class="figure num">{escape(figure_of(review, place, name))}</p>{_gauge(check)}'
-        f"<p>{'✓ met' if check.met else '✗ not met'}, margin {words.margin}; main error source: "
-        f"{escape(check.sensor)}</p><p><b>{escape(decided)}</b></p></section>"
-    )
-
-
-def _gauge(check: Check) -> str:
-    """Value against limit as a bar; the words beside it say the same."""
-    full = 1.08 * max(check.value, check.limit)
-    value, limit = (100 * x / full for x in (check.value, check.limit))
-    return (
-        f'<div class="gauge" aria-hidden="true"><div style="width:{value:.1f}%"></div>'
-        f'<i style="left:{limit:.1f}%"></i></div>'
-    )
