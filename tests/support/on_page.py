@@ -20,7 +20,7 @@ def box(page: Page, label: str) -> Locator:
 
 def card(page: Page, label: str) -> Locator:
     """The value of a key figure."""
-    return page.locator(".tiles .card").filter(has=page.get_by_text(label, exact=True)).locator(".big")
+    return page.locator(":is(.tiles, .others) .card").filter(has=page.get_by_text(label, exact=True)).locator(".big")
 
 
 def turn(page: Page, title: str) -> None:

@@ -34,7 +34,8 @@ from app.charts.screen.axes import TOOLS, empty_figure, line_look
 from app.charts.screen.sources import Sources
 from app.charts.styles import INK, STYLES
 
-FACE = {"text_font": "Roboto, 'Segoe UI', system-ui, sans-serif", "text_font_size": "12px"}
+_FONT = "Roboto, 'Segoe UI', system-ui, sans-serif"
+FACE: dict[str, Any] = {"text_font": value(_FONT), "text_font_size": "12px"}
 CHIP: dict[str, Any] = {"text_color": "white", **FACE, "padding": [3, 0], "border_radius": 3}
 """Of a text inside a frame: white on a dark ground (`behind_text`), which is read on a light page and a dark one."""
 _BESIDE = 42  # pixels by which axis and toolbar beside a frame exceed the axis under it
@@ -255,7 +256,9 @@ def _hover(plot: figure, renderers: list[Any], tooltip: str) -> None:
 
 def _span(plot: figure, text: str) -> tuple[BoxAnnotation, Label]:
     box = BoxAnnotation(left=0.0, right=0.0, fill_color="#7b8794", fill_alpha=0.18, line_alpha=0)
-    label = Label(x=0.0, y=6, x_offset=3, y_units="screen", text=text, background_fill_color=INK, **CHIP)
+    label = Label(
+        x=0.0, y=6, x_offset=3, y_units="screen", text=text, background_fill_color=INK, **CHIP | {"text_font": _FONT}
+    )
     plot.add_layout(box)
     plot.add_layout(label)
     return box, label

@@ -67,7 +67,7 @@ class BudgetPage(View):
         budget = session.budget
         self._details = Follower(lambda: self.session.budget)
         self._close = pmui.Button(
-            label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 10), stylesheets=[PRINT_NOTHING]
+            label=_ask(budget), variant="text", end_icon="expand_more", margin=(6, 4), stylesheets=[PRINT_NOTHING]
         )
         self._close.on_click(self._toggle_ways)
         self._mode = VerdictSwitch(
