@@ -18,7 +18,7 @@ from app.report.studies import study_sections
 from app.session import Session
 from app.subjects import TABS
 from app.ui.view import View
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -136,7 +136,7 @@ class Toolbar(View):
             # Sections are made here, in a thread: findings are large, their sections are small enough to send to the
             # worker.
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
-            return await elsewhere(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
+            return await run_in_pool(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
 
         name = f"{slug(self.session.design.name)}.{suffix}"
         self.bar.writing = "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report"

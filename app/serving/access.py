@@ -42,7 +42,7 @@ class PasswordLogin(CookieForThisSite, BasicLoginHandler):
     logins: Logins
 
     def get(self) -> None:
-        """The form."""
+        """Show the form to log in."""
         self._form(self._next(self.get_query_argument("next", "/")))
 
     async def post(self) -> None:
@@ -89,11 +89,11 @@ class PasswordLogin(CookieForThisSite, BasicLoginHandler):
         self.write(plain_page("Log in", "", form=Markup(self.xsrf_form_html()), failed=failed, name=name))
 
 
-class Goodbye(CookieForThisSite, LogoutHandler):
+class Logout(CookieForThisSite, LogoutHandler):
     """Log out, which a link from elsewhere cannot do."""
 
     def get(self) -> None:
-        """The button."""
+        """Show the page with the button to log out."""
         self.set_header("Cache-Control", "no-store")
         self.write(plain_page("Log out", "", leave=Markup(self.xsrf_form_html())))
 
@@ -138,13 +138,13 @@ class PasswordProvider(BasicAuthProvider):
 
     @property
     def login_handler(self) -> type[PasswordLogin]:
-        """Our page."""
+        """The handler of our page to log in."""
         return PasswordLogin
 
     @property
-    def logout_handler(self) -> type[Goodbye]:
-        """Ours too: Panel's page fetches a picture from elsewhere."""
-        return Goodbye
+    def logout_handler(self) -> type[Logout]:
+        """The handler of our page to log out: Panel's fetches a picture from elsewhere."""
+        return Logout
 
 
 def provider_of(rules: Rules) -> dict[str, Any]:
@@ -173,5 +173,5 @@ class _OAuth(OAuthProvider):
     """Panel's OAuth with our logout page."""
 
     @property
-    def logout_handler(self) -> type[Goodbye]:
-        return Goodbye
+    def logout_handler(self) -> type[Logout]:
+        return Logout

@@ -61,7 +61,7 @@ class SharedSocket(socket.socket):
         self._most = min(_MOST_WAITING, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // 4)
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """As ever; BlockingIOError, as when nobody is waiting, while another process should accept."""
+        """Accept a connection; BlockingIOError, as when nobody is waiting, while another process should accept."""
         board, now = self._row.board, time.monotonic()
         if board.get(self._row.process, "sessions") > board.fewest("sessions"):
             if now - self._asked > _ANOTHER:  # the event loop asks repeatedly while somebody waits

@@ -7,7 +7,7 @@ _COLUMNS = ("pid", "ready", "sessions", "opened", "refused", "events", "heavy", 
 _LASTING = ("opened", "refused", "events", "restarts")  # what a process counted outlives it
 
 
-class Board:
+class SharedMetrics:
     """A row per process. It reaches another process as an argument of that process only."""
 
     def __init__(self, processes: int = 1) -> None:
@@ -15,7 +15,7 @@ class Board:
         self._cells = multiprocessing.get_context("spawn").RawArray("d", processes * len(_COLUMNS))
 
     def get(self, process: int, column: str) -> int:
-        """One number."""
+        """The number in a column of a process's row."""
         return int(self._cells[self._place(process, column)])
 
     def put(self, process: int, column: str, value: int) -> None:
@@ -46,7 +46,7 @@ class Board:
 class Row:
     """The row of one process, to write on."""
 
-    board: Board
+    board: SharedMetrics
     process: int = 0
 
     def put(self, column: str, value: int) -> None:

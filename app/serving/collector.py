@@ -56,7 +56,7 @@ class Collector:
         self._collected, self._closed = self._clock(), 0
 
     async def run(self) -> None:
-        """Until cancelled."""
+        """Collect whenever that is due, until cancelled."""
         while True:
             await asyncio.sleep(_LOOK)
             if self.due():

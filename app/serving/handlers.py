@@ -60,7 +60,7 @@ HEADERS = {
 
 
 @dataclass
-class Surroundings:
+class RequestContext:
     """State that the handlers share with the server."""
 
     row: Row
@@ -87,7 +87,7 @@ class Surroundings:
         return self.row.board.total("sessions") >= self.most
 
 
-_here: Surroundings
+_here: RequestContext
 
 
 _connections: WeakSet[LimitedWSHandler] = WeakSet()
@@ -333,7 +333,7 @@ class _Headers(OutputTransform):
         return status_code, headers, chunk
 
 
-def around(rules: Rules, here: Surroundings, metrics: ServerMetrics) -> dict[str, Any]:
+def around(rules: Rules, here: RequestContext, metrics: ServerMetrics) -> dict[str, Any]:
     """The server's further options: routes and headers."""
     global _here
     _here = here

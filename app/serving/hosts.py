@@ -66,7 +66,7 @@ class Refusal(RequestHandler):
         self._status, self._page = status, plain_page(title, text)
 
     def prepare(self) -> None:
-        """Answer."""
+        """Send the status and the page that says why."""
         self.set_status(self._status)
         self.set_header("Cache-Control", "no-store")
         self.finish(self._page)

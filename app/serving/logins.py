@@ -80,7 +80,7 @@ class Logins:
             return connection.execute(query, wanted).first() is not None
 
     def end(self, secret: str) -> None:
-        """Log out."""
+        """End the login of this secret, for every copy of its cookie."""
         with self._writing() as connection:
             connection.execute(text("DELETE FROM logins WHERE id = :id"), {"id": _hashed(secret)})
 

@@ -9,7 +9,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.registry import Collector
 from tornado.web import RequestHandler
 
-from app.serving.board import Board
+from app.serving.board import SharedMetrics
 from app.serving.rules import Rules, is_loopback
 
 _FORWARDED = ("Forwarded", "X-Forwarded-For", "X-Real-Ip")
@@ -32,17 +32,17 @@ _OF_EACH: _Families = (
 class ServerMetrics(Collector):
     """All metrics: sums over the processes, and the resources of each."""
 
-    def __init__(self, board: Board, most_sessions: int, uptime: Callable[[], float]) -> None:
+    def __init__(self, board: SharedMetrics, most_sessions: int, uptime: Callable[[], float]) -> None:
         self._board, self._most, self._uptime = board, most_sessions, uptime
 
     def text(self) -> bytes:
-        """As Prometheus reads it."""
+        """All metrics in the text format of Prometheus."""
         registry = CollectorRegistry(auto_describe=False)
         registry.register(self)
         return generate_latest(registry)
 
     def collect(self) -> Iterator[Metric]:
-        """All families."""
+        """Every family of metrics, sums before those of each process."""
         for kind, name, text, column in _TOTALS:
             yield kind(name, text, value=self._board.total(column))  # type: ignore[call-arg]
         yield GaugeMetricFamily("navbudget_sessions_limit", "Sessions allowed at once.", value=self._most)
@@ -73,7 +73,7 @@ class MetricsHandler(RequestHandler):
         self._metrics, self._rules = metrics, rules
 
     def get(self) -> None:
-        """Prometheus text."""
+        """Send the metrics, or say who may see them."""
         if not self._may_see():
             self.set_status(403)
             self.finish("metrics are open to this machine and to people who are logged in\n")

@@ -21,10 +21,10 @@ from app.dashboard.opening import OPENING_SCRIPT, OPENING_SHEET
 from app.document.display import display_of
 from app.serving.access import PasswordProvider, provider_of
 from app.serving.address import SharedSocket, announce, listen, origins
-from app.serving.board import Board, Row
+from app.serving.board import Row, SharedMetrics
 from app.serving.collector import Collector, settle
 from app.serving.handlers import (
-    Surroundings,
+    RequestContext,
     around,
     being_sent,
     caught_on_a_page,
@@ -41,8 +41,8 @@ from app.ui.defaults import set_defaults
 from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
 from app.upstream.late_session import page_of, sheets_from_here, visitor
-from app.upstream.rendering import copy_none, look_at_what_was_given
-from app.upstream.requests import ask_first, believe_proxies_only, let_nobody_new_in, listen_on, read_any_address
+from app.upstream.rendering import check_given_values, skip_event_copies
+from app.upstream.requests import ask_first, let_nobody_new_in, listen_on, read_any_address, trust_proxies_only
 from app.work import pool as workers
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -110,7 +110,7 @@ def serve(rules: Rules) -> None:
     rules.check()
     listening, port = listen(rules)
     set_up(rules.log)
-    row = Row(Board())
+    row = Row(SharedMetrics())
 
     def ready() -> None:
         row.put("ready", 1)
@@ -140,9 +140,9 @@ def serve_on(
     write_once()
     keep_first_changes()
     read_any_address()
-    look_at_what_was_given()
-    copy_none()
-    believe_proxies_only()
+    check_given_values()
+    skip_event_copies()
+    trust_proxies_only()
     for name in COMPONENTS:
         import_module(name)
     workers.use(rules.workers, row.board.processes, partial(set_up, rules.log), visitor)
@@ -150,7 +150,7 @@ def serve_on(
     listen_on(listening, port)
     access = provider_of(rules)
     provider = access.get("auth_provider")
-    here = Surroundings(
+    here = RequestContext(
         row, rules.max_sessions, rules.max_message, page=opening_page(), heard=collector.heard, keep=listening.keep,
         admits=rules.oauth.admits if rules.oauth else lambda _: True,
         still_in=provider.still_in if isinstance(provider, PasswordProvider) else lambda _: True,
@@ -253,7 +253,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row, loaded: asyn
             await asyncio.sleep(0.05)
         server.io_loop.stop()
 
-    def told() -> None:
+    def on_signal() -> None:
         ahead.cancel()
         event("stopping", under_way=workers.under_way())
         if stopping:
@@ -265,7 +265,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row, loaded: asyn
     ahead = loop.create_task(_prepare(loaded))
     aside = [ahead, loop.create_task(collector.run()), loop.create_task(_tell(server, row))]
     for signal_number in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(signal_number, told)
+        loop.add_signal_handler(signal_number, on_signal)
     try:
         server.io_loop.start()
     finally:

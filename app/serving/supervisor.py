@@ -18,7 +18,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from app.serving.address import SharedSocket, announce, listen
-from app.serving.board import Board, Row
+from app.serving.board import Row, SharedMetrics
 from app.serving.logs import event, set_up
 from app.serving.passwords import read_passwords
 from app.serving.rules import Rules
@@ -45,21 +45,21 @@ def supervise(rules: Rules, library: str) -> int:
         read_passwords(rules.password_file)  # said once, here
     listening, port = listen(rules)
     set_up(rules.log)
-    family = _Family(listening, port, rules, library)
+    children = _Children(listening, port, rules, library)
     for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, family.told)
+        signal.signal(number, children.on_signal)
     for process in range(rules.page_processes):
-        family.start(process)
-    if family.all_ready():
+        children.start(process)
+    if children.all_ready():
         announce(rules, port)
-        family.keep()
-    status = family.end()
+        children.keep()
+    status = children.end()
     event("stopped")
     return status
 
 
 @dataclass
-class Falls:
+class RestartLimit:
     """Counts how often one process has failed, and when it is started again."""
 
     count: int = 0
@@ -67,18 +67,18 @@ class Falls:
     began: float = 0.0
 
     def started(self, now: float) -> None:
-        """It runs."""
+        """Note that the process has been started, at a time [s]."""
         self.began, self.due = now, None
 
     def fell(self, now: float) -> bool:
-        """It has ended; whether to start it again, from `due` on."""
+        """Note that it has ended, at a time [s]; whether to start it again, from `due` on."""
         self.count = 1 if now - self.began >= _WELL else self.count + 1
         self.due = now + min(_LONGEST_PAUSE, _PAUSE * 2 ** (self.count - 1))
         return self.count < _MOST_ENDS
 
 
 @dataclass
-class _Family:
+class _Children:
     """The processes, by their place on the board."""
 
     listening: socket.socket
@@ -91,9 +91,11 @@ class _Family:
     failed: bool = False
 
     def __post_init__(self) -> None:
-        self.board = Board(self.rules.page_processes)
+        self.board = SharedMetrics(self.rules.page_processes)
         self.members: dict[int, BaseProcess] = {}
-        self.falls: dict[int, Falls] = {process: Falls() for process in range(self.rules.page_processes)}
+        self.limits: dict[int, RestartLimit] = {
+            process: RestartLimit() for process in range(self.rules.page_processes)
+        }
 
     def start(self, process: int) -> None:
         """Start one, unless all are being stopped."""
@@ -107,11 +109,11 @@ class _Family:
         finally:
             self.starting = False
         self.members[process] = member
-        self.falls[process].started(time.monotonic())
+        self.limits[process].started(time.monotonic())
         if self.stopping:  # told in between, by a signal
             self._stop()  # type: ignore[unreachable]
 
-    def told(self, *_: Any) -> None:
+    def on_signal(self, *_: Any) -> None:
         """Hand on a signal: the first lets heavy work end, the second does not wait."""
         self.stopping = True
         if not self.starting:  # the socket is being handed to the new process, and must not be closed under it
@@ -141,32 +143,34 @@ class _Family:
             for process, member in list(self.members.items()):
                 if member.exitcode is None or self.stopping:
                     continue
-                falls = self.falls[process]
-                if falls.due is None:
+                limit = self.limits[process]
+                if limit.due is None:
                     self.board.clear(process)
-                    self.failed = not falls.fell(now)
+                    self.failed = not limit.fell(now)
                     event(
                         "page process ended",
                         logging.ERROR,
                         process=process,
                         exit=member.exitcode,
-                        in_a_row=falls.count,
+                        in_a_row=limit.count,
                     )
                     if self.failed:
-                        event("page processes given up", logging.ERROR, process=process, in_a_row=falls.count)
+                        event("page processes given up", logging.ERROR, process=process, in_a_row=limit.count)
                         return
-                elif now >= falls.due:
+                elif now >= limit.due:
                     Row(self.board, process).add("restarts")
                     self.start(process)
-            waits = [falls.due - now for falls in self.falls.values() if falls.due is not None]
+            waits = [limit.due - now for limit in self.limits.values() if limit.due is not None]
             # One that has ended since it was looked at above is among them, and ends the waiting at once.
-            watched = [member.sentinel for process, member in self.members.items() if self.falls[process].due is None]
+            watched = [
+                member.sentinel for process, member in self.members.items() if self.limits[process].due is None
+            ]
             wait(watched, timeout=max(_LOOK, min(waits)) if waits else None)
 
     def end(self) -> int:
         """Wait until all have ended."""
         if self.failed:
-            self.told()
+            self.on_signal()
         for member in self.members.values():
             member.join()
         return int(self.failed)

@@ -17,7 +17,7 @@ from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, ON_A_PHONE, PRINT_NOTHING, PRINT_WHOLE
 from app.ui.turns import once_quiet
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 
 _T = TypeVar("_T")
 
@@ -92,7 +92,7 @@ def takes(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list
     return [
         download(csv_label, f"{chart.key}.csv", lambda: to_csv(describe(current()))),
         # Drawn in a worker: the plotting library would hold up every slider.
-        download(svg_label, f"{chart.key}.svg", lambda: elsewhere(to_svg, describe(current()))),
+        download(svg_label, f"{chart.key}.svg", lambda: run_in_pool(to_svg, describe(current()))),
     ]
 
 

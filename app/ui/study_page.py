@@ -19,7 +19,7 @@ from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
 from app.ui.theme import PRINT_NOTHING
 from app.ui.view import View
-from app.work.kept import keep, kept
+from app.work.result_cache import keep, kept
 from app.work.run import Run
 from nav_model.budget import Budget
 

@@ -67,5 +67,5 @@ class StudySettings:
 
     @property
     def asked(self) -> tuple[str, str, str]:
-        """The key of a result with these settings, for `app.work.kept`."""
+        """The key of a result with these settings, for `app.work.result_cache`."""
         return self._kind, self._session.design.content_hash, self.text

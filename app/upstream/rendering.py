@@ -65,7 +65,7 @@ def _init_params(component: Syncable) -> dict[str, Any]:
     return {name: value for name, value in found.items() if value is not None}
 
 
-def copy_none() -> None:
+def skip_event_copies() -> None:
     """Install the override; the server calls it once, before it serves."""
     ReactiveESM._get_properties = _get_properties
     ReactiveESM._get_children = _get_children
@@ -136,7 +136,7 @@ def _query(
     return found
 
 
-def look_at_what_was_given() -> None:
+def check_given_values() -> None:
     """Install the override; the server calls it once, before it serves."""
     for name, ours in {"__init__": _init, "themed_values": _themed, "query_properties_with_values": _query}.items():
         setattr(HasProps, name, ours)

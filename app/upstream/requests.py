@@ -41,7 +41,7 @@ _SET_BY_PROXIES = ("X-Forwarded-For", "X-Forwarded-Proto")
 _shipped = _HTTPRequestContext._apply_xheaders
 
 
-def believe_proxies_only() -> None:
+def trust_proxies_only() -> None:
     """Have every server of this process leave out what proxies hand on."""
     _HTTPRequestContext._apply_xheaders = _apply  # type: ignore[method-assign]
 

@@ -52,7 +52,7 @@ def _spare_cores() -> int:
 @functools.cache
 def pool() -> ProcessPoolExecutor:
     """The pool; its processes start with the first task."""
-    return worker_pool(size(), functools.partial(step_back, _begin))
+    return worker_pool(size(), functools.partial(lower_priority, _begin))
 
 
 @functools.cache
@@ -71,7 +71,7 @@ def first() -> Callable[[], None] | None:
     return _begin
 
 
-def step_back(begin: Callable[[], None] | None) -> None:
+def lower_priority(begin: Callable[[], None] | None) -> None:
     """Call what is to be called first, and lower this process's priority below the pages'; every worker does it
     once."""
     if begin is not None:
@@ -91,7 +91,7 @@ def counted() -> Iterator[None]:
         _under_way -= 1
 
 
-async def elsewhere(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
+async def run_in_pool(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
     """Run an importable function in a worker process, when it is the turn of the visitor who asks.
 
     Raises

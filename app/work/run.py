@@ -12,7 +12,7 @@ from typing import Any
 import param
 
 from app.declared import declared, perhaps
-from app.work.alone import RunLost
+from app.work.cancellable import RunLost
 from nav_model.base.errors import InputError
 from nav_model.design.parts import labelled
 

@@ -59,7 +59,7 @@ class _Pool(ProcessPoolExecutor):
             self._close_results()
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
-        """As ever."""
+        """Submit a task as `ProcessPoolExecutor` does, and watch each process that was started for it."""
         future = super().submit(*arguments, **options)
         future.__class__ = _Outcome
         for number, process in list(self._started.items()):

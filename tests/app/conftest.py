@@ -12,7 +12,7 @@ import pytest
 from app.charts.print.svg import to_svg
 from app.document import pdf
 from app.examples import example
-from app.work import kept
+from app.work import result_cache
 from nav_model.budget import Budget, analyse
 
 
@@ -37,7 +37,7 @@ def _data_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
 @pytest.fixture
 def nothing_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """No result that a server still has."""
-    monkeypatch.setattr(kept, "_kept", OrderedDict())
+    monkeypatch.setattr(result_cache, "_kept", OrderedDict())
 
 
 @pytest.fixture(scope="session")

@@ -204,7 +204,7 @@ class Broken:
 async def broken(*_):
     raise MemoryError("a secret of the design")
 
-app.subjects.theory.page.TheoryPage, app.dashboard.toolbar.elsewhere = Broken, broken
+app.subjects.theory.page.TheoryPage, app.dashboard.toolbar.run_in_pool = Broken, broken
 sys.exit(main(sys.argv[1:]))
 """
 

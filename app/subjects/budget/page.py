@@ -38,7 +38,7 @@ from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.turns import once_loaded, once_quiet
 from app.ui.verdict_switch import VerdictSwitch
 from app.ui.view import View
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
@@ -208,7 +208,7 @@ class BudgetPage(View):
     async def _solve(self) -> None:
         """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
         budget = self.session.budget
-        found = await elsewhere(ways, budget.design)
+        found = await run_in_pool(ways, budget.design)
         if budget is self.session.budget:
             self._ways, self._ways_of = found, budget
             self._table.html = html_of(ways_block(budget, found))

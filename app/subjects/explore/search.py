@@ -28,7 +28,7 @@ from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.study_settings import StudySettings
 from app.ui.theme import SWITCH
 from app.ui.upload import upload
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
@@ -135,7 +135,7 @@ class SearchPanel(Question):
             return
         self._show_ranking(Ranking(), _COMPUTING)
         self._in_worker = True
-        pn.state.execute(lambda: self.run.start(lambda _: elsewhere(ranked, *question)))
+        pn.state.execute(lambda: self.run.start(lambda _: run_in_pool(ranked, *question)))
 
     @param.depends("run.running", watch=True)
     def _ranked(self) -> None:
@@ -192,7 +192,7 @@ class SearchPanel(Question):
         self._keep.disabled = True
         try:
             text = content.decode("utf-8-sig")
-            self._add(await elsewhere(read_offers, text))
+            self._add(await run_in_pool(read_offers, text))
             self._opened_file, self._keep.disabled = (name, text), False
         except UnicodeDecodeError as error:
             self._say(f"Not opened. Save the file as UTF-8 text: byte {error.start} is not UTF-8.")
@@ -224,7 +224,7 @@ class SearchPanel(Question):
         try:
             files = await asyncio.to_thread(lambda: kept_files(library()))
             self._list(files)
-            offers, damaged, repeated = await elsewhere(merged_offers, files)
+            offers, damaged, repeated = await run_in_pool(merged_offers, files)
             if any(offers.values()):
                 self._add(offers)
             elif not damaged:

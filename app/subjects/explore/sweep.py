@@ -28,8 +28,8 @@ from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.theme import ON_A_PHONE
-from app.work.alone import run_alone
-from app.work.pool import elsewhere
+from app.work.cancellable import run_alone
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -75,7 +75,7 @@ class SweepPanel(Question):
         def taken(label: str, name: str, write: Any) -> pmui.FileDownload:
             async def made() -> bytes:
                 swept = self.run.result
-                return b"" if swept is None else await elsewhere(write, swept.columns)
+                return b"" if swept is None else await run_in_pool(write, swept.columns)
 
             file = download(label, name, run_download(self.files, made))
             file.disabled = self.run.param.result.rx.is_(None)

@@ -23,7 +23,7 @@ from app.ui.html_pane import html_pane
 from app.ui.row_editor import Field, RowEditor, Rows
 from app.ui.study_settings import StudySettings
 from app.ui.theme import NARROW
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -191,7 +191,7 @@ class UncertaintyPanel(Question):
             self.answer = Answer("No probability", "warn", (str(refused),))
             return
         self.answer = _COMPUTING
-        pn.state.execute(lambda: self.run.start(lambda _: elsewhere(uncertain_verdict, design, inputs)))
+        pn.state.execute(lambda: self.run.start(lambda _: run_in_pool(uncertain_verdict, design, inputs)))
 
     @param.depends("run.running", watch=True)
     def _tell(self) -> None:

@@ -19,7 +19,7 @@ from app.ui.chart_pane import ChartPane, described, source_note, takes
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.view import View
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 
 _NOTHING = Answer("Nothing to compare yet", "open", ("Tick two to six designs in the library, then press Compare.",))
@@ -75,7 +75,7 @@ class CompareView(View):
 
     async def _report(self, suffix: str) -> bytes:
         budgets = [revision.budget() for revision in self._revisions]
-        return await elsewhere(report_bytes, budgets, suffix, None, (), (), None, self.desk.session.shown)
+        return await run_in_pool(report_bytes, budgets, suffix, None, (), (), None, self.desk.session.shown)
 
     @param.depends("desk.session.shown", watch=True)
     async def _tell_otherwise(self) -> None:

@@ -22,7 +22,7 @@ from app.ui.html_pane import html_pane
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.upload import upload
 from app.ui.view import View
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
 
@@ -222,7 +222,7 @@ class LibraryView(View):
     async def _brought(self, _: str, content: bytes) -> None:
         author = self.desk.who or "not stated"
         try:
-            histories = await elsewhere(read_archive, content, author)
+            histories = await run_in_pool(read_archive, content, author)
         except InputError as error:
             self.desk.say(f"Not imported. {error}", wrong=True)
             return

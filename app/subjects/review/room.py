@@ -37,7 +37,7 @@ from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.view import View
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.design.parts import INPUTS
 
@@ -290,7 +290,7 @@ class ReviewRoom(View):
         assert self.review is not None  # its button is hidden without one
         budgets = [revision.budget() for revision in self.review.revisions]
         front, sections = report.front_page(self.review), report.audit_sections(self.review)
-        return await elsewhere(report_bytes, budgets, suffix, None, sections, (), front)
+        return await run_in_pool(report_bytes, budgets, suffix, None, sections, (), front)
 
 
 def _decide_all(

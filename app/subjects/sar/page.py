@@ -43,7 +43,7 @@ from app.ui.follower import Follower
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage, exports
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.sar.design_case import Engine
@@ -196,7 +196,7 @@ class SarPage(StudyPage[SarResult]):
             panel.stale = self._mark
             if result not in formed:
                 formed[:] = [result]
-                run.start(lambda _: elsewhere(scene_pictures, result.study.budget, result.study.typical))
+                run.start(lambda _: run_in_pool(scene_pictures, result.study.budget, result.study.typical))
 
         self._of_result.also(follow)
         return pn.Column(status, panel)

@@ -14,7 +14,7 @@ from app.declared import perhaps
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.view import View
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 
 
 class PicturePanel(View):
@@ -31,8 +31,8 @@ class PicturePanel(View):
         self._heading, self._pictures = html_pane("", margin=(8, 10, 0, 10)), html_pane("")
         self.links = pn.FlexBox(
             download(f"{title}: NPZ", f"{key}.npz", self._npz),
-            download(f"{title}: CSV", f"{key}.csv", lambda: elsewhere(pictures_csv, self._shown())),
-            download(f"{title}: SVG", f"{key}.svg", lambda: elsewhere(to_svg, self._shown())),
+            download(f"{title}: CSV", f"{key}.csv", lambda: run_in_pool(pictures_csv, self._shown())),
+            download(f"{title}: SVG", f"{key}.svg", lambda: run_in_pool(to_svg, self._shown())),
         )
         self._view = pn.Column(self._heading, self._pictures, self.links, visible=self.param.chart.rx.is_not(None))
 

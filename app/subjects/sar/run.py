@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.charts.kinds import PictureChart
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from app.work.simulator import made_ready
 from nav_model.base.errors import InputError
@@ -53,7 +53,7 @@ async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine:
     if engine == "simulator":
         _, beside = await _study(run, budget, max(runs, LEAST_BESIDE), seed, "fast", "error model: ")
     run.tell("Forming the images")
-    return SarResult(case, study, await elsewhere(point_pictures, budget, study.typical), beside)
+    return SarResult(case, study, await run_in_pool(point_pictures, budget, study.typical), beside)
 
 
 async def _study(
@@ -62,11 +62,11 @@ async def _study(
     sizes = chunks(runs, engine)
     case = design_case(budget, engine)
     run.tell(f"{what}0 of {runs} runs", 0.0)
-    tuning = await elsewhere(choose_tuning, case.models[1], case.aperture_time, seed)
+    tuning = await run_in_pool(choose_tuning, case.models[1], case.aperture_time, seed)
     parts = []
     for index, size in enumerate(sizes):
-        parts.append(await elsewhere(run_chunk, case, tuning, seed, index, size))
+        parts.append(await run_in_pool(run_chunk, case, tuning, seed, index, size))
         done = sum(sizes[: index + 1])
         run.tell(f"{what}{done} of {runs} runs", done / runs)
-    history = await elsewhere(typical_history, case, tuning, seed, *typical_place(parts))
+    history = await run_in_pool(typical_history, case, tuning, seed, *typical_place(parts))
     return case, gather(budget, case, tuning, seed, parts, history)

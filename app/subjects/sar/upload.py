@@ -23,7 +23,7 @@ from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.upload import UploadedFile, upload
 from app.ui.view import View
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.sar.pictures import uploaded_pictures
@@ -80,7 +80,7 @@ class UploadedPicture(View):
         run.tell(f"Forming {name}")
         residual = result.study.typical[[STRATEGY_KEYS.index(self.strategy)]]
         data = await asyncio.to_thread(path.read_bytes)
-        pictures = await elsewhere(uploaded_pictures, name, data, result.study.time, residual, half)
+        pictures = await run_in_pool(uploaded_pictures, name, data, result.study.time, residual, half)
         chart = uploaded_picture(pictures, name, self.strategy)
         self._session.keep("sar", replace(result, uploaded=chart))
         return chart

@@ -34,7 +34,7 @@ from app.ui.run_bar import RunBar
 from app.ui.theme import FULL_HEIGHT
 from app.ui.upload import UploadedFile, upload
 from app.ui.view import View
-from app.work.alone import run_alone
+from app.work.cancellable import run_alone
 from app.work.run import Run
 from nav_model.allan.adoption import (
     Adoption,

@@ -41,7 +41,7 @@ from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage, exports
 from app.ui.theme import STACK_ON_A_PHONE
 from app.ui.upload import upload
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.base.errors import InputError
@@ -276,7 +276,7 @@ class SimulatePage(StudyPage[Flown]):
         try:
             design = self._session.design
             heights = design.flight.altitude, design.trajectory.ground or None
-            flight = await elsewhere(parse_flight, content, name, plan_like(design), *heights)
+            flight = await run_in_pool(parse_flight, content, name, plan_like(design), *heights)
         except InputError as error:
             self._refuse(error)
         else:

@@ -8,7 +8,7 @@ import time
 from collections import deque
 from dataclasses import dataclass, replace
 
-from app.work.pool import elsewhere, size
+from app.work.pool import run_in_pool, size
 from app.work.run import Run
 from app.work.simulator import made_ready
 from nav_model.design import Design
@@ -46,14 +46,14 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
         Where the filter does not hold.
     """
     await made_ready(run)
-    nominal = await elsewhere(fly_without_errors, spec)  # compiles once more where nothing could be kept on disk
+    nominal = await run_in_pool(fly_without_errors, spec)  # compiles once more where nothing could be kept on disk
     scale = nominal.filter_sigma[POSTERIOR]
     total = Statistics.empty(scale)
     began = looked = time.monotonic()
 
     async def study(runs: Statistics) -> Flown:
         wall_s, so_far = time.monotonic() - began, replace(spec, runs=runs.runs)
-        return Flown(await elsewhere(conclude, design, so_far, runs, nominal, wall_s), spec.runs)
+        return Flown(await run_in_pool(conclude, design, so_far, runs, nominal, wall_s), spec.runs)
 
     flying: deque[asyncio.Task[Statistics]] = deque()
     looking: asyncio.Task[Flown] | None = None
@@ -63,7 +63,7 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
         while waiting or flying:
             # One chunk more than there are workers: they never wait, and another person's come in between.
             while waiting and len(flying) <= size():
-                flying.append(asyncio.create_task(elsewhere(run_chunk, spec, scale, *waiting.popleft())))
+                flying.append(asyncio.create_task(run_in_pool(run_chunk, spec, scale, *waiting.popleft())))
             total.merge(await flying[0])
             flying.popleft()
             run.tell(f"{total.runs} of {spec.runs} runs", total.runs / spec.runs)

@@ -15,7 +15,7 @@ from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import progress_html
 from app.ui.theme import NARROW
-from app.work.pool import elsewhere
+from app.work.pool import run_in_pool
 from app.work.run import Progress, Run
 from nav_model.suborbital.camera_noise import CameraNoise, sweep_camera_noise
 from nav_model.suborbital.settings import Settings
@@ -47,7 +47,7 @@ class CameraNoisePanel(pn.viewable.Viewer):
             self._said.object = progress_html(Progress("Sweeping the centroid noise: 13 values"))
 
             async def sweep(_: Run) -> tuple[CameraNoise, float]:
-                swept = await elsewhere(sweep_camera_noise, shown.study, settings, NOISES)
+                swept = await run_in_pool(sweep_camera_noise, shown.study, settings, NOISES)
                 return swept, float(settings["camera.centroid_noise"])
 
             self.run.start(sweep)

@@ -9,7 +9,7 @@ from app.session import Session
 from app.subjects.suborbital.charts.shown import Shown
 from app.ui.run_bar import RunBar
 from app.ui.view import View
-from app.work.alone import run_alone
+from app.work.cancellable import run_alone
 from app.work.run import Run
 from nav_model.suborbital.noise_ensemble import NoiseEnsemble, fly_noise
 from nav_model.suborbital.study import Study

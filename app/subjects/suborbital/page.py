@@ -24,8 +24,8 @@ from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage
-from app.work.alone import RunLost
-from app.work.pool import elsewhere
+from app.work.cancellable import RunLost
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -96,7 +96,7 @@ class SuborbitalPage(StudyPage[Survey]):
     async def _renew(self, survey: Survey) -> None:
         """Matrices for other frames or periods; those of settings that are no longer in force are dropped."""
         settings = self.inputs.settings
-        renewal = await elsewhere(renewed, survey.study, settings.study_inputs())
+        renewal = await run_in_pool(renewed, survey.study, settings.study_inputs())
         if survey is self._result and settings is self.inputs.settings:
             with pn.io.hold():
                 self._show_moved(survey, renewal)

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from app.subjects.suborbital.inputs import Trajectory
-from app.work.alone import RunLost, run_alone
-from app.work.kept import keep, kept
+from app.work.cancellable import RunLost, run_alone
+from app.work.result_cache import keep, kept
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
@@ -15,7 +15,7 @@ _KEPT = 4  # studies of 12 MB each
 
 
 def asked(settings: Settings) -> tuple[str, str]:
-    """All that a study of the reference flight follows from: its key for `app.work.kept`."""
+    """All that a study of the reference flight follows from: its key for `app.work.result_cache`."""
     return "suborbital", repr(sorted(settings.values.items()))
 
 

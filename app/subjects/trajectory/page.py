@@ -32,8 +32,8 @@ from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage, exports
 from app.ui.theme import NARROW, STACK_ON_A_PHONE
 from app.ui.upload import UploadedFile, upload
-from app.work.alone import run_alone
-from app.work.pool import elsewhere
+from app.work.cancellable import run_alone
+from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError
@@ -124,7 +124,7 @@ class TrajectoryPage(StudyPage[Followed]):
         # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
         if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
-            self._take(await elsewhere(waypoints_of_lines, self._session.design))
+            self._take(await run_in_pool(waypoints_of_lines, self._session.design))
             self._asked = self._key or ()
         flown: Followed = await run_alone(
             follow, self._session.design, self.states, file, progress=lambda _, what: run.tell(what)
@@ -266,7 +266,7 @@ class TrajectoryPage(StudyPage[Followed]):
     async def _uploaded(self, name: str, content: bytes) -> None:
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files.reader")
         try:
-            places, note = await elsewhere(waypoints_in, content, name, self._session.design)
+            places, note = await run_in_pool(waypoints_in, content, name, self._session.design)
             if not 0 < len(places) <= MOST_WAYPOINTS:
                 self._file = File(name, await self._on_disk.put(content))
         except InputError as error:

@@ -39,7 +39,7 @@ def test_a_signal_leaves_no_process(signal_number: signal.Signals) -> None:
         "from tornado.ioloop import IOLoop\n"
         "if __name__ == '__main__':\n"
         "    loop = IOLoop.current().asyncio_loop\n"
-        "    loop.call_later(0.1, lambda: asyncio.ensure_future(w.elsewhere(time.sleep, 600), loop=loop))\n"
+        "    loop.call_later(0.1, lambda: asyncio.ensure_future(w.run_in_pool(time.sleep, 600), loop=loop))\n"
         "    s.serve(Rules(port=0, grace=0.5, workers=2))\n"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
@@ -58,7 +58,7 @@ async def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp
         "from tornado.ioloop import IOLoop\n"
         "if __name__ == '__main__':\n"
         "    loop = IOLoop.current().asyncio_loop\n"
-        "    loop.call_later(0.1, lambda: asyncio.ensure_future(w.elsewhere(time.sleep, 600), loop=loop))\n"
+        "    loop.call_later(0.1, lambda: asyncio.ensure_future(w.run_in_pool(time.sleep, 600), loop=loop))\n"
         f"    main(['serve', '--port', '0', '--library', {str(tmp_path / 'l.db')!r}, '--grace', '60'])\n"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
@@ -86,7 +86,7 @@ async def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp
 def test_heavy_work_steps_back_behind_the_pages() -> None:
     """That runs in processes of their own do too is shown in tests/app/work/test_alone."""
     try:
-        assert asyncio.run(workers.elsewhere(os.nice, 0)) == min(os.nice(0) + 10, 19)
+        assert asyncio.run(workers.run_in_pool(os.nice, 0)) == min(os.nice(0) + 10, 19)
     finally:
         workers.stop()
         workers.pool.cache_clear()

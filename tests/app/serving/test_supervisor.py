@@ -21,7 +21,7 @@ from waiting import PATIENCE, soon, until
 from app.cli import main
 from app.serving import address, supervisor
 from app.serving.address import SharedSocket
-from app.serving.board import Board, Row
+from app.serving.board import Row, SharedMetrics
 from app.serving.rules import Rules
 
 pytestmark = pytest.mark.long
@@ -52,7 +52,7 @@ def _ends_at_once(*_: Any) -> None:
 
 def _family() -> Any:
     """Of one process, which is not started yet."""
-    return supervisor._Family(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
+    return supervisor._Children(socket.create_server(("127.0.0.1", 0)), 0, Rules(processes=1), "")
 
 
 def _rooms(served: Any) -> tuple[float, ...]:
@@ -153,7 +153,7 @@ def test_a_signal_while_a_process_is_started_stops_that_one_too(monkeypatch: pyt
             self.pid: int | None = None
 
         def start(self) -> None:
-            family.told()
+            family.on_signal()
             assert family.listening.fileno() >= 0
             started.append(subprocess.Popen(["sleep", "600"]))
             self.pid = started[0].pid
@@ -188,7 +188,7 @@ def test_the_fuller_process_lets_the_other_go_first_but_nobody_waits_long(
 ) -> None:
     now = [0.0]
     monkeypatch.setattr(address, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    board = Board(2)
+    board = SharedMetrics(2)
     for process, sessions in ((0, 3), (1, 2)):
         board.put(process, "ready", 1)
         board.put(process, "sessions", sessions)
@@ -211,18 +211,18 @@ def test_the_fuller_process_lets_the_other_go_first_but_nobody_waits_long(
 
 
 def test_a_process_that_ends_is_started_later_each_time_and_in_the_end_not_at_all() -> None:
-    falls, now, pauses = supervisor.Falls(), 0.0, []
-    falls.started(now)
-    while falls.fell(now := now + 5.0):
-        pauses.append(falls.due - now)
-        falls.started(now := falls.due)
+    limit, now, pauses = supervisor.RestartLimit(), 0.0, []
+    limit.started(now)
+    while limit.fell(now := now + 5.0):
+        pauses.append(limit.due - now)
+        limit.started(now := limit.due)
     assert pauses == [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0]
-    falls = supervisor.Falls()
+    limit = supervisor.RestartLimit()
     for _ in range(100):  # each has run for an hour
-        falls.started(now)
+        limit.started(now)
         now += 3600.0
-        assert falls.fell(now)
-        assert falls.due == now + 1.0
+        assert limit.fell(now)
+        assert limit.due == now + 1.0
 
 
 def test_processes_that_end_at_once_again_and_again_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -261,7 +261,7 @@ def test_one_that_ends_just_after_it_was_looked_at_is_noticed(monkeypatch: pytes
 
 
 def test_what_a_process_counted_outlives_it() -> None:
-    board = Board(2)
+    board = SharedMetrics(2)
     row = Row(board, 1)
     row.add("opened")
     row.add("opened")

@@ -56,7 +56,7 @@ async def test_pages_keep_a_flight_and_a_phase_history_on_the_disk(
     session = Session(first_design())
     page = TrajectoryPage(session)
     monkeypatch.setattr(page, "start", lambda: None)
-    monkeypatch.setattr(trajectory_page, "elsewhere", at_once)
+    monkeypatch.setattr(trajectory_page, "run_in_pool", at_once)
     picture = UploadedPicture(session, lambda: None)
     await page._uploaded("flight.out", b"small")  # imports what it needs
     before, _ = tracemalloc.get_traced_memory()

@@ -14,7 +14,7 @@ from bokeh.models import ColumnDataSource, Div, LinearAxis
 from bokeh.plotting import figure
 from bokeh.themes import Theme
 
-from app.upstream.rendering import look_at_what_was_given
+from app.upstream.rendering import check_given_values
 
 pytestmark = pytest.mark.long
 
@@ -32,7 +32,7 @@ def _as_shipped() -> None:
 
 @pytest.fixture(autouse=True)
 def in_place() -> Iterator[None]:
-    look_at_what_was_given()
+    check_given_values()
     yield
     _as_shipped()
 
@@ -66,7 +66,7 @@ def test_every_model_is_told_and_searched_as_before() -> None:
         except UnsetValueError:  # it cannot stand by itself
             continue
         finally:
-            look_at_what_was_given()
+            check_given_values()
         assert found(kind) == expected, kind
         compared += 1
     assert compared > 400

@@ -11,7 +11,7 @@ from panel.custom import ReactiveESM
 from panel.reactive import Syncable
 
 from app.ui.html_pane import html_pane
-from app.upstream.rendering import TextPane, copy_none
+from app.upstream.rendering import TextPane, skip_event_copies
 
 _PLACES = ((ReactiveESM, "_get_properties"), (ReactiveESM, "_get_children"), (Syncable, "_init_params"))
 _AS_SHIPPED = [getattr(*place) for place in _PLACES]
@@ -19,7 +19,7 @@ _AS_SHIPPED = [getattr(*place) for place in _PLACES]
 
 @pytest.fixture
 def in_place() -> Iterator[None]:
-    copy_none()
+    skip_event_copies()
     yield
     for (holder, name), shipped in zip(_PLACES, _AS_SHIPPED, strict=True):
         setattr(holder, name, shipped)

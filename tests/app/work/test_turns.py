@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from app.work import alone, pool
+from app.work import cancellable, pool
 from app.work.turns import Turns
 
 
@@ -100,11 +100,11 @@ async def test_pool_and_long_runs_let_another_visitor_in_before_the_rest_of_the_
     asking = ["a"]
     monkeypatch.setattr(pool, "_asking", lambda: asking[0])
     monkeypatch.setattr(pool, "_size", 1)
-    for queue in (pool._turns, alone._turns):
+    for queue in (pool._turns, cancellable._turns):
         queue.cache_clear()
     runs = {
-        "pool": lambda: pool.elsewhere(_nothing),
-        "alone": lambda: alone.run_alone(_nothing, progress=lambda *_: None),
+        "pool": lambda: pool.run_in_pool(_nothing),
+        "cancellable": lambda: cancellable.run_alone(_nothing, progress=lambda *_: None),
     }
     try:
         for kind, run in runs.items():
@@ -122,9 +122,9 @@ async def test_pool_and_long_runs_let_another_visitor_in_before_the_rest_of_the_
             await asyncio.gather(*tasks)
             assert order == ["a1", "a2", "b1", "a3"], kind
     finally:
-        for queue in (pool._turns, alone._turns):
+        for queue in (pool._turns, cancellable._turns):
             queue.cache_clear()
-        while alone._waiting:
-            await alone._waiting.pop().end()
+        while cancellable._waiting:
+            await cancellable._waiting.pop().end()
         pool.stop()
         pool.pool.cache_clear()

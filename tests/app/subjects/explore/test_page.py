@@ -51,7 +51,7 @@ interval = { value = "0.2 s", status = "confirmed", source = "our bench" }
 
 @pytest.fixture
 def explore(monkeypatch: pytest.MonkeyPatch) -> ExplorePage:
-    monkeypatch.setattr(search_panel, "elsewhere", at_once)
+    monkeypatch.setattr(search_panel, "run_in_pool", at_once)
     session = Session(first_design())
     made = ExplorePage(session)
     session.param.watch(lambda event: made.show(event.new), "budget")
@@ -217,7 +217,7 @@ def test_many_pairs_are_ranked_in_a_worker_and_the_first_rows_shown(
         asked.append(function)
         return await at_once(function, *arguments)
 
-    monkeypatch.setattr(search_panel, "elsewhere", worker)
+    monkeypatch.setattr(search_panel, "run_in_pool", worker)
 
     def step() -> None:
         search.session.change({"imu.angle_random_walk": 1e-5})

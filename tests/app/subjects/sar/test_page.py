@@ -38,7 +38,7 @@ pytestmark = pytest.mark.long
 @pytest.fixture
 def session(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> Session:
     for part in (sar_run, sar_upload, picture_panel):
-        monkeypatch.setattr(part, "elsewhere", at_once)
+        monkeypatch.setattr(part, "run_in_pool", at_once)
     return Session(first_design())
 
 

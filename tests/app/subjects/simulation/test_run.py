@@ -111,7 +111,7 @@ async def test_what_is_found_as_the_page_goes_is_not_shown_to_it(monkeypatch: py
             run.drop()
         return function(*arguments)
 
-    monkeypatch.setattr(simulation_run, "elsewhere", until_it_goes)
+    monkeypatch.setattr(simulation_run, "run_in_pool", until_it_goes)
     run = Run()
     run.param.watch(lambda event: shown.append(event.new), "result")
     spec = specification(DESIGN, runs=5000, duration=60.0)

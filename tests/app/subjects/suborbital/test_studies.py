@@ -7,8 +7,8 @@ import pytest
 from app.serving.server import first_design
 from app.subjects.suborbital import studies
 from app.subjects.suborbital.studies import asked, fly_ahead, fly_study
-from app.work.alone import RunLost
-from app.work.kept import kept
+from app.work.cancellable import RunLost
+from app.work.result_cache import kept
 from nav_model.suborbital.settings import DEFAULTS, from_design
 
 _USUAL = from_design(DEFAULTS, first_design())

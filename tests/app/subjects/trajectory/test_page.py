@@ -56,7 +56,7 @@ def _places(*rows: tuple[float, float]) -> tuple[tuple[float, float, float, str]
 
 @pytest.fixture
 def session(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> Session:
-    monkeypatch.setattr(trajectory_page, "elsewhere", at_once)
+    monkeypatch.setattr(trajectory_page, "run_in_pool", at_once)
     monkeypatch.setattr(trajectory_page, "run_alone", at_once)
     monkeypatch.setattr(trajectory_page, "_SETTLE_SECONDS", 0.0)
     return Session(first_design())

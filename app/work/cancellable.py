@@ -115,7 +115,7 @@ def _turns() -> Turns:
 def _work(ends: Connection, begin: Callable[[], None] | None) -> None:
     """Do runs, as they come, until nobody is left to ask."""
     end_with_parent()
-    workers.step_back(begin)
+    workers.lower_priority(begin)
     while True:
         try:
             function, arguments = ends.recv()

@@ -14,17 +14,17 @@ from typing import Any
 import pytest
 from waiting import PATIENCE, soon
 
-from app.work import alone
-from app.work.alone import RunLost, run_alone
+from app.work import cancellable
+from app.work.cancellable import RunLost, run_alone
 
 
 @pytest.fixture(autouse=True)
 def nobody_waits() -> Iterator[None]:
     """No process of another test's is taken, none is left."""
-    alone._waiting.clear()
+    cancellable._waiting.clear()
     yield
-    while alone._waiting:
-        asyncio.run(alone._waiting.pop().end())
+    while cancellable._waiting:
+        asyncio.run(cancellable._waiting.pop().end())
 
 
 def _who(_: object = None, *, progress: Any) -> tuple[int, int]:
@@ -42,10 +42,10 @@ async def test_a_process_that_stayed_small_does_the_next_run_and_steps_back(monk
     first = await run_alone(_who, progress=lambda _, what: said.append(what))
     with pytest.raises(ValueError, match="not this one"):
         await run_alone(_refuse, progress=lambda *_: None)
-    monkeypatch.setattr(alone, "_SMALL", 0)
+    monkeypatch.setattr(cancellable, "_SMALL", 0)
     assert await run_alone(_who, progress=lambda *_: None) == first
     assert said == ["looking"]
-    assert not alone._waiting
+    assert not cancellable._waiting
     process, niceness = first
     assert process not in [child.pid for child in multiprocessing.active_children()]
     assert niceness == min(os.nice(0) + 10, 19)
@@ -74,10 +74,10 @@ def test_a_process_that_died_while_it_waited_is_not_taken(monkeypatch: pytest.Mo
     class New:
         lives = True
 
-    monkeypatch.setattr(alone, "_Process", New)
-    alone._waiting.append(Gone())
-    assert isinstance(alone._take(), New)
-    assert not alone._waiting
+    monkeypatch.setattr(cancellable, "_Process", New)
+    cancellable._waiting.append(Gone())
+    assert isinstance(cancellable._take(), New)
+    assert not cancellable._waiting
 
 
 def _fail(*, progress: Any) -> None:
@@ -99,7 +99,7 @@ _WARNING = """
 import asyncio, warnings
 from functools import partial
 from app.serving.logs import set_up
-from app.work import alone, pool, simulator
+from app.work import cancellable, pool, simulator
 
 def warn(progress=None):
     warnings.warn("what a file says")
@@ -110,8 +110,8 @@ def fail():
 simulator.warm_up = fail
 
 async def all_three():
-    await alone.run_alone(warn, progress=print)
-    await pool.elsewhere(warn)
+    await cancellable.run_alone(warn, progress=print)
+    await pool.run_in_pool(warn)
     await simulator.prepare()
 
 if __name__ == "__main__":
