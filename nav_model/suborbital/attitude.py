@@ -60,10 +60,10 @@ def triad(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
         second = cross / np.linalg.norm(cross, axis=-1, keepdims=True)
         return np.stack([v[..., 0, :], second, np.cross(v[..., 0, :], second)], axis=-1)
 
-    one, two = b[..., 0, :], b[..., 1, :]
-    outer = one[..., :, None] * two[..., None, :]
-    cross = np.sum(np.cross(one, two) ** 2, axis=-1)[..., None, None]
-    dot = np.sum(one * two, axis=-1)[..., None, None]
+    b1, b2 = b[..., 0, :], b[..., 1, :]
+    outer = b1[..., :, None] * b2[..., None, :]
+    cross = np.sum(np.cross(b1, b2) ** 2, axis=-1)[..., None, None]
+    dot = np.sum(b1 * b2, axis=-1)[..., None, None]
     covariance = sigma**2 * (np.eye(3) + dot * (outer + np.swapaxes(outer, -1, -2)) / cross)
     return frame(b) @ np.swapaxes(frame(r), -1, -2), covariance
 

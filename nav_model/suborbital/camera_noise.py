@@ -56,17 +56,17 @@ def sweep_camera_noise(study: Study, settings: Settings, centroid_rad: Array) ->
     least = float(np.min(centroid_rad))
     camera = replace(settings.camera(), centroid_sigma_rad=least)
     track = track_stars(flight, camera, settings.sky(), method=settings["camera.method"], seed=int(settings["seed"]))
-    wanted = frame_steps(flight, inputs.aiding) & track.frames.used
+    frames = frame_steps(flight, inputs.aiding) & track.frames.used
     accelerometer, gyro = inputs.errors.accelerometers.white_noise, inputs.errors.gyros.white_noise
-    total, own = [], []
+    total, by_camera = [], []
     for noise in centroid_rad:
         scale = float(noise) / least
-        used = wanted & (track.roll_sigma_rad * scale <= camera.roll_limit_rad)
+        used = frames & (track.roll_sigma_rad * scale <= camera.roll_limit_rad)
         covariance = scale**2 * track.covariance
         total.append(_final(white_noise_spread(flight, accelerometer, gyro, used, covariance).position_sigma_m))
-        own.append(_final(white_noise_spread(flight, 0.0, 0.0, used, covariance).position_sigma_m))
+        by_camera.append(_final(white_noise_spread(flight, 0.0, 0.0, used, covariance).position_sigma_m))
     alone = _final(white_noise_spread(flight, accelerometer, gyro).position_sigma_m)
-    return CameraNoise(np.asarray(centroid_rad, float), np.array(total), np.array(own), alone)
+    return CameraNoise(np.asarray(centroid_rad, float), np.array(total), np.array(by_camera), alone)
 
 
 def _final(sigma_m: Array) -> float:

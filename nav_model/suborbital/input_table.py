@@ -59,10 +59,10 @@ def _sensor(
 ) -> tuple[_Row, ...]:
     """Inputs of one triad; bias and noise: dimension, unit, size of one unit in SI."""
 
-    dimension, unit, one = bias
+    dimension, unit, size = bias
 
     def triple(key: str, label: str, doc: str, default: Triple) -> _Row:
-        return _axes(f"{part}.{key}", f"{name} {label}", doc, default, dimension, unit, 1e3 * one, 1e-3 * one)
+        return _axes(f"{part}.{key}", f"{name} {label}", doc, default, dimension, unit, 1e3 * size, 1e-3 * size)
 
     def period(key: str, label: str, doc: str, default: float) -> _Row:
         return _quantity(f"{part}.{key}", f"{name} {label}", doc, default, "time", "s", 1.0, 1e5)
@@ -193,8 +193,8 @@ _TABLE: dict[str, tuple[_Row, ...]] = {
 def _bound(rows: list[_Row]) -> None:
     """Give every declaration its key, which Param takes from the class it is declared in: a class a section."""
     for section in dict.fromkeys(key.rpartition(".")[0] for key, _ in rows):
-        own = {key.rpartition(".")[2]: declared for key, declared in rows if key.rpartition(".")[0] == section}
-        type(section.title(), (param.Parameterized,), {"section": section, **own})
+        inputs = {key.rpartition(".")[2]: declared for key, declared in rows if key.rpartition(".")[0] == section}
+        type(section.title(), (param.Parameterized,), {"section": section, **inputs})
 
 
 _bound([row for group in _TABLE.values() for row in group])

@@ -185,12 +185,16 @@ def _cameras(
 ) -> tuple[NDArray[np.bool_], Array, NDArray[np.int64]]:
     """The frames that cases take, each once: used (k, n+1), attitudes (k, n+1, 3, 3) and
     each case's row of them (c,), -1 without."""
-    own = {id(each): each for each in frames if each is not None}
-    place = {name: row for row, name in enumerate(own)}
+    cameras = {id(each): each for each in frames if each is not None}
+    place = {name: row for row, name in enumerate(cameras)}
     seen = np.array([-1 if each is None else place[id(each)] for each in frames])
-    if not own:
+    if not cameras:
         return np.zeros((1, 1), dtype=np.bool_), np.zeros((1, 1, 3, 3)), seen
-    return np.stack([each.used for each in own.values()]), np.stack([each.attitude_bi for each in own.values()]), seen
+    return (
+        np.stack([each.used for each in cameras.values()]),
+        np.stack([each.attitude_bi for each in cameras.values()]),
+        seen,
+    )
 
 
 def mechanise(

@@ -87,13 +87,13 @@ def _moved_errors(
         after = np.einsum("mip,cp->cmi", getattr(new, name), parameters)
         return np.asarray(after - np.einsum("mip,cp->cmi", getattr(old, name), study.parameters))
 
-    moved_by, turned = change("position"), change("attitude")
+    moved_by, rotation_by = change("position"), change("attitude")
     position = exact.position_m + moved_by
     # A wrong position turns the local axes: their error is dr/r, and the navigation attitude carries it.
     shift = moved_by / np.linalg.norm(path, axis=-1)[:, None]
     tangent = np.tan(study.flight.latitude_rad[:: study.every])
     transport = np.stack([shift[..., 1], -shift[..., 0], -shift[..., 1] * tangent], axis=-1)
-    local = np.einsum("mji,cmj->cmi", local_axes(path), turned) - transport
+    local = np.einsum("mji,cmj->cmi", local_axes(path), rotation_by) - transport
     down_range, cross_range = along_track(position, study.flight.track_rad[:: study.every])
     return NavigationErrors(
         time_s=exact.time_s,
@@ -101,7 +101,7 @@ def _moved_errors(
         velocity_m_s=exact.velocity_m_s + change("velocity"),
         down_range_m=down_range,
         cross_range_m=cross_range,
-        attitude_inertial_rad=exact.attitude_inertial_rad + turned,
+        attitude_inertial_rad=exact.attitude_inertial_rad + rotation_by,
         attitude_navigation_rad=exact.attitude_navigation_rad + local,
         source=f"{exact.source}; moved by the sensitivity matrix [B-4]",
     )

@@ -44,9 +44,9 @@ class NoiseEnsemble:
             ("INS alone", self.pure_rms_m[-1], self.pure_sigma_m[-1]),
             ("INS with star tracker", self.aided_rms_m[-1], self.aided_sigma_m[-1]),
         ):
-            for channel, found, predicted in zip(("north", "east", "height"), rms, sigma, strict=True):
-                inside = self.low * predicted <= found <= self.high * predicted
-                rows.append((ins, channel, float(found), float(predicted), bool(inside)))
+            for channel, measured, predicted in zip(("north", "east", "height"), rms, sigma, strict=True):
+                inside = self.low * predicted <= measured <= self.high * predicted
+                rows.append((ins, channel, float(measured), float(predicted), bool(inside)))
         return tuple(rows)
 
 

@@ -182,11 +182,11 @@ def _dynamics(force: Array, position: Array) -> Array:
     """[B-4] as a matrix (..., 9, 9) on psi, velocity and position errors; force and position (..., 3), inertial."""
     radius = np.linalg.norm(position, axis=-1)[..., None, None]
     outer = position[..., :, None] * position[..., None, :] / radius**2
-    found = np.zeros((*force.shape[:-1], 9, 9))
-    found[..., 3:6, :3] = -skew(force)
-    found[..., 3:6, 6:] = GRAVITATIONAL_PARAMETER / radius**3 * (3.0 * outer - np.eye(3))
-    found[..., 6:, 3:6] = np.eye(3)
-    return found
+    matrix = np.zeros((*force.shape[:-1], 9, 9))
+    matrix[..., 3:6, :3] = -skew(force)
+    matrix[..., 3:6, 6:] = GRAVITATIONAL_PARAMETER / radius**3 * (3.0 * outer - np.eye(3))
+    matrix[..., 6:, 3:6] = np.eye(3)
+    return matrix
 
 
 def white_noise_spread(

@@ -90,11 +90,11 @@ class Settings:
     def camera(self) -> StarCamera:
         """The star camera [B-8]. InputError for a focal length whose field of view is too wide or too narrow."""
         pixels, pitch = int(self["camera.pixels"]), self["camera.pixel_pitch"]
-        given = self["camera.focal_length"]
+        focal = self["camera.focal_length"]
         camera = StarCamera(
             pixels=pixels,
             pixel_pitch_m=pitch,
-            focal_length_m=focal_length(self["camera.field_of_view"], pixels, pitch) if given is None else given,
+            focal_length_m=focal_length(self["camera.field_of_view"], pixels, pitch) if focal is None else focal,
             centroid_sigma_rad=self["camera.centroid_noise"],
             brightest=int(self["camera.brightest"]),
             least_stars=int(self["camera.least_stars"]),
@@ -206,15 +206,15 @@ def read_value(key: str, content: Any, unit: str = "") -> Value:
     InputError
         Naming the key, what was given and what is allowed.
     """
-    found = declared(key)
-    if isinstance(found, BaseQuantity):
+    declaration = declared(key)
+    if isinstance(declaration, BaseQuantity):
         text = content.strip() if isinstance(content, str) else content
-        if found.allow_None and isinstance(text, str) and text.lower() in ("", "none"):
+        if declaration.allow_None and isinstance(text, str) and text.lower() in ("", "none"):
             return None
-        return found.read(with_unit(text, unit) if unit and isinstance(text, str) else text).value
-    if isinstance(found, Axes):
-        return found.read(content, unit)
-    value: Value = found.read(content.strip() if isinstance(content, str) else content)
+        return declaration.read(with_unit(text, unit) if unit and isinstance(text, str) else text).value
+    if isinstance(declaration, Axes):
+        return declaration.read(content, unit)
+    value: Value = declaration.read(content.strip() if isinstance(content, str) else content)
     return value
 
 

@@ -154,13 +154,13 @@ class _Solved(NamedTuple):
 
 def _solved(camera: StarCamera, truth: Array, body: Array, reference: Array, weight: Array, method: str) -> _Solved:
     used, reason = gate(camera, body, weight, method)
-    found = _Solved(used, reason, truth.copy(), np.full((len(truth), 3), np.nan), np.zeros((len(truth), 3, 3)))
-    rotation, found.covariance[used] = estimate(
+    frames = _Solved(used, reason, truth.copy(), np.full((len(truth), 3), np.nan), np.zeros((len(truth), 3, 3)))
+    rotation, frames.covariance[used] = estimate(
         method, body[used], reference[used], camera.centroid_sigma_rad, weight[used]
     )
-    found.attitude[used] = np.swapaxes(rotation, -1, -2)
-    found.error[used] = attitude_error(rotation, np.swapaxes(truth[used], -1, -2))
-    return found
+    frames.attitude[used] = np.swapaxes(rotation, -1, -2)
+    frames.error[used] = attitude_error(rotation, np.swapaxes(truth[used], -1, -2))
+    return frames
 
 
 @dataclass(frozen=True)

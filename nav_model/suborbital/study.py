@@ -130,19 +130,19 @@ def run_study(
     a truth with J2 would cost, flying the reference flight again in that field (for a loaded trajectory it is
     then zero). Raises InputError for bad input.
     """
-    given = inputs or SuborbitalInputs()
-    truth = flight or reference_flight(given.flight)
-    names, parameters = case_parameters(given.errors, given.aiding)
-    worn = {
-        "star tracker misalignment": camera_frames(truth, replace(given.aiding, latency_s=0.0)),
-        "star tracker latency": camera_frames(truth, replace(given.aiding, misalignment_rad=(0.0, 0.0, 0.0))),
-        "all": camera_frames(truth, given.aiding, measured),
+    inputs = inputs or SuborbitalInputs()
+    truth = flight or reference_flight(inputs.flight)
+    names, parameters = case_parameters(inputs.errors, inputs.aiding)
+    frames_of_case = {
+        "star tracker misalignment": camera_frames(truth, replace(inputs.aiding, latency_s=0.0)),
+        "star tracker latency": camera_frames(truth, replace(inputs.aiding, misalignment_rad=(0.0, 0.0, 0.0))),
+        "all": camera_frames(truth, inputs.aiding, measured),
     }
     # Every case has its frames at the instants of "all", so that the rows add up.
-    used = worn["all"].used
-    worn = {name: replace(frames, used=used) for name, frames in worn.items()}
-    ideal = replace(perfect_frames(truth, given.aiding), used=used)
-    mismatch, believed = truth, given.ins_gravity
+    used = frames_of_case["all"].used
+    frames_of_case = {name: replace(frames, used=used) for name, frames in frames_of_case.items()}
+    ideal = replace(perfect_frames(truth, inputs.aiding), used=used)
+    mismatch, believed = truth, inputs.ins_gravity
     if truth.gravity == believed and not truth.from_file:
         mismatch = in_gravity(truth, "j2" if believed == "spherical" else "spherical")
     count = len(names)
@@ -150,22 +150,22 @@ def run_study(
     run = mechanise(
         truth,
         np.concatenate([parameters, parameters]),
-        given.errors,
-        frames=[None] * count + [worn.get(name, ideal) for name in names],
+        inputs.errors,
+        frames=[None] * count + [frames_of_case.get(name, ideal) for name in names],
         gravity=2 * models,
         every=every,
         progress=progress,
     )
-    found = navigation_errors(truth, run)
+    errors = navigation_errors(truth, run)
     if mismatch is not truth:  # what the INS measures there, and so its run, is the same: the truth is another
         row = names.index(GRAVITY_ROW)
         rows = [row, count + row]
         other = navigation_errors(mismatch, run.cases(rows))
-        for name in found.histories:
-            getattr(found, name)[rows] = getattr(other, name)
-    pure, aided = found.cases(slice(0, count)), found.cases(slice(count, None))
+        for name in errors.histories:
+            getattr(errors, name)[rows] = getattr(other, name)
+    pure, aided = errors.cases(slice(0, count)), errors.cases(slice(count, None))
     return Study(
-        inputs=given,
+        inputs=inputs,
         flight=truth,
         names=names,
         kinds=tuple("class" if n in CLASSES else "gravity" if n == GRAVITY_ROW else "source" for n in names),
@@ -180,11 +180,11 @@ def run_study(
         aided=aided,
         linear=LinearParts(
             used=used,
-            pure=sensitivity(truth, given.errors, every=every),
-            aided=sensitivity(truth, given.errors, used, every),
-            channel_response=decoupled_response(truth, given.errors, every=every),
+            pure=sensitivity(truth, inputs.errors, every=every),
+            aided=sensitivity(truth, inputs.errors, used, every),
+            channel_response=decoupled_response(truth, inputs.errors, every=every),
             pure_noise=noise_parts(truth, None, None, every),
-            aided_noise=noise_parts(truth, used, worn["all"].covariance, every),
+            aided_noise=noise_parts(truth, used, frames_of_case["all"].covariance, every),
         ),
         every=every,
     )

@@ -72,8 +72,8 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
     """
     tables = read_toml(data, where, "a study file", MAX_BYTES)
     if tables.get("study") != KIND:
-        said = "is missing" if "study" not in tables else f"{shown(tables['study'])} is not allowed"
-        raise InputError("study", f'{said}; a study of a suborbital flight says study = "{KIND}"')
+        reason = "is missing" if "study" not in tables else f"{shown(tables['study'])} is not allowed"
+        raise InputError("study", f'{reason}; a study of a suborbital flight says study = "{KIND}"')
     values: dict[str, Value] = {}
     for key, content in tables.items():
         if key in ("study", "trajectory"):
@@ -113,8 +113,8 @@ def _trajectory(content: Any) -> tuple[str, bytes] | None:
         raise InputError(f"trajectory.{unknown[0]}", "unknown key; [trajectory] has name, csv")
     for key in ("name", "csv"):
         if not isinstance(content.get(key), str) or not content[key].strip():
-            said = "is missing" if key not in content else f"{shown(content[key])} is not text in quotes"
-            raise InputError(f"trajectory.{key}", said)
+            reason = "is missing" if key not in content else f"{shown(content[key])} is not text in quotes"
+            raise InputError(f"trajectory.{key}", reason)
     return content["name"][:200], content["csv"].encode("utf-8")
 
 
@@ -148,8 +148,8 @@ def _number(value: Any) -> float | int:
 def to_link(settings: Settings) -> str:
     """The part of a link's query that gives the study's inputs: what differs from GP-1, and that the inertial unit is
     the design's where it is. A trajectory from a file does not fit into an address."""
-    own = [key for key in INPUTS if not settings.origin[key].startswith(OF_DESIGN)]
-    changed = [(STUDY_PREFIX + key, settings.show(key, None)) for key in own if settings[key] != DEFAULTS[key]]
+    of_user = [key for key in INPUTS if not settings.origin[key].startswith(OF_DESIGN)]
+    changed = [(STUDY_PREFIX + key, settings.show(key, None)) for key in of_user if settings[key] != DEFAULTS[key]]
     if follows_design(settings):
         changed.append((STUDY_PREFIX + _IMU, OF_DESIGN))
     return urlencode(changed or [(f"{STUDY_PREFIX}seed", settings.show("seed", None))])

@@ -65,16 +65,16 @@ def explain(study: Study) -> str:
         f"({_metres(float(left_over[2]))} in height)."
     )
     forcing = [_size(pure[n]) for n in ("gyro total", "initial attitude")]
-    left = [_size(aided[n]) for n in ("gyro total", "initial attitude")]
+    remaining = [_size(aided[n]) for n in ("gyro total", "initial attitude")]
     if max(forcing) < 1.0:
         parts.append("Attitude errors hardly matter on this flight.")
     else:
-        share = sum(left) / sum(forcing)
+        share = sum(remaining) / sum(forcing)
         verbs = ((0.05, "removes"), (0.98, "reduces"), (1.02, "does not change"), (np.inf, "adds to"))
         verb = next(word for limit, word in verbs if share < limit)
         parts.append(
             f"It {verb} errors that come through attitude: gyro errors go from {_metres(forcing[0])} to "
-            f"{_metres(left[0])}, initial alignment from {_metres(forcing[1])} to {_metres(left[1])}."
+            f"{_metres(remaining[0])}, initial alignment from {_metres(forcing[1])} to {_metres(remaining[1])}."
         )
     first = float(flight.time_s[int(np.argmax(study.used))])
     if flight.burnout_s is not None and first > flight.step_s:
@@ -88,21 +88,21 @@ def explain(study: Study) -> str:
                 f"Its first frame comes at {first:.0f} s of a boost of {flight.burnout_s:.0f} s. Errors from "
                 "attitude before that remain."
             )
-    own = _size(sum((aided[n] for n in ("star tracker misalignment", "star tracker latency")), np.zeros(3)))
-    if own >= 1.0:
-        parts.append(f"Its own misalignment and latency cost {_metres(own)}.")
-    stays = [
+    of_camera = _size(sum((aided[n] for n in ("star tracker misalignment", "star tracker latency")), np.zeros(3)))
+    if of_camera >= 1.0:
+        parts.append(f"Its own misalignment and latency cost {_metres(of_camera)}.")
+    unaffected = [
         (name, _size(aided[name]))
         for name in ("accelerometer total", "initial position and velocity")
         if _size(aided[name]) >= 1.0
     ]
     believed = study.inputs.ins_gravity
     if believed != flight.gravity:
-        stays.append((f"{GRAVITY_ROW} ({flight.gravity} truth, {believed} INS)", _size(aided[GRAVITY_ROW])))
-    if stays:
+        unaffected.append((f"{GRAVITY_ROW} ({flight.gravity} truth, {believed} INS)", _size(aided[GRAVITY_ROW])))
+    if unaffected:
         parts.append(
             "It cannot reduce errors that do not come through attitude: "
-            + ", ".join(f"{name} {_metres(size)}" for name, size in stays)
+            + ", ".join(f"{name} {_metres(size)}" for name, size in unaffected)
             + "."
         )
     slow = float(height_e_folding_time(np.mean(flight.height_m)))

@@ -88,14 +88,14 @@ def run_survey(
     )
     say(0.86, "star frames and attitude methods")
     times = np.arange(0.0, float(flight.time_s[-1]) + 1e-9, STAR_FRAME_SPACING_S)
-    shown = star_frames(flight, camera, sky, times, seed, method)
+    images = star_frames(flight, camera, sky, times, seed, method)
     scores, refused = _scores(flight, camera, sky, seed)
     say(0.95, "gravity models")
     return Survey(
         settings=settings,
         study=study,
         track=track,
-        star_frames=shown,
+        star_frames=images,
         scores=scores,
         scenes_refused=refused,
         gravity=() if trajectory is not None else gravity_rows(flight),

@@ -26,9 +26,9 @@ def survey_json(survey: Survey, study: Study | None = None, settings: Settings |
     study, settings: the moved study and its settings (`survey.moved`) where those are to be written.
     """
     track = survey.track
-    shown, inputs = study or survey.study, settings or survey.settings
+    moved, inputs = study or survey.study, settings or survey.settings
     return {
-        **to_json(shown),
+        **to_json(moved),
         "exact": study is None or study is survey.study,
         "inputs": {
             key: {
@@ -53,7 +53,7 @@ def survey_json(survey: Survey, study: Study | None = None, settings: Settings |
             for score in survey.scores
         ],
         "star_frames": {
-            "used": int(shown.used.sum()),
+            "used": int(moved.used.sum()),
             "refused_by_gate": survey.scenes_refused,
             "mean_nees": None if track is None or math.isnan(track.mean_nees) else track.mean_nees,
         },
