@@ -4,7 +4,7 @@ from typing import Any
 
 from nav_model.base.constants import DEGREE
 from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
-from nav_model.design.figures import IN_FLIGHT
+from nav_model.design.figures import FIGURES, IN_FLIGHT
 from nav_model.design.part import Part
 from nav_model.design.requirements import Requirements
 from nav_model.design.table import Table
@@ -14,6 +14,8 @@ MOST_WAYPOINTS = 200  # more make a link too long
 FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".out", ".sbet")
 """Usual ends of the names of files of flights; what a file is, its content says."""
 
+LIMITED = tuple(name for name in IN_FLIGHT if FIGURES[name].requirement)
+"""Figures that a line may have a limit of its own on."""
 AIDING = (
     "bank_limit", "after_loss", "lever_arm_error", "time_offset", "radar_time_offset", "heading_noise",
     "barometer_noise",
@@ -38,7 +40,7 @@ def _column(dimension: str, unit: str, bounds: tuple[float, float], label: str) 
     return Quantity(default=default, dimension=dimension, unit=unit, short="", bounds=bounds, label=label)
 
 
-_LIMIT_COLUMNS: dict[str, Any] = {"line": None, **{name: Requirements.param[name] for name in IN_FLIGHT}}
+_LIMIT_COLUMNS: dict[str, Any] = {"line": None, **{name: Requirements.param[name] for name in LIMITED}}
 _TIME = (0.0, 360_000.0)
 _HEIGHT = (-500.0, 1e5)
 

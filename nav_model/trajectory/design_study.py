@@ -8,14 +8,15 @@ import numpy as np
 
 from nav_model.base.errors import InputError, under
 from nav_model.base.frozen import FrozenMapping
+from nav_model.budget import analyse
 from nav_model.budget.contributors import Contributors, Part
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime, with_fast
-from nav_model.budget.verdict import confidence_of
+from nav_model.budget.verdict import Check, confidence_of, required
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
 from nav_model.design.figures import FIGURES, IN_FLIGHT
-from nav_model.design.trajectory import LINES, WAYPOINTS
+from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS
 from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight
 from nav_model.simulation.specification import SimulationSpec
@@ -62,7 +63,8 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
     """The covariance along the flight of `study`, as `simulation.design_study.specification` makes it of the design.
 
     The limits are the design's requirements on figures that are known along a flight, less their confidence, in its
-    processing; those of the plan's `limits` hold for the line of that name.
+    processing; those of the plan's `limits` hold for the line of that name. All other requirements are judged as in
+    the budget.
 
     Raises InputError if the plan limits a line that the flight does not have.
     """
@@ -73,15 +75,30 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         if name not in names:
             said = f"the flight has no line {name!r}; its lines: {', '.join(dict.fromkeys(names)) or 'none'}"
             raise InputError(f"trajectory.limits[{number}].line", said, name)
-        limited[name] = limited.get(name, ()) + _limits(design, dict(zip(IN_FLIGHT, most, strict=True)))
+        limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     x = inputs_of(design)
     if x.rectified is not None:  # a bias that vibration makes is one more of the accelerometers
         meters = study.imu.accelerometer
         whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
         study = replace(study, imu=replace(study.imu, accelerometer=whole))
-    most = _limits(design, {name: getattr(design.requirements, name) for name in IN_FLIGHT})
-    return CovarianceSpec(study, x, flown, design.processing.mode, most, _besides(x))
+    on_flight, elsewhere = _divided(design)
+    return CovarianceSpec(study, x, flown, design.processing.mode, on_flight, _besides(x), elsewhere)
+
+
+def _divided(design: Design) -> tuple[Most, tuple[Check, ...]]:
+    """Limits at one sigma on the figures that are known along a flight, the lowest of each; and the checks of all
+    other requirements, which are the same on every flight, as the budget has them."""
+    lowest: dict[str, float] = {}
+    others = []
+    for name, requirement in required(design).items():
+        if requirement.on in IN_FLIGHT:
+            limit = requirement.at_one_sigma
+            lowest[requirement.on] = min(limit, lowest.get(requirement.on, limit))
+        else:
+            others.append(name)
+    checks = analyse(design).verdict.checks if others else ()
+    return tuple(lowest.items()), tuple(check for check in checks if check.name in others)
 
 
 def _besides(x: Inputs) -> Contributors:

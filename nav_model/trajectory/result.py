@@ -103,8 +103,8 @@ class TrajectoryResult:
 
     @property
     def closes(self) -> bool:
-        """Whether every line meets its limits."""
-        return all(line.closes for line in self.lines)
+        """Whether every line meets its limits, and so does what no flight changes."""
+        return all(line.closes for line in self.lines) and all(check.met for check in self.spec.elsewhere)
 
 
 def to_json(result: TrajectoryResult) -> dict[str, Any]:
@@ -120,6 +120,10 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
         },
         "lines": [asdict(line) | {"closes": line.closes} for line in result.lines],
         "heading": asdict(result.heading),
+        "elsewhere": [
+            {"name": check.name, "value": check.value, "limit": check.limit, "met": check.met}
+            for check in result.spec.elsewhere
+        ],
         "closes": result.closes,
     }
 

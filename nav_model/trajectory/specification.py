@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from nav_model.budget.contributors import Contributors
 from nav_model.budget.inputs import Inputs
+from nav_model.budget.verdict import Check
 from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.specification import SimulationSpec
 
@@ -31,7 +32,8 @@ class CovarianceSpec:
     """One covariance along a flight.
 
     study: its runs and seed mean nothing here. Without lines the whole flight is one. most: limits in the
-    `processing` that is judged. contributors: of the user's own, by the figure they enter.
+    `processing` that is judged. contributors: of the user's own, by the figure they enter. elsewhere: checks of the
+    requirements on what no flight changes, as the budget has them.
     """
 
     study: SimulationSpec
@@ -40,3 +42,4 @@ class CovarianceSpec:
     processing: str = REAL_TIME
     most: Most = ()
     contributors: Contributors = field(default_factory=Contributors)
+    elsewhere: tuple[Check, ...] = ()

@@ -11,6 +11,7 @@ from app.document.numbers import NONE, number, percent
 from app.document.verdict import SAID
 from app.subjects.trajectory.figures import FIGURES, cause_at
 from app.subjects.trajectory.run import Followed
+from nav_model.design.figures import figure_in_sentence
 
 if TYPE_CHECKING:
     from nav_model.trajectory.result import LineResult, TrajectoryResult
@@ -22,12 +23,13 @@ def verdict(followed: Followed, name: str) -> Answer:
     """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
     result = followed.result
     heading, processing = result.heading.text, result.spec.processing
+    elsewhere = _elsewhere(result)
     if not any(line.limits for line in result.lines):
         figure, values = FIGURES[name], result.chosen.figure(name)
         values = values[np.isfinite(values)]
         told = f"{figure.label} is at most {figure.told(values.max())}, {processing}." if values.size else ""
         none = "No requirement of the design limits a figure of the flight."
-        return Answer("No limit", "open", (told, none, heading))
+        return Answer("No limit", "open" if result.closes else "bad", (told, none, *elsewhere, heading))
     failing = [line for line in result.lines if not line.closes]
     lines = len(result.lines)
     if result.spec.lines:
@@ -38,10 +40,20 @@ def verdict(followed: Followed, name: str) -> Answer:
     more = f"; {len(failing) - _MOST_TOLD} more fail" if len(failing) > _MOST_TOLD else ""
     sentences = (f"{told[0].upper()}{told[1:]}{more}.",) if told else ()
     return Answer(
-        f"{'✗' if failing else '✓'} {word} {SAID[processing]}",
-        "bad" if failing else "good",
-        (*sentences, heading),
+        f"{'✓' if result.closes else '✗'} {word} {SAID[processing]}",
+        "good" if result.closes else "bad",
+        (*sentences, *elsewhere, heading),
     )
+
+
+def _elsewhere(result: TrajectoryResult) -> tuple[str, ...]:
+    """What is required beside the flight's figures, as a sentence: what is not met, else that all of it is."""
+    checks = result.spec.elsewhere
+    if not checks:
+        return ()
+    failing = [figure_in_sentence(check.name) for check in checks if not check.met]
+    names = ", ".join(failing or [figure_in_sentence(check.name) for check in checks])
+    return (f"As on Budget, the same on every flight, {'not met' if failing else 'met'}: {names}.",)
 
 
 def failure(result: TrajectoryResult, line: LineResult) -> str:

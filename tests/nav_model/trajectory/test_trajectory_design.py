@@ -117,6 +117,37 @@ def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
         covariance_specification(other, study, flight.lines)
 
 
+REQUIRED = """
+[[limits]]
+name = "tilt after 30 s"
+on = "coast_tilt"
+limit = "0.001°"
+at = "30 s"
+[[limits]]
+name = "half"
+on = "quadratic_phase"
+limit = "2°"
+confidence = 2
+"""
+
+
+def test_a_requirement_that_no_flight_changes_is_judged_as_on_budget_and_none_is_left_out() -> None:
+    """A flight is no better than its budget: what the budget does not meet outside the flight, it does not either."""
+    own = design(PLAN + REQUIRED)
+    flight = planned(own)
+    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    spec = covariance_specification(own, study, flight.lines)
+    checks = {check.name: check for check in analyse(own).verdict.checks}
+    assert {check.name: check for check in spec.elsewhere}.items() <= checks.items()
+    judged = {name for name, _ in spec.most} | {check.on for check in spec.elsewhere}
+    assert judged == {check.on for check in checks.values()}
+    assert dict(spec.most)["quadratic_phase"] == pytest.approx(math.radians(1.0))  # the lower of two limits, at 1σ
+    found = covariance(replace(spec, most=(), lines=()))
+    assert all(line.closes for line in found.lines)
+    assert not checks["tilt after 30 s"].met
+    assert not found.closes
+
+
 def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not_flown_is_told_so() -> None:
     own = design().replace({"trajectory.limits": (), "requirements.quadratic_phase": math.radians(3000.0)})
     own = own.replace({"requirements.detrended_phase": None})
