@@ -77,6 +77,7 @@ def simulate_histories(
     start = settled.copy()
     start[:, 2] += unabsorbed[0]
 
+    # One noise path, exact at the outputs and at the fixes; a residual gyro bias is a jerk on top of it.
     samples = round(aperture_time * rate) + 1
     time: Array = np.linspace(0.0, aperture_time, samples)
     last_fix = int(np.floor(aperture_time / model.fix_interval + 1e-9))
@@ -86,11 +87,13 @@ def simulate_histories(
     path = noise + unabsorbed[1][:, None] * np.stack([grid**3 / 6, grid**2 / 2, grid])[:, None]
     on_time, on_fixes = _nearest(grid, time), _nearest(grid, fix_time)
     sampled = path[:, :, on_time]
+    # Errors of the fixes: white, slow, and of velocity where the receiver gives it.
     white = streams[3].standard_normal((runs, len(fix_time))) * model.gnss_sigma
     slow, fresh = _slow_path(model, slow, len(fix_time), streams[4])
     noises = [white] + [streams[6].standard_normal(white.shape) * model.velocity_sigma] * bool(model.velocity_sigma)
     fixes = Fixes(np.stack([noise.T for noise in noises], axis=-1), fresh)
 
+    # Every way of navigating has this path; they differ in how the state at the start is carried along it.
     ins = sampled + carried(start[:, :3], time)
     coasted_position = (sampled[0] + carried(coasted, time)[0]) if coast_time > 0 else ins[0].copy()
     done = filtered(model, start, steady, path[:, :, on_fixes], fixes)
@@ -133,18 +136,19 @@ def _before_aperture(
         # The settled filter's estimate is independent of its error; the error is the estimate less the truth.
         estimated = np.sqrt(max(model.slow_sigma**2 - posterior[3, 3], 0.0))
         slow = estimated * random.standard_normal(runs) - state[:, 3]
+    # The outage, from its first moment to the fix at the aperture's start: the same noise drives filter and INS.
     whole = int(np.floor(coast_time / model.fix_interval + 1e-9))
     rest = coast_time - whole * model.fix_interval
     covariance, drift = posterior, unabsorbed[1]
     for step in [rest] * (rest > 1e-9) + [model.fix_interval] * whole:
-        phi, gathered = inertial_drift(model, step)
-        noise = draw_state(gathered, runs, random)
+        phi, q = inertial_drift(model, step)
+        noise = draw_state(q, runs, random)
         ramp = np.outer(drift, [step**3 / 6, step**2 / 2, step])
         coasted = coasted @ phi.T + noise + ramp
-        forward, grown = filter_drift(model, step)
-        state = state @ forward.T
+        phi, q = filter_drift(model, step)
+        state = state @ phi.T
         state[:, :3] += noise
-        gain, covariance = measure(forward @ covariance @ forward.T + grown, model)
+        gain, covariance = measure(phi @ covariance @ phi.T + q, model)
         fresh = draw_fresh(model, runs, random, step)
         slow = np.exp(-step / model.slow_time) * slow + fresh
         state[:, 3:] -= fresh[:, None]
@@ -163,8 +167,8 @@ def _slow_path(model: AxisModel, start: Array, fixes: int, random: np.random.Gen
 
 
 def _merged(time: Array, more: Array) -> Array:
-    both: Array = np.sort(np.concatenate([time, more]))
-    return both
+    grid: Array = np.sort(np.concatenate([time, more]))
+    return grid
 
 
 def _nearest(grid: Array, time: Array) -> NDArray[np.intp]:
