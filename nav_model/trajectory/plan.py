@@ -7,6 +7,7 @@ up as samples of a `TrajectorySpec`, which the simulator and the covariance fly 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from nav_model.trajectory.specification import Line
 
 FloatArray = NDArray[np.float64]
 _ENTRY = 3.0  # s to roll in and out
+_RUN_IN = 15.0  # s straight before a line
+_STRAIGHT = 1e-5  # rad: 10 cm over 10 km
+_LARGEST_PART = math.radians(120.0)  # of a turn at one corner
 _STEP = 0.5  # s between samples
 _NEAREST = 1.0  # m between waypoints
 _LARGEST_TURN = math.radians(170.0)
@@ -73,29 +77,17 @@ class _Turn:
 
 def strip(like: Plan, first: Waypoint, heading: float, length: float, spacing: float, count: int) -> Plan:
     """Parallel lines, flown to and fro as `like`: `count` of them, `length` and `spacing` [m], to the right of the
-    first.
-
-    They lie to the left for a negative spacing. Before and after each there is a run-in as long as a turn needs.
-    Where two turns of a right angle do not fit between two lines, the flight swings out to the other side first.
-    """
+    first, or to the left for a negative spacing. `fly` makes their turns."""
     if count < 1 or not length > 0.0 or (count > 1 and not abs(spacing) > 0.0):
         raise InputError("lines", f"{count} lines of {length:g} m, {spacing:g} m apart, cannot be laid out")
-    corner = 1.01 * _turn(math.pi / 2, like.speed, like.bank).before
-    places: list[tuple[float, float, str]] = []  # along, to the right, line that begins
-    for n in range(count):
-        side, ends = n * spacing, (-corner, length + corner)
-        near, far = ends if n % 2 == 0 else ends[::-1]
-        if n and abs(spacing) < 2.0 * corner:
-            out = side - spacing - math.copysign(2.0 * corner, spacing)
-            beyond = near + math.copysign(2.0 * corner, near - far)
-            places += [(near, side - spacing, ""), (near, out, ""), (beyond, out, ""), (beyond, side, "")]
-        elif n:
-            places += [(near, side - spacing, ""), (near, side, "")]
-        places += [(0.0 if near < far else length, side, f"line {n + 1}"), (length if near < far else 0.0, side, "")]
-    along, right = np.diff([place[:2] for place in places], axis=0).T
+    number = np.arange(2 * count)
+    along, right = np.diff(length * ((number + 1) // 2 % 2)), np.diff(spacing * (number // 2))
     c, s = math.cos(heading), math.sin(heading)
-    corners = zip(*_corners(first, c * along - s * right, s * along + c * right), places, strict=True)
-    points = (Waypoint(float(north), float(east), first.height, line) for north, east, (_, _, line) in corners)
+    corners = zip(*_corners(first, c * along - s * right, s * along + c * right), number.tolist(), strict=True)
+    points = (
+        Waypoint(float(north), float(east), first.height, "" if n % 2 else f"line {n // 2 + 1}")
+        for north, east, n in corners
+    )
     return replace(like, waypoints=tuple(points))
 
 
@@ -114,28 +106,155 @@ def fly(plan: Plan) -> PlannedFlight:
     for number, point in enumerate(points, 1):
         if not point.height > plan.ground:
             raise InputError("waypoints", f"{_named(number, point)} is not above the ground: {point.height:g} m")
-    latitude, longitude, height = np.array([(point.latitude, point.longitude, point.height) for point in points]).T
-    if np.abs(latitude).max() > math.radians(84.9):
+    if max(abs(point.latitude) for point in points) > math.radians(84.9):
         raise InputError("waypoints", "must stay within 85° of the equator")
-    scale = _scales(latitude, height)
-    north, east = np.diff(latitude) * scale[0], np.diff(np.unwrap(longitude)) * scale[1]
-    legs = np.hypot(north, east)
-    for number, leg in enumerate(legs, 1):
+    for number, leg in enumerate(np.abs(_legs(points)), 1):
         if leg < _NEAREST:
             said = f"{_named(number, points[number - 1])} and the next are at one place; remove one"
             raise InputError("waypoints", said)
-    heading = np.unwrap(np.arctan2(east, north))
+    points, numbers = _with_turns(plan)
+    legs = _legs(points)
+    heading = np.unwrap(np.angle(legs))
     turns = [_Turn()]
-    for number, angle in enumerate(np.diff(heading), 2):
+    for number, point, angle in zip(numbers[1:], points[1:], np.diff(heading), strict=False):
         if abs(angle) > _LARGEST_TURN:
-            said = f"at {_named(number, points[number - 1])} the flight turns back; add one beside it"
+            said = f"at {_named(number, point)} the flight turns back; add one beside it"
             raise InputError("waypoints", said)
         turns.append(_turn(float(angle), plan.speed, plan.bank))
     turns.append(turns[0])
-    return _flown(plan, heading, legs, turns)
+    return _flown(replace(plan, waypoints=points), numbers, heading, np.abs(legs), turns)
 
 
-def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_Turn]) -> PlannedFlight:
+def _with_turns(plan: Plan) -> tuple[tuple[Waypoint, ...], tuple[int, ...]]:
+    """The waypoints with those of the turns between lines and of the run-ins, and of each the number of the waypoint
+    of the plan that it is or follows.
+
+    A line that follows another is flown whole, with a run-in. Elsewhere the flight keeps to the legs and turns at
+    each waypoint on the inside, unless a leg that is no line has no room for its turns.
+    """
+    points, legs = plan.waypoints, _legs(plan.waypoints)
+    ahead = legs / np.abs(legs)
+    route: list[tuple[Waypoint, int]] = []
+    replaced = -1  # the last leg in place of which there is another way
+    for n, point in enumerate(points):
+        place = point
+        if point.line and n < len(legs) and (not n or not points[n - 1].line):
+            place = replace(_places(point, [-_RUN_IN * plan.speed * ahead[n]])[1], line="")
+        if 1 < n < len(legs) and not points[n - 1].line and replaced != n - 2:
+            lines = points[n - 2].line and point.line
+            if lines or _needed(plan, legs[n - 2 : n + 1]) > abs(legs[n - 1]):
+                between = _connection(plan, (points[n - 1], ahead[n - 2]), (place, ahead[n]))
+                route += [(corner, n) for corner in between]
+                replaced = n - 1
+        if place is not point and (not n or replaced == n - 1):
+            route.append((place, n or 1))
+        route.append((point, n + 1))
+    return tuple(point for point, _ in route), tuple(number for _, number in route)
+
+
+def _needed(plan: Plan, legs: NDArray[np.complex128]) -> float:
+    """Length that the turns at both ends of the middle one of three legs need [m]."""
+    angles = np.angle(legs[1:] / legs[:-1])
+    if np.abs(angles).max() > _LARGEST_TURN:
+        return math.inf
+    return sum(_turn(float(angle), plan.speed, plan.bank).before for angle in angles)
+
+
+def _connection(plan: Plan, begin: tuple[Waypoint, complex], end: tuple[Waypoint, complex]) -> tuple[Waypoint, ...]:
+    """Corners of the shortest way from one place and direction to another, by two turns or three (Dubins 1957).
+
+    Where two right angles do not fit between two lines, it swings out to the other side first. The turns are rolled
+    in and out, so they need more room than circles; a wider circle leaves it.
+    """
+    (first, ahead), (last, onward) = begin, end
+    lead = _ENTRY * plan.speed  # room for the roll of a small turn at either end
+    radius = plan.speed**2 / (STANDARD_GRAVITY * math.tan(plan.bank))
+    across = complex(_legs((first, last))[0])
+
+    def ways(across: complex) -> list[list[complex]]:
+        """The corners' legs of every kind of way; none where it does not exist."""
+        way = across - lead * (ahead + onward)
+        return [
+            _corner_legs(arcs, straight, wider * radius, ahead, lead) if arcs else []
+            for wider in (1.1, 1.2, 1.4, 1.7, 2.0, 3.0)
+            for arcs, straight in _dubins(way, ahead, onward, wider * radius)
+        ]
+
+    def straights(legs: list[complex]) -> FloatArray:
+        """What the turns leave of each leg [m]."""
+        angles = np.angle(np.array(legs[1:]) / np.array(legs[:-1]))
+        turns = (_turn(float(angle), plan.speed, plan.bank) for angle in angles)
+        before = np.array([0.0, *(turn.before for turn in turns), 0.0])
+        return np.array(np.abs(legs) - before[:-1] - before[1:])
+
+    by_length = sorted((sum(map(abs, legs)), n) for n, legs in enumerate(ways(across)) if legs)
+    best = next((n for _, n in by_length if straights(ways(across)[n]).min() >= 0.0), None)
+    if best is None:
+        raise InputError("waypoints", "no turn leads from one line to the next")
+    for _ in range(4):  # the legs lead over other latitudes than the straight way, where degrees have other lengths
+        legs = ways(across)[best]
+        places = _places(first, legs)
+        across += complex(_legs((places[-1], last))[0])
+    length = np.cumsum(np.maximum(straights(legs), 0.0))
+    heights = first.height + (last.height - first.height) * length / length[-1]
+    return tuple(replace(place, height=float(up)) for place, up in zip(places[1:-1], heights, strict=False))
+
+
+def _dubins(way: complex, ahead: complex, onward: complex, radius: float) -> list[tuple[list[float], float]]:
+    """The six kinds of ways of circles and straight lines from a place and direction to another: their arcs [rad, to
+    the right], and the straight part after the first [m]. No arcs: there is no such way.
+
+    Places and directions are complex: metres north, and east as the imaginary part.
+    """
+
+    def arc(sense: int, start: complex, stop: complex) -> float:
+        return sense * (float(np.angle(stop / start)) * sense % math.tau)
+
+    found: list[tuple[list[float], float]] = []
+    for first, second in ((1, 1), (-1, -1), (1, -1), (-1, 1)):
+        # From the centre of the first circle to that of the second.
+        centres = way + 1j * radius * (second * onward - first * ahead)
+        crossing = radius * (first - second)
+        straight = math.sqrt(max(abs(centres) ** 2 - crossing**2, 0.0))
+        if abs(centres) <= abs(crossing):
+            found.append(([], 0.0))
+            continue
+        tangent = (
+            centres / abs(centres) * complex(straight, crossing) / abs(centres)
+            if crossing
+            else centres / abs(centres)
+        )
+        found.append(([arc(first, ahead, tangent), arc(second, tangent, onward)], straight))
+    for sense in (1, -1):
+        centres = way + 1j * radius * sense * (onward - ahead)
+        if not 0.0 < abs(centres) < 4.0 * radius:
+            found.append(([], 0.0))
+            continue
+        # The middle circle touches both, on the side where it is passed the longer way round.
+        up = math.sqrt(4.0 * radius**2 - abs(centres) ** 2 / 4.0)
+        middle = centres / 2.0 + 1j * sense * up * centres / abs(centres)
+        there, back = 1j * sense * middle, 1j * sense * (middle - centres)
+        found.append(([arc(sense, ahead, there), arc(-sense, there, back), arc(sense, back, onward)], 0.0))
+    return found
+
+
+def _corner_legs(arcs: Sequence[float], straight: float, radius: float, ahead: complex, lead: float) -> list[complex]:
+    """The legs whose corners' turns are these arcs, `straight` [m] between the first two and `lead` at either end."""
+    legs, length = [], lead
+    for n, arc in enumerate(arcs):
+        parts = max(math.ceil(abs(arc) / _LARGEST_PART), 1)
+        if abs(arc) > _STRAIGHT:
+            tangent = radius * math.tan(abs(arc) / parts / 2.0)
+            for _ in range(parts):
+                legs.append((length + tangent) * ahead)
+                ahead, length = ahead * complex(np.exp(1j * arc / parts)), tangent
+        length += straight if n == 0 else 0.0
+    return [*legs, (length + lead) * ahead]
+
+
+def _flown(
+    plan: Plan, numbers: Sequence[int], heading: FloatArray, legs: FloatArray, turns: Sequence[_Turn]
+) -> PlannedFlight:
     """The flight of legs [m] with their headings [rad], and the turns at the ends of each; the outer two are none."""
     before, time = np.array([(turn.before, turn.time) for turn in turns]).T
     needed = before[:-1] + before[1:]
@@ -144,10 +263,11 @@ def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_T
     starts, ramps = stops - straight, np.minimum(6.0, straight / 3.0)
     rises, steepest = np.diff([point.height for point in plan.waypoints]), min(plan.climb_rate, plan.speed)
     for n, point in enumerate(plan.waypoints[:-1]):
-        said = f"the leg from {_named(n + 1, point)}"
+        said = f"the leg from {_named(numbers[n], point)}"
         if straight[n] < 0.0:
             said += f" is {legs[n]:.0f} m long, and its turns need {needed[n]:.0f} m"
-            raise InputError("waypoints", f"{said} at a bank of {math.degrees(plan.bank):.3g}°")
+            named = "; without a name it is no line, and the turn swings out" if point.line else ""
+            raise InputError("waypoints", f"{said} at a bank of {math.degrees(plan.bank):.3g}°{named}")
         if abs(rises[n]) > steepest * (straight[n] - ramps[n]):
             said += f" has {straight[n]:.0f} s for {rises[n]:+.0f} m"
             raise InputError("waypoints", f"{said}, at most {steepest:g} m/s")
@@ -175,9 +295,10 @@ def _flown(plan: Plan, heading: FloatArray, legs: FloatArray, turns: Sequence[_T
     return PlannedFlight(flight_through(samples, list(range(len(t))), "plan"), duration, lines)
 
 
+@lru_cache(maxsize=1024)
 def _turn(angle: float, speed: float, bank: float) -> _Turn:
     """The coordinated turn by this angle: rolled in and out in `_ENTRY`, at the bank between."""
-    if abs(angle) < 1e-9:
+    if abs(angle) < _STRAIGHT:
         return _Turn()
     plateau = max(abs(angle) * speed / (STANDARD_GRAVITY * math.tan(bank)), _ENTRY)
     time = plateau + _ENTRY
@@ -185,6 +306,20 @@ def _turn(angle: float, speed: float, bank: float) -> _Turn:
     course = cumulative(rise_and_fall(t, plateau, _ENTRY) * angle / plateau, float(t[1]))
     chord = math.hypot(*(speed * float(np.trapezoid(wave(course), t)) for wave in (np.cos, np.sin)))
     return _Turn(angle, plateau, time, chord / (2.0 * math.cos(0.5 * angle)))
+
+
+def _legs(points: Sequence[Waypoint]) -> NDArray[np.complex128]:
+    """The legs between waypoints [m]: north, and east as the imaginary part."""
+    latitude, longitude, height = np.array([(point.latitude, point.longitude, point.height) for point in points]).T
+    scale = _scales(latitude, height)
+    legs: NDArray[np.complex128] = np.diff(latitude) * scale[0] + 1j * np.diff(np.unwrap(longitude)) * scale[1]
+    return legs
+
+
+def _places(first: Waypoint, legs: Sequence[complex]) -> list[Waypoint]:
+    """The places from `first` on, at its height, which `_legs` takes back into these legs."""
+    north, east = _corners(first, np.real(legs), np.imag(legs))
+    return [replace(first, latitude=float(up), longitude=float(right)) for up, right in zip(north, east, strict=True)]
 
 
 def _scales(latitude: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -102,8 +102,9 @@ def map_chart(followed: Followed, name: str) -> Chart:
         low, beyond = values <= 0.5 * level, values > level
         middle = (values <= level) & ~low
     source = f"{figure.said}, {result.spec.processing}"
-    named = [(line.name, int(np.searchsorted(result.time_s, line.start_s))) for line in result.lines]
-    starts = np.array([min(at, len(east) - 1) for _, at in named])
+    names = tuple(line.name for line in result.lines)
+    starts = np.array([line.start_s for line in result.lines])
+    begin_east, begin_north = (np.interp(starts, result.time_s, way) for way in (east, north))
     return Chart(
         key="trajectory-map",
         title="Map",
@@ -115,8 +116,7 @@ def map_chart(followed: Followed, name: str) -> Chart:
             Line("middle", "up to the level", east, part(middle), "this design", source),
             Line("high", "above", east, part(beyond), "does not close", source),
         ),
-        points=(Points("starts", "a line begins", east[starts], north[starts], tuple(n for n, _ in named), "mark",
-                       source="begins"),),
+        points=(Points("starts", "a line begins", begin_east, begin_north, names, "mark", source="begins"),),
         square=True,
         aside=f"{figure.label}: level {figure.told(usual, given=True)}" if known.size else "",
         knowledge=f"The level is {what}. {result.spec.processing.capitalize()}.",

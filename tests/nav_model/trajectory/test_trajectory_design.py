@@ -82,14 +82,12 @@ def test_a_plan_is_part_of_the_file_the_link_and_the_hash() -> None:
 def test_the_flight_passes_the_waypoints_and_flies_the_lines_between_them() -> None:
     own = design()
     flight = planned(own)
-    path = plan_trajectory(flight.trajectory, flight.duration).evaluate(np.array([0.0, flight.duration]))
-    ends = np.degrees(path[:, :2]).round(5)
-    assert ends[0].tolist() == [47.0, 8.0]
-    np.testing.assert_allclose(ends[1], [47.0, 8.1], atol=2e-3)
+    times = [time for line in flight.lines for time in (line.start, line.stop)]
+    ends = plan_trajectory(flight.trajectory, flight.duration).evaluate(np.array(times))
+    np.testing.assert_allclose(np.degrees(ends[:, :2]), [[47, 8], [47.1, 8], [47.1, 8.1], [47, 8.1]], atol=1e-5)
     assert [line.name for line in flight.lines] == ["out & <b>in</b>", "line 2"]
-    radius = own.flight.speed**2 / (9.80665 * math.tan(math.radians(20)))
-    straight = math.radians(0.1) * 6.372e6 - radius  # the turn of a right angle begins a radius before the waypoint
-    assert (flight.lines[0].stop - flight.lines[0].start) * own.flight.speed == pytest.approx(straight, rel=0.03)
+    length = math.radians(0.1) * 6.372e6  # whole: the turns come after its end, and before a run-in
+    assert (flight.lines[0].stop - flight.lines[0].start) * own.flight.speed == pytest.approx(length, rel=0.003)
 
 
 def test_parallel_lines_begin_at_the_first_waypoint_or_at_the_latitude_of_the_flight() -> None:
@@ -248,7 +246,10 @@ def test_a_row_that_is_wrong_is_refused_by_its_number_and_cell(key: str, text: s
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"bank": "2°"}, "trajectory.waypoints: .*turns need .* at a bank of 2°"),
+        (
+            {"bank": "2°", "waypoints": "47, 8, 3000, a; 47.1, 8, 3000, b; 47.1, 8.1, 3000"},
+            "trajectory.waypoints: .*turns need .* at a bank of 2°; without a name it is no line",
+        ),
         ({"ground": "3010 m"}, "trajectory.waypoints: .*waypoint 1 .* is not above the ground"),
         ({"climb_rate": "0.1 m/s"}, "trajectory.waypoints: .*at most 0.1 m/s"),
         ({"flight": "lines", "lines": "2.5"}, "trajectory.lines: .*not a whole number"),

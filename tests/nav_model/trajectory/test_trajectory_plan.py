@@ -1,6 +1,7 @@
 """Plans and files of flights: geometry by hand, both ways of writing a heading, and refusals by name."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.files.reader import parse_file, parse_flight
 from nav_model.trajectory.files.sbet import parse_sbet
-from nav_model.trajectory.plan import Plan, Waypoint, fly, strip
+from nav_model.trajectory.plan import Plan, Waypoint, _dubins, fly, strip
 
 DEGREE = math.pi / 180
 METRE = 1 / 6.37e6
@@ -63,7 +64,57 @@ def test_lines_far_apart_in_latitude_have_their_length_and_are_flown_at_their_sp
         yaw = path.evaluate(np.array([0.5 * (line.start + line.stop)]))[0, 5] / DEGREE
         assert (yaw - 80.0 - 180.0 * (number % 2) + 1.0) % 360.0 == pytest.approx(1.0, abs=1e-3)
     end = path.evaluate(np.array([flight.duration]))[:, :3]
-    assert distances(np.vstack([end, places[-1]]))[0] < 1.0
+    assert distances(np.vstack([end, places[-1]]))[0] < 2.0
+
+
+R = 90.0**2 / (9.80665 * math.tan(25 * DEGREE))
+
+
+@pytest.mark.parametrize(
+    ("rows", "run_in"),
+    [
+        ([(0, 0), (8e3, 0), (8e3, 2200), (0, 2200)], 15.0),  # back beside it, nearer than two radii
+        ([(0, 0), (8e3, 0), (8e3, 300), (0, 300)], 15.0),
+        ([(0, 0), (8e3, 0), (0, 2200), (8e3, 2200)], 15.0),  # again in the same direction
+        ([(0, 0), (8e3, 0), (12e3, 60), (20e3, 60)], 15.0),  # nearly straight on
+        ([(0, 0), (8e3, 0), (4e3, 500), (4e3, -8e3)], 15.0),  # across
+    ],
+)
+def test_two_lines_are_flown_whole_with_a_run_in_wherever_the_second_is(rows: list[tuple], run_in: float) -> None:
+    plan = Plan(places(*((*row, 1000.0) for row in rows)), 90.0)
+    first, _, second, _ = points = plan.waypoints
+    names = {first: "a", second: "b"}
+    flight = fly(replace(plan, waypoints=tuple(replace(point, line=names.get(point, "")) for point in points)))
+    path = plan_trajectory(flight.trajectory, flight.duration)
+    times = [time for line in flight.lines for time in (line.start, line.stop)]
+    ends = path.evaluate(np.array(times))[:, :2]
+    np.testing.assert_allclose(ends / METRE, np.array([(p.latitude, p.longitude) for p in points]) / METRE, atol=1.0)
+    now = true_states(path, np.arange(0.0, flight.duration, 0.25))
+    assert np.max(np.abs(now.euler[:, 0])) < 25.3 * DEGREE
+    for line in flight.lines:
+        before = true_states(path, np.arange(line.start - run_in + 0.5, line.stop, 0.5)).euler[:, 0]
+        assert np.max(np.abs(before)) < 0.05 * DEGREE
+
+
+def test_the_shortest_way_between_two_directions_is_that_of_dubins() -> None:
+    """Back on the same line takes 7/3 pi radii, back three radii beside it pi + 1; every way arrives as asked."""
+    lengths = [
+        min(sum(map(abs, arcs)) * R + straight for arcs, straight in _dubins(way, 1.0 + 0j, -1.0 + 0j, R) if arcs)
+        for way in (0j, 3j * R)
+    ]
+    assert lengths == pytest.approx([7 / 3 * math.pi * R, (math.pi + 1) * R])
+    random = np.random.default_rng(1)
+    for north, east, start, stop in random.uniform(-1.0, 1.0, (200, 4)):
+        way, ahead, onward = 5 * R * complex(north, east), np.exp(3j * start), np.exp(3j * stop)
+        for arcs, straight in _dubins(way, ahead, onward, R):
+            # Flown in small steps of the Euler method, with the heading of the middle of each.
+            heading, place = float(np.angle(ahead)), 0j
+            for arc, after in zip(arcs, (straight, 0.0, 0.0), strict=False):
+                steps = heading + arc * (np.arange(2000) + 0.5) / 2000
+                place += np.exp(1j * steps).sum() * abs(arc) * R / 2000 + after * np.exp(1j * (heading + arc))
+                heading += arc
+            assert not arcs or abs(place - way) < 0.01 * R
+            assert not arcs or abs(np.exp(1j * heading) - onward) < 1e-9
 
 
 def test_a_turn_is_flown_at_its_bank_and_without_slip() -> None:
@@ -87,7 +138,7 @@ def test_after_a_climb_the_next_waypoints_are_where_they_were_planned() -> None:
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        ([(0, 0, 1000), (5e3, 0, 1000), (5e3, 500, 1000), (0, 500, 1000)], "turns need .* at a bank of 25°"),
+        ([(0, 0, 1000), (5e3, 0, 1000), (5e3, 500, 1000)], "turns need .* at a bank of 25°"),
         ([(0, 0, 1000), (0, 0, 1000), (5e3, 500, 1000)], "waypoint 1 and the next are at one place"),
         ([(0, 0, 1000), (5e3, 0, -10)], "waypoint 2 is not above the ground"),
         ([(0, 0, 1000), (5e3, 0, 2000)], "at most 5 m/s"),
@@ -110,7 +161,8 @@ KML = (
 )
 GPX = (
     '<?xml version="1.0"?><gpx xmlns="http://www.topografix.com/GPX/1/1" version="1.1"><rte>'
-    '<rtept lat="50" lon="8"><ele>3000</ele></rtept><rtept lat="50.2" lon="8"><ele>3000</ele></rtept></rte></gpx>'
+    '<rtept lat="50" lon="8"><ele>3000</ele><name>North &amp; back</name></rtept>'
+    '<rtept lat="50.2" lon="8"><ele>3000</ele></rtept></rte></gpx>'
 )
 
 
@@ -118,7 +170,7 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
     files = {"a.kml": KML, "a.gpx": GPX}
     kml, gpx = (parse_flight(text.encode(), name, Plan((), 90.0)) for name, text in files.items())
     assert kml.trajectory == gpx.trajectory
-    assert [line.name for line in kml.lines] == ["North & back"]
+    assert [line.name for line in kml.lines] == [line.name for line in gpx.lines] == ["North & back"]
 
 
 @pytest.mark.parametrize(

@@ -190,11 +190,12 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     session.undo()
     after(page, lambda: page.show(session.budget))
     assert tables["waypoints"].rows == rows
-    assert "turns need" in after(page, lambda: setattr(boxes["bank"], "value", "1"))
+    session.change({"trajectory.ground": 5000.0})
+    assert "is not above the ground" in after(page, lambda: page.show(session.budget))
     session.undo()
     said = after(page, lambda: page.show(session.budget))
     assert "of 4 lines" in said
-    assert "turns need" not in said
+    assert "above the ground" not in said
 
 
 def test_a_double_click_on_the_map_adds_a_waypoint_there(session: Session) -> None:
@@ -270,7 +271,7 @@ def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> No
     assert [mark["styleUrl"].text for mark in (out, wide)] == ["#fails", "#closes"]
     assert str(out["description"].text).startswith("out & <b>in</b> fails ")
     assert wide["description"].text == "wide keeps its limits."
-    assert flight["description"].text == "Flight: waypoints, 2 lines, 319 s; outages: none; filter of 9 states."
+    assert flight["description"].text == "Flight: waypoints, 2 lines, 334 s; outages: none; filter of 9 states."
     (again,) = [point for point in parse_file(text, "again.kml").waypoints if point.line == "wide"][:1]
     assert (again.latitude, again.longitude) == pytest.approx((0.823, 0.14), abs=1e-5)
 
