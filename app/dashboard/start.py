@@ -26,7 +26,8 @@ STARTS = {
     ),
     "My IMU": Start(
         "budget",
-        "Choose your IMU or type the values of its data sheet. The verdict follows every change.",
+        "Choose your IMU, type the values of its data sheet, or paste its rows under Sensors, IMUs. The verdict "
+        "follows every change.",
         ("imu.preset", "imu.angle_random_walk", "imu.velocity_random_walk", "imu.gyro_bias",
          "imu.accelerometer_bias"),
     ),

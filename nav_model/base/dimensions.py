@@ -111,7 +111,8 @@ DIMENSIONS: dict[str, Dimension] = {name: _dimension(name, **row) for name, row 
 # What may follow the unit, from the end on: words that leave the number as it is, its accuracy, a bandwidth.
 _AFTER = re.compile(
     r"""[\s,;@(\[]+(?:
-    rmse?|typ(?:ical)?\.?|max(?:imum)?\.?|nominal|(?:per|each)\ axis|A?MSL|HAE|(?:1\s*-?\s*|one[\s-])?(?:σ|sigma)
+    rmse?|typ(?:ical)?\.?|max(?:imum)?\.?|nom(?:inal)?\.?|(?:per|each)\ axis|A?MSL|HAE
+    |(?:1\s*-?\s*|one[\s-])?(?:σ|sigma)
     |(?P<accuracy>(?P<number>\d\d?(?:\.\d+)?)\s*-?\s*(?P<share>σ|sigmas?|%(?:\s*(?:confidence|CL))?)
     |(?P<times>\d?)\s*DRMS|SEP|(?P<word>CEP|LEP|(?:CE|LE|R)(?=\d))\s*-?(?P<of>\d\d)?)
     |(?:in\s+|over\s+|at\s+)?(?:BW\s*=?\s*)?(?P<band>\d{1,6}(?:\.\d{1,6})?)\s*(?P<kilo>k?)Hz(?:\s*(?:BW|bandwidth))?
@@ -126,7 +127,8 @@ _HALF = Fraction(1, 2)
 @lru_cache(maxsize=4096)
 def _scale(text: str, name: str) -> Scale:
     """As `Dimension.scale`, of a text that is not one of the usual symbols."""
-    kind, unit = DIMENSIONS[name], plain_signs(text).strip()
+    kind = DIMENSIONS[name]
+    unit = re.sub(r"[\s-]*\brms\s*(?=/)", "", plain_signs(text).strip())  # "µg rms/√Hz"
     accuracies, band, slope, more, how = [], Fraction(0), Fraction(0), "", ""
     while match := _AFTER.search(unit):
         unit = unit[: match.start()]
@@ -174,7 +176,7 @@ def _sigmas(accuracies: list[re.Match[str]], kind: Dimension) -> tuple[Fraction,
         raise InputError("quantity", f"{first['accuracy']} is of a place, not of {kind.name}.")
     if unit == "%" or word[:1] == "L":
         share = first["number"] or share or "50"
-        sigmas, name = NormalDist().inv_cdf(0.5 + float(share) / 200), f"{share} %"
+        sigmas, name = 1.0 if share == "68" else NormalDist().inv_cdf(0.5 + float(share) / 200), f"{share} %"
     elif word:
         sigmas = math.sqrt(-2 * math.log(1 - float(share or 50) / 100))
         name = "CEP" if share in (None, "50") else f"CEP{share}"

@@ -26,21 +26,23 @@ _MOST_POWER = 12
 _PREFIXES: dict[str, tuple[Any, ...]] = {
     letter: (Fraction(10) ** power, *spellings.split(" "))
     for letter, power, spellings in (
-        ("", 0, ""), ("n", -9, "n nano nano-"), ("µ", -6, "µ u micro micro-"), ("m", -3, "m milli milli-"),
-        ("c", -2, "c centi"), ("k", 3, "k kilo kilo-"), ("M", 6, "M mega mega-"), ("G", 9, "G giga giga-"),
+        ("", 0, ""), ("n", -9, "n nano"), ("µ", -6, "µ u micro"), ("m", -3, "m milli"), ("c", -2, "c centi"),
+        ("k", 3, "k kilo"), ("M", 6, "M mega"), ("G", 9, "G giga"),
     )
 }  # fmt: skip
 """Letter -> factor, and how it is written."""
 _SIGNS = str.maketrans("μº˚−–‐‑′’‘´″”“×⋅∙•⁄∕", "µ°°----''''\"\"\"····//")
-_RAISED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
-_NUMBER = r"([+-]?\d{1,2}(?:\.\d{1,2}|/[1-9])?)"
+RAISED = str.maketrans({**dict(zip("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ", "+-0123456789/", strict=True)), "½": "1/2"})
+"""Raised signs -> plain ones."""
+_APART = re.compile(r"\b(nano|micro|milli|centi|kilo|mega|giga|arc|nautical)[\s-]+(?=[^\W\d_]|°)", re.IGNORECASE)
+_NUMBER = r"([+-]?(?:\d{1,2}(?:\.\d{1,2}|/[1-9])?|\.\d{1,2})(?!\d))"
 _TOKEN = re.compile(
     rf"""\s*(?:
-    (?P<root>√|(?i:sqrt|root|rt)(?=[\s(\[{{a-zA-Z-]))[\s-]*
+    (?P<root>√|(?i:sqrt|(?:square[\s-]*)?root(?:\ of)?|rt)(?=[\s(\[{{a-zA-Z-]))[\s-]*
     |(?P<open>[(\[{{])|(?P<close>[)\]}}])
     |(?P<per>/|per\b)|(?P<times>[·*.])
-    |(?P<name>(?:[a-z]+-(?=[a-z]))?[^\W\d_]*[°'"%]|[^\W\d_]+(?:-(?=[a-z])[^\W\d_]+)?₀?)
-    )(?:\s*(?:\^|\*\*)\s*(?:\(\s*{_NUMBER}\s*\)|{_NUMBER})|([+-]?\d(?!\d|\.\d)))?""",
+    |(?P<name>[^\W\d_]*[°'"%]|[^\W\d_]+₀?)
+    )(?:\s*(?:\^|\*\*)\s*(?:\(\s*{_NUMBER}\s*\)|{_NUMBER})|{_NUMBER})?""",
     re.VERBOSE,
 )
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
@@ -71,7 +73,8 @@ def product_of(text: str) -> Product:
     ValueError
         If it is none.
     """
-    text = re.sub("[⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda m: f"^{m[0].translate(_RAISED)}", plain_signs(text).strip())
+    text = re.sub("\\^?[⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ½]+", lambda m: f"^{m[0].lstrip('^').translate(RAISED)}", plain_signs(text))
+    text = re.sub(r"\s+squared\b", "^2", _APART.sub(r"\1", text)).strip()
     product: dict[str, Fraction] = {}
     sign, root = 1, Fraction(1)  # of the factor that comes next
     outer: list[tuple[dict[str, Fraction], int, Fraction, str]] = []  # before a bracket, and the sign that ends it

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
 from nav_model.base.errors import InputError, shown
-from nav_model.base.unit_text import LONGEST, plain_signs
+from nav_model.base.unit_text import LONGEST, RAISED, plain_signs
 
 _KEY = "quantity"  # in errors, until the caller puts the key of the input in its place
 
@@ -35,7 +35,9 @@ class Parsed(NamedTuple):
 
 _NUMBER = re.compile(r"[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
 _BEFORE = re.compile(r"(?:([A-Za-z]\w*\.?)[\s:=]+(?=[\d.,±<≤~≈+]))?(?:[±<≤~≈]|\+\s*/\s*[-−])?\s*(?=[\d.,])")
+_TIMES_TEN = re.compile(r"^([+\-−]?[\d.]+)\s*[x×·*]\s*10\s*(?:\^|\*\*)?\s*([-−+⁻⁺]?[\d⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3})(?=\D)")
 _IN_BRACKETS = re.compile(r"\((?=[\d.])([^()]*)\)(.*)")
+_OF_PLACES = frozenset("NSEW'’‘´′\"″”“")
 _PLACE = re.compile(
     r"""([NSEW])?\s*([+-])?(\d+(?:\.\d*)?)\s*
     (?:(?:°|deg\b)\s*(?:(\d+(?:\.\d*)?)\s*'\s*(?:(\d+(?:\.\d*)?)\s*"\s*)?)?)?([NSEW])?""",
@@ -103,10 +105,13 @@ def parse_exact(
     refused = f"{shown(text)} is not {_article(table.name)}. {advice or f'Try {table.examples[0]}.'}"
     if len(stripped) > LONGEST:
         raise InputError(_KEY, refused, text)
-    if dimension == "angle" and (place := _place(plain_signs(stripped), letters)) is not None:
-        return place * table.units["°"], "°"
-    stripped = _from_its_number(stripped)
-    match = _NUMBER.match(stripped)
+    if dimension == "angle" and not _OF_PLACES.isdisjoint(stripped):
+        place = _place(plain_signs(stripped), letters)
+        if place is not None:
+            return place * table.units["°"], "°"
+    if match is None or "10" in stripped:
+        stripped = _from_its_number(stripped)
+        match = _NUMBER.match(stripped)
     if match is None:
         raise InputError(_KEY, refused, text)
     unit = stripped[match.end() :]
@@ -134,12 +139,16 @@ def parse_exact(
 
 
 def _from_its_number(text: str) -> str:
-    """A quantity without ± or < before its number and brackets about a sum; a word such as CEP goes behind."""
+    """A quantity without ± or < before its number and brackets about a sum; a word such as CEP goes behind.
+
+    >>> _from_its_number("CEP: ±2×10⁻³ m")
+    '2e-3 m CEP'
+    """
     match = _IN_BRACKETS.fullmatch(text)
     bare = match[1] + match[2] if match else text
-    if (before := _BEFORE.match(bare)) is None:
-        return bare
-    return with_point(f"{bare[before.end() :]} {before[1] or ''}".strip())
+    if before := _BEFORE.match(bare):
+        bare = with_point(f"{bare[before.end() :]} {before[1] or ''}".strip())
+    return _TIMES_TEN.sub(lambda ten: f"{ten[1]}e{ten[2].translate(RAISED)}", bare, count=1)
 
 
 def _place(text: str, letters: str) -> Fraction | None:

@@ -108,6 +108,21 @@ SPELLINGS = [
     (".5 m", "length", 0.5),
     ("−3 °", "angle", -math.pi / 60),
     ("  7   km ", "length", 7000.0),
+    ("1.6968×10⁻⁴ rad/s/√Hz", "angle random walk", 1.6968e-4),
+    ("1.7 x 10^-4 rad s-1 Hz-1/2", "angle random walk", 1.7e-4),
+    ("±2·10-3 m/s", "speed", 2e-3),
+    ("-2x10^3 m", "length", -2000.0),
+    ("0.5 deg/hr^.5", "angle random walk", math.pi / 180 * 0.5 / 60),
+    ("0.5 ° h⁻½", "angle random walk", math.pi / 180 * 0.5 / 60),
+    ("0.5 ° h⁻¹ᐟ²", "angle random walk", math.pi / 180 * 0.5 / 60),
+    ("0.5 degrees per square root hour", "angle random walk", math.pi / 180 * 0.5 / 60),
+    ("75 µg rms/√Hz", "velocity random walk", 75e-6 * 9.80665),
+    ("3 micro g", "acceleration", 3e-6 * 9.80665),
+    ("2 metres per second squared", "acceleration", 2.0),
+    ("5 nautical miles", "length", 9260.0),
+    ("5 arc-sec", "angle", math.pi / 180 / 720),
+    ("3 m (68 %)", "length", 3.0),
+    ("36 kmph", "speed", 10.0),
 ]  # fmt: skip
 
 
