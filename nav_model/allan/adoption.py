@@ -36,13 +36,13 @@ def adopt_random_walks(result: LogAnalysis) -> Adoption:
     quoted: dict[str, str] = {}
     origins: dict[str, str] = {}
     for quantity, key in WALK_KEYS.items():
-        found = triad_random_walk(result, quantity)
-        if found is None:
+        walk = triad_random_walk(result, quantity)
+        if walk is None:
             continue
         unit, _ = UNITS[quantity]["random_walk"]
         dimension = _quantity(key).dimension
-        quoted[key] = format_quantity(found.value, unit, dimension, _DIGITS)
-        origins[key] = f"{_said(found, unit, dimension)}, from static log {_log(result.provenance)}"
+        quoted[key] = format_quantity(walk.value, unit, dimension, _DIGITS)
+        origins[key] = f"{_in_words(walk, unit, dimension)}, from static log {_log(result.provenance)}"
     return _adoption(quoted, origins)
 
 
@@ -92,9 +92,9 @@ def _adoption(quoted: dict[str, str], origins: dict[str, str]) -> Adoption:
     )
 
 
-def _said(found: Coefficient, unit: str, dimension: str) -> str:
-    low, high = (f"{from_si(limit, unit, dimension):.{_DIGITS}g}" for limit in (found.low, found.high))
-    return f"{found.method} ({low} to {high}, {found.interval})"
+def _in_words(walk: Coefficient, unit: str, dimension: str) -> str:
+    low, high = (f"{from_si(limit, unit, dimension):.{_DIGITS}g}" for limit in (walk.low, walk.high))
+    return f"{walk.method} ({low} to {high}, {walk.interval})"
 
 
 def _log(provenance: Provenance) -> str:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.allan.likelihood import SpectrumFit, fit_spectrum, fitted_spectrum
-from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.spectrum import CosineSpectrum
+from nav_model.base.arrays import Array
 
 # Set between the available logs: 0.06 at most for the ADIS16405 at rest, above 0.7 for the disturbed laser.
 # Relative standard deviation of the measured power about the fitted one past which nothing is reported.
@@ -76,7 +76,7 @@ def fit_axis(spectrum: CosineSpectrum) -> AxisFit:
     )
 
 
-def fit_score(count: FloatArray, ratio: FloatArray) -> float:
+def fit_score(count: Array, ratio: Array) -> float:
     """Standard score of the deviance of bins of `count` coefficients; about normal(0, 1) when the model
     holds.
 
@@ -96,7 +96,7 @@ class _Selection:
     used: NDArray[np.bool_]
     model_error: float
     band_hz: float
-    model: FloatArray
+    model: Array
 
 
 def _select(spectrum: CosineSpectrum, band_hz: float) -> _Selection:
@@ -115,27 +115,27 @@ def _select(spectrum: CosineSpectrum, band_hz: float) -> _Selection:
         if np.count_nonzero(lines) > _MOST_LINES * np.count_nonzero(upper):
             lines = np.zeros_like(lines)
         used = in_band & ~lines
-        kept = used & upper
-        model_error = _model_error(log_ratio[kept], spectrum.count[kept])
+        fitted = used & upper
+        model_error = _model_error(log_ratio[fitted], spectrum.count[fitted])
         model, residual = fitted_spectrum(spectrum, used, model_error)
     if fit_score(spectrum.count[used], (residual / model)[used]) < ADEQUATE_SCORE:
         model_error = 0.0
     return _Selection(used, model_error, band_hz, model)
 
 
-def _narrow_lines(spectrum: CosineSpectrum, model: FloatArray) -> NDArray[np.bool_]:
+def _narrow_lines(spectrum: CosineSpectrum, model: Array) -> NDArray[np.bool_]:
     """Bins where one coefficient is larger than Gaussian noise allows (about once in 60,000 bins)."""
     largest = spectrum.peak * spectrum.power / model
     return np.asarray((spectrum.count > 8) & (largest > 2.0 * np.log(spectrum.count) + _LINE_TAIL))
 
 
-def _usual_departure(log_ratio: FloatArray, count: FloatArray) -> float:
+def _usual_departure(log_ratio: Array, count: Array) -> float:
     """Robust relative scatter of power about the model beyond the counts' own, blind to a few lines."""
     spread = _MAD_TO_SIGMA * float(np.median(np.abs(log_ratio)))
     return float(np.sqrt(max(0.0, spread**2 - float(np.median(2.0 / count)))))
 
 
-def _model_error(log_ratio: FloatArray, count: FloatArray) -> float:
+def _model_error(log_ratio: Array, count: Array) -> float:
     """Rms relative departure of power from the model beyond what the counts explain, lines already gone.
 
     Not robust on purpose: a spectrum that collapses above a body's sway is a minority of bins and the whole
@@ -146,7 +146,7 @@ def _model_error(log_ratio: FloatArray, count: FloatArray) -> float:
     return float(np.sqrt(max(0.0, float(np.mean(log_ratio[precise] ** 2 - 2.0 / count[precise])))))
 
 
-def _merge_lines(spectrum: CosineSpectrum, lines: NDArray[np.bool_], model: FloatArray) -> tuple[float, ...]:
+def _merge_lines(spectrum: CosineSpectrum, lines: NDArray[np.bool_], model: Array) -> tuple[float, ...]:
     """One frequency per run of neighbouring line bins: that of its strongest bin."""
     index = np.flatnonzero(lines)
     if not len(index):

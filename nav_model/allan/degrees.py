@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.allan.noise_terms import FloatArray
+from nav_model.base.arrays import Array
 
 _MOST_TERMS = 100  # of the sum; beyond, the tables
 
@@ -97,7 +97,7 @@ def _basic_sum(alpha: int, terms: int, pairs: int, per_time: float, factor: floa
     return float(weights @ squared) / float(squared[0])
 
 
-def _covariance(lags: FloatArray, factor: float, alpha: int) -> FloatArray:
+def _covariance(lags: Array, factor: float, alpha: int) -> Array:
     """Covariance of two second differences, `lags` averaging times apart, up to a scale (equation 9)."""
     return (
         6.0 * _of_averages(lags, factor, alpha)
@@ -106,7 +106,7 @@ def _covariance(lags: FloatArray, factor: float, alpha: int) -> FloatArray:
     )
 
 
-def _of_averages(lags: FloatArray, factor: float, alpha: int) -> FloatArray:
+def _of_averages(lags: Array, factor: float, alpha: int) -> Array:
     """The same of the phase, sampled `factor` times in an averaging time or without end (equation 8)."""
     if math.isinf(factor):
         return _of_phase(lags, alpha + 2)
@@ -114,7 +114,7 @@ def _of_averages(lags: FloatArray, factor: float, alpha: int) -> FloatArray:
     return factor**2 * (2.0 * _of_phase(lags, alpha) - nearer - farther)
 
 
-def _of_phase(lags: FloatArray, alpha: int) -> FloatArray:
+def _of_phase(lags: Array, alpha: int) -> Array:
     """Generalised covariance of the phase, but for its sign (equation 7): |t|^p, times ln|t| where p is even."""
     size, power = np.abs(lags), 3 - alpha
     if power % 2:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from nav_model.allan.degrees import pooled_degrees
 from nav_model.allan.imu_log import NO_BREAKS
-from nav_model.allan.noise_terms import FloatArray
-from nav_model.allan.sampling import Rows
+from nav_model.base.arrays import Array
+from nav_model.base.sampling import Rows
 
 TAUS_PER_DECADE = 12
 _BLOCK = 1 << 14  # samples at a time: what is added up stays in the processor's cache
@@ -31,13 +31,13 @@ NOISE_ALPHA = {
 class AllanDeviation:
     """Averaging times [s], and deviations with confidence limits in the rate's unit."""
 
-    tau_s: FloatArray
-    deviation: FloatArray
-    low: FloatArray
-    high: FloatArray
+    tau_s: Array
+    deviation: Array
+    low: Array
+    high: Array
 
 
-def averaging_times(samples: int, interval_s: float) -> FloatArray:
+def averaging_times(samples: int, interval_s: float) -> Array:
     """Logarithmic averaging times [s], whole samples, from one sample to a quarter of the log."""
     longest = max(1, samples // 4)
     count = max(2, int(np.log10(longest) * TAUS_PER_DECADE) + 1)
@@ -46,10 +46,10 @@ def averaging_times(samples: int, interval_s: float) -> FloatArray:
 
 
 def overlapping_allan_deviation(
-    rate_signal: FloatArray,
+    rate_signal: Array,
     interval_s: float,
-    tau_s: FloatArray | None = None,
-    alpha: FloatArray | None = None,
+    tau_s: Array | None = None,
+    alpha: Array | None = None,
     confidence: float = 0.95,
     breaks: Rows = NO_BREAKS,
 ) -> AllanDeviation:
@@ -112,7 +112,7 @@ def overlapping_allan_deviation(
     return AllanDeviation(taus, deviation, low, high)
 
 
-def _deviation(phase: FloatArray, factor: int, stretch: NDArray[np.int64] | None) -> float:
+def _deviation(phase: Array, factor: int, stretch: NDArray[np.int64] | None) -> float:
     """At one averaging time in samples (SP 1065 equation 11), over pairs of averages within one `stretch`."""
     pairs, squares, used = len(phase) - 2 * factor, 0.0, 0
     for start in range(0, pairs, _BLOCK):
@@ -126,7 +126,7 @@ def _deviation(phase: FloatArray, factor: int, stretch: NDArray[np.int64] | None
     return float(np.sqrt(squares / used / 2.0) / factor)
 
 
-def _limits(deviation: FloatArray, degrees: FloatArray, confidence: float) -> tuple[FloatArray, FloatArray]:
+def _limits(deviation: Array, degrees: Array, confidence: float) -> tuple[Array, Array]:
     """Lower and upper confidence limits of a deviation with so many degrees of freedom."""
     from scipy.special import chdtri
 

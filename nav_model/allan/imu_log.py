@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nav_model.allan.sampling import Rows
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
+from nav_model.base.sampling import Rows
 
 AXIS_LETTERS = ("x", "y", "z")
 NO_BREAKS: Rows = np.empty(0, dtype=np.int64)

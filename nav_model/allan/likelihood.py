@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.allan.noise_terms import FloatArray
 from nav_model.allan.spectrum import CosineSpectrum
+from nav_model.base.arrays import Array
 
 # 95 % point of chi-square with one degree of freedom: the fall of 2 ln L that bounds an interval.
 CONFIDENCE_95 = 3.841458820694124
@@ -38,17 +38,17 @@ class Estimate:
 class _Problem:
     """A spectrum scaled to order one; `count` already holds any allowance for model error."""
 
-    power: FloatArray
-    count: FloatArray
-    shapes: FloatArray
-    amplitude: FloatArray
-    ramp: FloatArray
+    power: Array
+    count: Array
+    shapes: Array
+    amplitude: Array
+    ramp: Array
     singles: int
 
 
 @dataclass(frozen=True)
 class _Solution:
-    theta: FloatArray
+    theta: Array
     slope: float
     deviance: float
 
@@ -77,9 +77,7 @@ def fit_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error:
     )
 
 
-def fitted_spectrum(
-    spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float
-) -> tuple[FloatArray, FloatArray]:
+def fitted_spectrum(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float) -> tuple[Array, Array]:
     """Model variance of every bin at the best fit to the `used` ones, and powers about the fitted ramp."""
     problem, scale, ramp_scale = _scaled(spectrum, used, model_error)
     best = _best(problem)
@@ -88,9 +86,7 @@ def fitted_spectrum(
     return np.asarray((best.theta / scale) @ spectrum.shapes), residual
 
 
-def _scaled(
-    spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float
-) -> tuple[_Problem, FloatArray, float]:
+def _scaled(spectrum: CosineSpectrum, used: NDArray[np.bool_], model_error: float) -> tuple[_Problem, Array, float]:
     single = used[: spectrum.singles]
     unit = float(np.median(spectrum.power[used]))
     column = spectrum.shapes[:, used]
@@ -109,7 +105,7 @@ def _scaled(
     return problem, scale, ramp_scale
 
 
-def _deviance(problem: _Problem, theta: FloatArray) -> tuple[float, FloatArray, FloatArray, float]:
+def _deviance(problem: _Problem, theta: Array) -> tuple[float, Array, Array, float]:
     """-2 ln of the likelihood of `theta` up to a constant; model variances; powers that Fisher scoring aims
     at; slope.
 
@@ -132,7 +128,7 @@ def _deviance(problem: _Problem, theta: FloatArray) -> tuple[float, FloatArray, 
 
 def _solve(
     problem: _Problem,
-    start: FloatArray,
+    start: Array,
     fixed_term: int | None = None,
     fixed_value: float = 0.0,
 ) -> _Solution:
@@ -154,10 +150,10 @@ def _solve(
         fraction, previous = 1.0, deviance
         for _halving in range(30):
             trial = theta + fraction * (step - theta)
-            found = _deviance(problem, trial)
-            if found[0] <= deviance:
+            result = _deviance(problem, trial)
+            if result[0] <= deviance:
                 theta = trial
-                deviance, model, power, slope = found
+                deviance, model, power, slope = result
                 break
             fraction /= 2.0
         if previous - deviance < _CONVERGED:
@@ -168,8 +164,8 @@ def _solve(
 def _best(problem: _Problem) -> _Solution:
     """Best of several starts: one term carrying everything, or all together."""
     starts = [np.full(4, 0.2), *(np.where(np.arange(4) == term, 1.0, 1e-3) for term in range(4))]
-    found = [_solve(problem, start) for start in starts]
-    return min(found, key=lambda solution: solution.deviance)
+    solutions = [_solve(problem, start) for start in starts]
+    return min(solutions, key=lambda solution: solution.deviance)
 
 
 def _profile(problem: _Problem, best: _Solution, term: int, value: float) -> float:
@@ -217,7 +213,7 @@ def _ramp_interval(problem: _Problem, best: _Solution, walk_high: float, unit: f
     lifted = np.maximum(best.theta, 0.3)
     for root in np.linspace(0.0, _WALK_REACH * np.sqrt(walk_high), _WALK_NODES):
         solutions = [_solve(problem, start, fixed_term=3, fixed_value=root**2) for start in (best.theta, lifted)]
-        solution = min(solutions, key=lambda found: found.deviance)
+        solution = min(solutions, key=lambda each: each.deviance)
         model = solution.theta @ problem.shapes
         information = problem.count[: problem.singles] @ (problem.ramp**2 / model[: problem.singles])
         centre.append(solution.slope)
@@ -228,6 +224,6 @@ def _ramp_interval(problem: _Problem, best: _Solution, walk_high: float, unit: f
     def below(slope: float) -> float:
         return float(weights @ ndtr((slope - centres) / sigmas))
 
-    left, right = float(np.min(centres - 8.0 * sigmas)), float(np.max(centres + 8.0 * sigmas))
-    low, high = (float(brentq(lambda slope, p=p: below(slope) - p, left, right)) for p in (0.025, 0.975))
+    lower, upper = float(np.min(centres - 8.0 * sigmas)), float(np.max(centres + 8.0 * sigmas))
+    low, high = (float(brentq(lambda slope, p=p: below(slope) - p, lower, upper)) for p in (0.025, 0.975))
     return Estimate(best.slope * unit, low * unit, high * unit)

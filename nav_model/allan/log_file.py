@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from nav_model.allan.imu_log import AXIS_LETTERS, NO_BREAKS, ImuLog
 from nav_model.allan.log_names import COUNTS, Meaning, meaning_of, meanings_of, scale_of
-from nav_model.allan.sampling import Rows, Sampling, held_values, judge_stamps
 from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.base.file_kind import kind_of
 from nav_model.base.npz_arrays import read_npz_arrays
 from nav_model.base.number_table import NumberTable, open_table
+from nav_model.base.sampling import Rows, Sampling, held_values, judge_stamps
 from nav_model.design.file import read_bytes
 
 IGNORED = "-"

@@ -169,9 +169,9 @@ def _behind_a_topic(text: str) -> Meaning | None:
     parts = re.split(r"[./]+", text)
     for start in range(1, len(parts)):
         if not _OF_SOMETHING_ELSE.search("".join(parts[:start]).lower()) and (
-            found := _meaning(".".join(parts[start:]))
+            meaning := _meaning(".".join(parts[start:]))
         ):
-            return found
+            return meaning
     return None
 
 
@@ -188,7 +188,7 @@ def _meaning(text: str) -> Meaning | None:
     meaning = _from_words(_words(text))
     if meaning is not None:
         return meaning
-    for start in reversed([found.start() for found in _UNIT_MAY_START.finditer(text)]):
+    for start in reversed([place.start() for place in _UNIT_MAY_START.finditer(text)]):
         meaning = _from_words(_words(text[:start]))
         if meaning is not None and _known(meaning.role, text[start:].strip(" _")):
             return replace(meaning, unit=text[start:].strip(" _"), convention="")

@@ -18,9 +18,8 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from nav_model.base.arrays import Array
 
 TERMS: Final = ("quantization", "random_walk", "bias_instability", "rate_random_walk", "ramp")
 STOCHASTIC_TERMS: Final = TERMS[:4]
@@ -29,7 +28,7 @@ STOCHASTIC_TERMS: Final = TERMS[:4]
 _ALIASES = 16
 
 
-def allan_variance(term: str, coefficient: float, tau_s: FloatArray) -> FloatArray:
+def allan_variance(term: str, coefficient: float, tau_s: Array) -> Array:
     """Allan variance of one noise term alone at averaging times `tau_s` [s], any shape (IEEE Std 952 annex
     C).
 
@@ -49,7 +48,7 @@ def allan_variance(term: str, coefficient: float, tau_s: FloatArray) -> FloatArr
     return np.asarray(coefficient**2 * shapes[term])
 
 
-def cosine_variances(index: FloatArray, samples: int | FloatArray, interval_s: float) -> FloatArray:
+def cosine_variances(index: Array, samples: int | Array, interval_s: float) -> Array:
     """Variance of each orthonormal DCT-II coefficient of the rate samples, per unit Q², N², B², K²: shape (4,
     len(index)).
 
@@ -79,7 +78,7 @@ def cosine_variances(index: FloatArray, samples: int | FloatArray, interval_s: f
     return np.stack([quantization, white, flicker * finite_log / interval_s, walk])
 
 
-def cosine_ramp(index: FloatArray, samples: int | FloatArray, interval_s: float) -> FloatArray:
+def cosine_ramp(index: Array, samples: int | Array, interval_s: float) -> Array:
     """Orthonormal DCT-II coefficients of the signal t = n·interval_s (unit slope); zero for even `index`."""
     k = np.asarray(index, dtype=np.float64)
     half = np.pi * k / (2.0 * samples)

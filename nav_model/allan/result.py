@@ -8,9 +8,10 @@ import numpy as np
 
 from nav_model.allan.deviation import AllanDeviation
 from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.noise_terms import TERMS, FloatArray, allan_variance
-from nav_model.allan.sampling import Rows
+from nav_model.allan.noise_terms import TERMS, allan_variance
+from nav_model.base.arrays import Array
 from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
+from nav_model.base.sampling import Rows
 
 CONFIDENCE_INTERVAL: Final = "95 % confidence"
 READING_INTERVAL: Final = "from the white-noise floor to the reading at 1 s, not a confidence interval"
@@ -121,13 +122,13 @@ def axis_label(name: str) -> str:
     return name.replace("_", " ")
 
 
-def fitted_lines(axis: AxisNoise, tau_s: FloatArray) -> dict[str, FloatArray]:
+def fitted_lines(axis: AxisNoise, tau_s: Array) -> dict[str, Array]:
     """Allan deviation of each resolved term at `tau_s` [s], and of all under "total"; SI of the rate.
 
     A random walk read at 1 s is drawn as read, so "total" may then lie above the measured curve.
     """
-    shown = {term: found for term, found in axis.coefficients.items() if found is not None}
-    variances = {term: allan_variance(term, found.value, tau_s) for term, found in shown.items()}
+    resolved = {term: coefficient for term, coefficient in axis.coefficients.items() if coefficient is not None}
+    variances = {term: allan_variance(term, coefficient.value, tau_s) for term, coefficient in resolved.items()}
     lines = {term: np.sqrt(variance) for term, variance in variances.items()}
     total = sum(variances.values(), start=np.zeros_like(tau_s))
     return {**lines, "total": np.sqrt(total)}
@@ -139,8 +140,8 @@ def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
     `quantity` is "gyro" or "accelerometer". A reading about 1 s on any axis makes the whole a reading. None
     when an axis is missing or did not resolve its random walk.
     """
-    found = [axis.coefficients["random_walk"] for axis in result.axes if axis.quantity == quantity]
-    known = [coefficient for coefficient in found if coefficient is not None]
+    walks = [axis.coefficients["random_walk"] for axis in result.axes if axis.quantity == quantity]
+    known = [coefficient for coefficient in walks if coefficient is not None]
     if len(known) < 3:
         return None
     value, low, high = (

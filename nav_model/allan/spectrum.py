@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from nav_model.allan.imu_log import NO_BREAKS
-from nav_model.allan.noise_terms import FloatArray, cosine_ramp, cosine_variances
-from nav_model.allan.sampling import Rows
+from nav_model.allan.noise_terms import cosine_ramp, cosine_variances
+from nav_model.base.arrays import Array
+from nav_model.base.sampling import Rows
 
 SINGLE_COEFFICIENTS = 128
 BINS_PER_DECADE = 40
@@ -27,14 +28,14 @@ class CosineSpectrum:
 
     interval_s: float
     singles: int
-    frequency_hz: FloatArray
-    power: FloatArray
-    count: FloatArray
-    peak: FloatArray
-    peak_frequency_hz: FloatArray
-    amplitude: FloatArray
-    shapes: FloatArray
-    ramp: FloatArray
+    frequency_hz: Array
+    power: Array
+    count: Array
+    peak: Array
+    peak_frequency_hz: Array
+    amplitude: Array
+    shapes: Array
+    ramp: Array
 
     @property
     def repeats(self) -> bool:
@@ -46,7 +47,7 @@ class CosineSpectrum:
         return bool(empty.mean() > _EMPTY_SHARE)
 
 
-def cosine_spectrum(rate_signal: FloatArray, interval_s: float, breaks: Rows = NO_BREAKS) -> CosineSpectrum:
+def cosine_spectrum(rate_signal: Array, interval_s: float, breaks: Rows = NO_BREAKS) -> CosineSpectrum:
     """Transform one axis, shape (samples,), sampled every `interval_s` [s]; ValueError under 512 samples.
 
     Each stretch between `breaks` is transformed by itself. The coefficients of all of them, in the order of their
@@ -84,7 +85,7 @@ def cosine_spectrum(rate_signal: FloatArray, interval_s: float, breaks: Rows = N
     )
 
 
-def _coefficients(rate_signal: FloatArray, breaks: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _coefficients(rate_signal: Array, breaks: Rows) -> tuple[Array, Array, Array]:
     """DCT-II coefficients of all stretches, sorted by frequency; the number of each in its stretch, and the stretch's
     length. The first entry is the mean, which is left out."""
     from scipy.fft import dct
@@ -104,7 +105,7 @@ def _coefficients(rate_signal: FloatArray, breaks: Rows) -> tuple[FloatArray, Fl
     return coefficient, index, length
 
 
-def _bin_mean_shapes(first: Rows, last: Rows, index: FloatArray, length: FloatArray, interval_s: float) -> FloatArray:
+def _bin_mean_shapes(first: Rows, last: Rows, index: Array, length: Array, interval_s: float) -> Array:
     """Mean over each bin of the per-term variances, by a Gauss rule over its coefficients (bins are 6 % wide)."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     middle = (first + last - 1) / 2.0

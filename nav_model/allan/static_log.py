@@ -90,24 +90,24 @@ def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:
         )
         warning = "repeats itself exactly: a stretch copied behind itself, or a made-up signal"
         return without_noise(_Missing(reason, "repeating"), warning)
-    found = fit_axis(spectrum)
-    squares = dict(zip(STOCHASTIC_TERMS, found.fit.squares, strict=True))
+    fit = fit_axis(spectrum)
+    squares = dict(zip(STOCHASTIC_TERMS, fit.fit.squares, strict=True))
     taus = averaging_times(int(axis.lengths.max()), interval_s)
-    deviation = overlapping_allan_deviation(signal, interval_s, taus, _dominant_alpha(found, taus), breaks=breaks)
+    deviation = overlapping_allan_deviation(signal, interval_s, taus, _dominant_alpha(fit, taus), breaks=breaks)
     effective = _effective_at_1s(deviation)
     outcomes: dict[str, Coefficient | _Missing] = {}
     for term in TERMS:
-        estimate = found.fit.ramp if term == "ramp" else _root(squares[term])
-        outcomes[term] = _coefficient(term, axis.quantity, estimate, found, deviation, effective)
+        estimate = fit.fit.ramp if term == "ramp" else _root(squares[term])
+        outcomes[term] = _coefficient(term, axis.quantity, estimate, fit, deviation, effective)
     return of_axis(
         outcomes,
         deviation=deviation,
         white_floor=math.sqrt(squares["random_walk"].value),
         effective_at_1s=effective,
-        band_hz=found.band_hz,
-        lines_hz=found.lines_hz,
-        model_error=found.model_error,
-        warnings=_fit_warnings(found, outcomes) + axis_warnings(signal, interval_s, temperature_c),
+        band_hz=fit.band_hz,
+        lines_hz=fit.lines_hz,
+        model_error=fit.model_error,
+        warnings=_fit_warnings(fit, outcomes) + axis_warnings(signal, interval_s, temperature_c),
     )
 
 
@@ -116,9 +116,9 @@ def _axis_noise(
     outcomes: Mapping[str, Coefficient | _Missing],
     **fitted: Any,
 ) -> AxisNoise:
-    """The axis with what was found of each term, and with the other fields as they are `fitted`."""
-    resolved = {term: found for term, found in outcomes.items() if isinstance(found, Coefficient)}
-    missing = {term: found for term, found in outcomes.items() if isinstance(found, _Missing)}
+    """The axis with what was outcome of each term, and with the other fields as they are `fitted`."""
+    resolved = {term: outcome for term, outcome in outcomes.items() if isinstance(outcome, Coefficient)}
+    missing = {term: outcome for term, outcome in outcomes.items() if isinstance(outcome, _Missing)}
     longest_s = float(axis.lengths.max()) / axis.rate_hz
     return AxisNoise(
         name=axis.name,
@@ -146,24 +146,24 @@ def _coefficient(
     term: str,
     quantity: str,
     estimate: Estimate,
-    found: AxisFit,
+    fit: AxisFit,
     deviation: AllanDeviation,
     effective: float | None,
 ) -> Coefficient | _Missing:
     """The coefficient, or the reason why the log does not show it."""
-    if found.model_error > WORST_MODEL_ERROR:
+    if fit.model_error > WORST_MODEL_ERROR:
         return _Missing(
-            f"not resolved: the spectrum departs from the five noise terms by {100 * found.model_error:.0f} % "
+            f"not resolved: the spectrum departs from the five noise terms by {100 * fit.model_error:.0f} % "
             "across the band; the log is disturbed (movement or vibration), not at rest",
             "disturbed",
         )
-    if term == "quantization" and found.band_cut:
+    if term == "quantization" and fit.band_cut:
         return _Missing(
-            f"not resolved: above {found.band_hz:g} Hz the spectrum is shaped by the sensor's filter or by "
+            f"not resolved: above {fit.band_hz:g} Hz the spectrum is shaped by the sensor's filter or by "
             "vibration, which hides quantization",
             "filtered",
         )
-    if term == "random_walk" and not found.clean and effective is not None:
+    if term == "random_walk" and not fit.clean and effective is not None:
         share = (estimate.value / effective) ** 2
         if share < _LEAST_WHITE_SHARE:
             return _Missing(
@@ -180,8 +180,8 @@ def _coefficient(
     if estimate.low <= 0.0 <= estimate.high:
         unit, si = UNITS[quantity][term]
         limit = max(abs(estimate.low), abs(estimate.high))
-        said = f"not resolved: the log is consistent with none; at most {limit / si:.3g} {unit} (95 %)"
-        return _Missing(said, "hidden", limit)
+        reason = f"not resolved: the log is consistent with none; at most {limit / si:.3g} {unit} (95 %)"
+        return _Missing(reason, "hidden", limit)
     return Coefficient(estimate.value, estimate.low, estimate.high, _LIKELIHOOD)
 
 
@@ -203,24 +203,24 @@ def _effective_at_1s(deviation: AllanDeviation) -> float | None:
     return float(np.exp(level.mean()))
 
 
-def _dominant_alpha(found: AxisFit, tau_s: Array) -> Array:
+def _dominant_alpha(fit: AxisFit, tau_s: Array) -> Array:
     """Dominant noise type at each averaging time, for the degrees of freedom of the Allan estimates."""
     terms = [*STOCHASTIC_TERMS, "ramp"]
-    values = [math.sqrt(square.value) for square in found.fit.squares] + [found.fit.ramp.value]
+    values = [math.sqrt(square.value) for square in fit.fit.squares] + [fit.fit.ramp.value]
     variances = np.stack([allan_variance(term, value, tau_s) for term, value in zip(terms, values, strict=True)])
     alphas = np.array([NOISE_ALPHA[term] for term in terms], dtype=np.float64)
     return np.asarray(alphas[np.argmax(variances, axis=0)])
 
 
-def _fit_warnings(found: AxisFit, outcomes: Mapping[str, Coefficient | _Missing]) -> tuple[str, ...]:
+def _fit_warnings(fit: AxisFit, outcomes: Mapping[str, Coefficient | _Missing]) -> tuple[str, ...]:
     warnings = []
-    if found.lines_hz:
-        lines = ", ".join(f"{line:.3g}" for line in found.lines_hz)
+    if fit.lines_hz:
+        lines = ", ".join(f"{line:.3g}" for line in fit.lines_hz)
         warnings.append(f"vibration or interference at {lines} Hz, left out of the fit")
-    if found.band_cut:
-        warnings.append(f"fitted up to {found.band_hz:g} Hz: above it the five noise terms do not hold")
-    if 0.0 < found.model_error <= WORST_MODEL_ERROR:
-        off = 100 * found.model_error
+    if fit.band_cut:
+        warnings.append(f"fitted up to {fit.band_hz:g} Hz: above it the five noise terms do not hold")
+    if 0.0 < fit.model_error <= WORST_MODEL_ERROR:
+        off = 100 * fit.model_error
         warnings.append(f"the spectrum departs from the fit by {off:.0f} %; the intervals include it")
     walk = outcomes["random_walk"]
     if isinstance(walk, Coefficient) and walk.reading:

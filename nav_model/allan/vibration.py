@@ -41,8 +41,8 @@ def vibration_spectrum(log: ImuLog) -> tuple[Row, ...]:
         mean = float(density[inside].mean()) if inside.any() else 0.0
         if mean > 0:
             middle = float(f"{np.sqrt(low * high):.{_DIGITS}g}")
-            said = format_quantity(mean, "g²/Hz", "acceleration density", _DIGITS)
-            rows.append((middle, parse_quantity(said, "acceleration density").value, "acceleration density"))
+            density_text = format_quantity(mean, "g²/Hz", "acceleration density", _DIGITS)
+            rows.append((middle, parse_quantity(density_text, "acceleration density").value, "acceleration density"))
     return tuple(rows[:MOST_ROWS]) if len(rows) > 1 else ()
 
 

@@ -46,35 +46,37 @@ def saturated_share(signal: Array) -> float:
 
 def log_warnings(log: ImuLog) -> tuple[str, ...]:
     """Warnings that concern the log as a whole: units and standstill, from the means."""
-    found = []
+    warnings = []
     if log.accelerometer is not None and log.accelerometer.shape[1] == 3:
         force = float(np.linalg.norm(log.accelerometer.mean(axis=0)))
         if abs(force / STANDARD_GRAVITY - 1.0) > _GRAVITY_TOLERANCE:
-            found.append(
+            warnings.append(
                 f"mean specific force is {force:.4g} m/s², not gravity: wrong unit or scale, or the unit was moving"
             )
     if log.gyro is not None:
         rate = float(np.linalg.norm(log.gyro.mean(axis=0)))
         if rate > _FASTEST_MEAN_RATE:
-            found.append(f"mean angular rate is {np.degrees(rate):.4g} °/s: wrong unit, or the unit was turning")
-    return tuple(found)
+            warnings.append(f"mean angular rate is {np.degrees(rate):.4g} °/s: wrong unit, or the unit was turning")
+    return tuple(warnings)
 
 
 def axis_warnings(signal: Array, interval_s: float, temperature_c: Array | None) -> tuple[str, ...]:
     """Warnings of one axis: bursts of vibration, temperature, coarse resolution."""
-    found = []
+    warnings = []
     steps = np.diff(signal)
     stuck = float(np.mean(steps == 0.0))
     if stuck > _STUCK_SHARE:
-        found.append(f"{100 * stuck:.0f} % of successive samples are equal: the resolution is coarser than the noise")
+        warnings.append(
+            f"{100 * stuck:.0f} % of successive samples are equal: the resolution is coarser than the noise"
+        )
     burst = _burst(steps, interval_s)
     if burst is not None:
-        found.append(burst)
+        warnings.append(burst)
     if temperature_c is not None:
         heat = _temperature(signal, temperature_c)
         if heat is not None:
-            found.append(heat)
-    return tuple(found)
+            warnings.append(heat)
+    return tuple(warnings)
 
 
 def _burst(steps: Array, interval_s: float) -> str | None:

@@ -42,9 +42,9 @@ def triad_chart(result: LogAnalysis, quantity: str) -> Chart:
         for letter, axis in axes.items()
         if (walk := axis.coefficients["random_walk"]) is not None and walk.reading
     ]
-    said = ""
+    caution = ""
     if readings:
-        said = (
+        caution = (
             f"On {', '.join(readings)} the random walk drawn is read at 1 s, above the white-noise floor, "
             "so the fitted line may lie above the measured one."
         )
@@ -57,7 +57,7 @@ def triad_chart(result: LogAnalysis, quantity: str) -> Chart:
         bands=tuple(bands),
         x_log=True,
         y_log=True,
-        knowledge=_KNOWLEDGE + said,
+        knowledge=_KNOWLEDGE + caution,
     )
 
 

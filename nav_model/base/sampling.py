@@ -1,4 +1,4 @@
-"""When the samples of a log were taken: rate, lost samples and jitter from time stamps, and values that are held.
+"""When samples were taken: rate, lost samples and jitter from time stamps, and values that are held.
 
 Stamps are judged along a line through all of them. Jitter, and pairs from a bus, leave the line and come back to it;
 a lost sample moves everything after it by whole sample intervals.

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from nav_model.allan.sampling import Sampling, held_values, judge_stamps
 from nav_model.base.errors import InputError
+from nav_model.base.sampling import Sampling, held_values, judge_stamps
 
 RATE = 200.0
 RNG = np.random.default_rng(40)
