@@ -25,6 +25,7 @@ from bokeh.document import Document
 from bokeh.document.events import DocumentPatchedEvent
 from bokeh.protocol.message import Message
 from bokeh.server.connection import ServerConnection
+from bokeh.server.session import ServerSession
 from panel.io.server import WSHandler
 from tornado.iostream import StreamClosedError
 
@@ -90,9 +91,22 @@ def _collected(document: Document, lock: threading.Lock) -> list[Any]:
     return []
 
 
+_patched_as_shipped = ServerSession._document_patched
+
+
+def _patched(session: ServerSession, event: DocumentPatchedEvent) -> None:
+    """Tell the page of a change, also of one that a task of ours made, outside the document's lock."""
+    if session._pending_writes is not None:
+        _patched_as_shipped(session, event)
+    elif session.document in _sent:  # else it will be sent whole, with the change
+        for connection in session._subscribed_connections:
+            _in_line(connection, [event])
+
+
 def keep_first_changes() -> None:
-    """Install the override; the server calls it once, before it serves."""
+    """Install the overrides; the server calls it once, before it serves."""
     panel_document._drain_unconnected_events = _collected
+    ServerSession._document_patched = _patched
 
 
 _TEXT, _BINARY = 0x1, 0x2  # kinds of frame, RFC 6455 section 5.2

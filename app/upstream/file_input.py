@@ -1,5 +1,7 @@
 """The size of an upload is limited on the server; panel-material-ui checks it in the browser alone.
 
+What no button in a browser sends is ignored.
+
 Reports to send upstream, versions and ends: docs/upstream/file_input.md
 """
 

@@ -4,6 +4,7 @@ A lost connection closes in silence, and a fault is told without its traceback.
 """
 
 import asyncio
+import threading
 import weakref
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
@@ -15,10 +16,12 @@ import panel.io.document as panel_document
 import pytest
 import tornado.websocket
 from bokeh.document import Document
+from bokeh.models import Div
 from bokeh.server.connection import ServerConnection
 from bokeh.server.contexts import BokehSessionContext
 from bokeh.server.session import ServerSession
 from panel.io.server import WSHandler
+from panel.io.state import set_curdoc
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop
 from tornado.iostream import StreamClosedError
@@ -299,3 +302,26 @@ def test_no_traceback_of_the_product(monkeypatch: pytest.MonkeyPatch) -> None:
     asyncio.run(NoTracebacks.send_message(NoTracebacks.__new__(NoTracebacks), fault))
     assert passed == [fault]
     assert "home" not in str(fault.content)
+
+
+@pytest.mark.parametrize("sent", [False, True])
+async def test_a_change_while_the_page_loads_is_told_once_its_document_was_sent(
+    sent: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ServerSession, "_document_patched", ours._patched)
+    told: list[Any] = []
+    monkeypatch.setattr(ours, "_in_line", lambda connection, events: told.append((connection, events[0].new)))
+    document, text = Document(), Div()
+    document.add_root(text)
+    session: Any = ServerSession("a", document)
+    page: Any = object()
+    session.subscribe(page)
+    document._session_context = lambda: SimpleNamespace(session=session)  # type: ignore[assignment, return-value]
+    pn.state._thread_id_[document] = threading.get_ident()
+    pn.state._connected[document] = True  # and not yet loaded
+    if sent:
+        ours._sent.add(document)
+    with set_curdoc(document), pn.io.hold():
+        text.text = "a result that has come"
+    assert told == ([(page, "a result that has come")] if sent else [])
+    assert text.text == "a result that has come"
