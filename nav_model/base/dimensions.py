@@ -175,11 +175,11 @@ def _sigmas(accuracies: list[re.Match[str]], kind: Dimension) -> tuple[Fraction,
     if unit == " " and word[:1] != "L" and kind.name not in ("length", "speed", "angle"):
         raise InputError("quantity", f"{first['accuracy']} is of a place, not of {kind.name}.")
     if unit == "%" or word[:1] == "L":
+        name = f"{word}{share or ''}" or f"{first['number']} %"
         share = first["number"] or share or "50"
-        sigmas, name = 1.0 if share == "68" else NormalDist().inv_cdf(0.5 + float(share) / 200), f"{share} %"
+        sigmas = 1.0 if share == "68" else NormalDist().inv_cdf(0.5 + float(share) / 200)
     elif word:
-        sigmas = math.sqrt(-2 * math.log(1 - float(share or 50) / 100))
-        name = "CEP" if share in (None, "50") else f"CEP{share}"
+        sigmas, name = math.sqrt(-2 * math.log(1 - float(share or 50) / 100)), f"{word}{share or ''}"
     elif unit != " ":
         sigmas, name = float(first["number"]), f"{first['number']}σ"
     elif first["times"] is None:

@@ -25,6 +25,8 @@ def _conversion(design: Design, key: str) -> str:
     [
         ("gnss.position_noise", "0.2 m CEP", 0.2 / _CEP, "0.2 m CEP = 0.170 m, 1σ per axis"),
         ("gnss.position_noise", "20 cm (CEP)", 0.2 / _CEP, "20 cm CEP = 17.0 cm, 1σ per axis"),
+        ("gnss.position_noise", "2 m (R95)", 2 / 2.447747, "2 m R95 = 0.817 m, 1σ per axis"),
+        ("gnss.position_noise", "2 m LE90", 2 / 1.644854, "2 m LE90 = 1.22 m, 1σ per axis"),
         ("gnss.position_noise", "2 m 95 %", 2 / 1.959964, "2 m 95 % = 1.02 m, 1σ per axis, taken as of one axis"),
         ("imu.velocity_random_walk", "3 mg rms @ 100 Hz", 0.3e-3 * 9.80665,
          "3 mg @ 100 Hz = 0.177 m/s/√h over √(100 Hz)"),
@@ -73,6 +75,8 @@ def test_a_limit_is_no_accuracy():
         parse_design('[flight]\nspeed = "100 m/s 3σ"\n')
     with pytest.raises(InputError, match=r"gnss.vertical_position_noise: '2 m CEP' is of a circle"):
         parse_design('[gnss]\nvertical_position_noise = "2 m CEP"\n')
+    with pytest.raises(InputError, match="is of a circle"):
+        parse_design('[gnss]\nvertical_position_noise = "2 m R95"\n')
     assert parse_design('[gnss]\nvertical_position_noise = "2 m LE90"\n').gnss.vertical_position_noise < 2
     limit = '[[limits]]\nname = "near"\non = "coast_horizontal_velocity"\nlimit = "1 m/s 95 %"\n'
     with pytest.raises(InputError, match="states an accuracy"):
