@@ -4,13 +4,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib.metadata import version
-from typing import Any
+from typing import Any, cast
 
 from app.document.blocks import Answer, Bullets, Cell, Chapter, Report, Row, Section, Table, Text, numbers, table
 from app.document.wording import input_in_words, printable, title_of
 from nav_model.allan.result import axis_label
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
+from nav_model.design.own import Allotment
 from nav_model.design.parts import declaration_of
 from nav_model.equations.literature import WORKS
 from nav_model.explore.supplier import (
@@ -28,7 +29,10 @@ NAMES: dict[Unit, str] = {"imu": "IMU", "gnss": "satellite receiver"}
 
 _HOUR = 3600.0
 _FIXES = 1000
-_SOURCES = tuple(WORKS[name] for name in ("IEEE 952", "Riley 2008", "Greenhall 2003"))
+_SOURCES: dict[Unit, tuple[str, ...]] = {
+    "imu": tuple(WORKS[name] for name in ("IEEE 952", "Riley 2008", "Greenhall 2003")),
+    "gnss": (WORKS["ISO 17123-8"], WORKS["JCGM 100"]),
+}
 
 
 def supplier_report(design: Design, unit: Unit) -> Report:
@@ -58,7 +62,7 @@ def supplier_report(design: Design, unit: Unit) -> Report:
         sections=(
             Section(f"{unit}-values", "Required values", values),
             Section(f"{unit}-proof", "How each is verified", proof),
-            Section(f"{unit}-sources", "Sources", (Bullets(_SOURCES),)),
+            Section(f"{unit}-sources", "Sources", (Bullets(_SOURCES[unit]),)),
         ),
     )  # fmt: skip
     return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), (chapter,), ())
@@ -78,26 +82,47 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float)
     )
     return table(
         f"{unit}-required",
-        "Largest values with which every limit of the design is met, all at once"
-        if design.allocation is None
-        else "Largest values within the design's allocation: all at once meet each allocated limit less its reserve",
+        _meaning(design.allocation),
         (("Quantity", 1.4), *numbers("At most", "Accepted reading", "Assumed so far", width=1)),
         rows,
         note,
     )
 
 
+def _meaning(plan: Allotment | None) -> str:
+    """What the required values are."""
+    if plan is not None and plan.required:
+        return f"Largest values of all units at once, frozen with the design {plan.frozen}"
+    if plan is not None:
+        return "Largest values within the design's allocation: all at once meet each allocated limit less its reserve"
+    return "Largest values of all units, IMU and receiver, with which every limit of the design is met, all at once"
+
+
 def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
+    """What the values hold for, and what the design assumes beside them, which the supplier confirms."""
+
+    def said(key: str) -> str:
+        return input_in_words(design, key, cast("float", design[key]))
+
     if unit == "gnss":
+        slow = "none"
+        if design.gnss.correlated:
+            slow = f"{said('gnss.correlated_noise')} for {said('gnss.correlation_time')}"
         return (
             f"Fixes every {design.gnss.interval:g} s. Errors independent from fix to fix, per axis.",
-            "A slow error (ionosphere, multipath) is not part of these values.",
+            f"Slow error (ionosphere, multipath) assumed beside these values: {slow}.",
+            f"Lever arm to the IMU, error assumed: {said('trajectory.lever_arm_error')}. Latency of the fixes "
+            f"against the IMU's clock, error assumed: {said('trajectory.time_offset')}. Both to be confirmed.",
         )
+    bandwidth = said("motion.imu_bandwidth") if design.motion.imu_bandwidth else "not stated"
     return (
         f"At rest, white noise per axis. The design multiplies it by {design.imu.vibration_factor:g} in flight.",
-        "Residual biases, 1σ after the filter: "
-        f"{input_in_words(design, 'imu.accelerometer_bias', design.imu.accelerometer_bias)} and "
-        f"{input_in_words(design, 'imu.gyro_bias', design.imu.gyro_bias)}. A log at rest does not show them.",
+        f"Bias that the filter does not absorb, assumed 1σ: {said('imu.accelerometer_bias')} and "
+        f"{said('imu.gyro_bias')}. A log at rest does not show it: the in-run bias instability is to be stated.",
+        f"Bandwidth of rates and accelerations: {bandwidth}. Latency against the radar, error assumed: "
+        f"{said('trajectory.radar_time_offset')}.",
+        "The values hold over the temperature range of the flight; change of bias and scale factor with temperature "
+        "is to be stated.",
     )
 
 

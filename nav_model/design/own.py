@@ -16,14 +16,15 @@ from nav_model.design.contributors import (
     read_contributors,
     read_size,
 )
-from nav_model.design.declaration import Quantity
+from nav_model.design.declaration import BaseQuantity, Quantity
 from nav_model.design.figures import FIGURES, label_of
-from nav_model.design.parts import Coast, Requirements
+from nav_model.design.parts import INPUTS, Coast, Requirements
 
 OWN_KEYS = ("contributors", "limits", "allocation")
 """Their tables in a design file."""
 
 SPLITS = ("equal", "shares", "cheapest")
+_ALLOCATION = ("split", "reserve", "locks", "frozen", "required")
 _LIKE: dict[str, Any] = {"confidence": Requirements.param["confidence"], "at": Coast.param["duration"]}
 """Keys of a limit -> the input whose bounds they have."""
 RESERVE = Quantity(
@@ -106,11 +107,17 @@ class Lock(Sized):
 
 @dataclass(frozen=True)
 class Allotment:
-    """How limits are split among their sources."""
+    """How limits are split among their sources.
+
+    ``required`` holds the values [SI] of inputs that suppliers' sheets require, with the units they were written in,
+    frozen when the design had the hash ``frozen``; empty where the sheets follow the design.
+    """
 
     split: str = "shares"
     reserve: float = RESERVE.default
     locks: tuple[Lock, ...] = ()
+    required: tuple[tuple[str, float, str], ...] = field(default=(), repr=False)  # a hash of before has neither
+    frozen: str = field(default="", repr=False)
 
     def __post_init__(self) -> None:
         if self.split not in SPLITS:
@@ -126,7 +133,22 @@ class Allotment:
         for lock in self.locks:
             locks.setdefault(lock.requirement, {})[lock.name] = lock.show()
         texts = {"split": self.split, "reserve": format_quantity(self.reserve, "%", "ratio")}
-        return texts | ({"locks": locks} if locks else {})
+        tables: dict[str, Any] = texts | ({"locks": locks} if locks else {})
+        if self.required:
+            values = {key: _quantity(key).write(value, unit)[1] for key, value, unit in self.required}
+            tables |= {"frozen": self.frozen, "required": values}
+        return tables
+
+
+def _quantity(key: str) -> BaseQuantity[Any]:
+    """The declaration of an input that a sheet may require a value of."""
+    section, _, name = key.partition(".")
+    declaration = INPUTS.get(section, {}).get(name)
+    if not isinstance(declaration, BaseQuantity) or not declaration.source:
+        raise InputError(
+            f"allocation.required.{key}", "is no noise of a sensor. Write for example imu.angle_random_walk"
+        )
+    return declaration
 
 
 @dataclass(frozen=True)
@@ -160,7 +182,9 @@ class Own:
 
         Names and order of the entries' fields are part of it: another name for one changes the hash of saved designs.
         """
-        return [repr(one) for one in (*self.contributors, *self.limits, self.allocation) if one]
+        lines = [repr(one) for one in (*self.contributors, *self.limits, self.allocation) if one]
+        frozen = self.allocation.required if self.allocation else ()
+        return [*lines, repr([(key, value) for key, value, _ in frozen])] if frozen else lines
 
 
 def read_own(tables: Mapping[str, Any]) -> Own:
@@ -217,8 +241,9 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
     if not isinstance(table, dict):
         raise InputError("allocation", "must be a section, [allocation]", table)
     for key in table:
-        if key not in ("split", "reserve", "locks"):
-            raise InputError(f"allocation.{key}", "unknown key; [allocation] has split, reserve, locks", table[key])
+        if key not in _ALLOCATION:
+            said = f"unknown key; [allocation] has {', '.join(_ALLOCATION)}"
+            raise InputError(f"allocation.{key}", said, table[key])
     fitting = {name: figure.accepts for name, figure in FIGURES.items()}
     fitting |= {limit.name: fitting.get(limit.on, (limit.dimension,)) for limit in limits}
     locks, given = [], table.get("locks", {})
@@ -234,4 +259,9 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
             locks.append(Lock(requirement, source, **size))
     with under("allocation.reserve"):
         reserve = RESERVE.read(table.get("reserve", "20 %")).value
-    return Allotment(table.get("split", "shares"), reserve, tuple(locks))
+    values, frozen = table.get("required", {}), table.get("frozen", "")
+    if not isinstance(values, dict):
+        raise InputError("allocation.required", "must be a section, [allocation.required]", values)
+    check_text("allocation.frozen", frozen)
+    required = tuple((key, *_quantity(key).read(text)[:2]) for key, text in values.items())
+    return Allotment(table.get("split", "shares"), reserve, tuple(locks), required, frozen)

@@ -1,9 +1,10 @@
 """What a supplier of an inertial unit or a receiver has to deliver for a design, and how a log shows it.
 
 The required values are those that the design's allocation leaves to the sources of a unit. Without one they are the
-largest multiple of the design's own, all of one unit together, with which every limit is still met: each can be at
-its limit at once. A log is accepted where the upper confidence limit of its reading is within the required value, so
-that noise in the test counts against the unit.
+largest multiple of the design's own, of all units together, with which every limit is still met: every unit can be at
+its limit at once, and the margin is spent once. They are frozen when a log's values enter the design. A log is
+accepted where the upper confidence limit of its reading is within the required value, so that noise in the test
+counts against the unit.
 
 Sources: IEEE Std 952-1997, annex C (Allan variance of inertial sensors); NIST SP 1065, sections 5.3 and 5.4
 (confidence from chi-square); C. Greenhall and W. Riley, PTTI 2003 (equivalent degrees of freedom).
@@ -11,7 +12,8 @@ Sources: IEEE Std 952-1997, annex C (Allan variance of inertial sensors); NIST S
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -24,6 +26,7 @@ from nav_model.budget.allocation import allocate
 from nav_model.budget.verdict import makers_of
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
+from nav_model.design.own import Allotment, Own
 from nav_model.explore.margins import limits, quantity, ratios, worst
 from nav_model.explore.solve import typed
 
@@ -82,16 +85,44 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
         If the design gives no requirement, if no unit of this kind meets them, or if every unit does; if its
         allocation does not close.
     """
+    now = _noises(design, unit)
+    if frozen := {key: value for key, value, _ in design.allocation.required} if design.allocation else {}:
+        return tuple(Required(key, frozen[key], value) for key, value in now.items() if key in frozen)
     if not limits(design):
         raise InputError("requirements", "none is given; give at least one limit to require values for")
-    now = {key: float(value) for key in _NOISES[unit] if isinstance(value := design[key], float)}
-    factors = _alike(design, unit, now) if design.allocation is None else _allocated(design, unit, now)
+    plan = design.allocation
+    factors = _alike(design, unit) if plan is None else _allocated(design, unit, now)
     largest = {key: (1 + _ROUNDING) * factors[key] * value for key, value in now.items()}
     return tuple(Required(key, typed(design, key, largest[key]).value, value) for key, value in now.items())
 
 
-def _alike(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str, float]:
-    """The largest factor of all noises together with which every limit is met, for each."""
+def frozen(design: Design) -> Own:
+    """What a design adds, with the required values of every sheet frozen as they are; unchanged where no sheet is.
+
+    Required values follow the design's own, so a log whose values enter the design would move what it is judged by.
+    """
+    plan = design.allocation or Allotment()
+    if plan.required:
+        return design.own
+    values: list[tuple[str, float, str]] = []
+    for unit in _NOISES:
+        with suppress(InputError):
+            values += [(line.key, line.value, design.unit(line.key)) for line in required(design, unit)]
+    if not values:
+        return design.own
+    plan = replace(plan, required=tuple(values), frozen=design.content_hash[:12])
+    return replace(design.own, allocation=plan)
+
+
+def _noises(design: Design, *units: Unit) -> dict[str, float]:
+    """Noises that the design states for some units, SI."""
+    keys = (key for unit in units for key in _NOISES[unit])
+    return {key: float(value) for key in keys if isinstance(value := design[key], float)}
+
+
+def _alike(design: Design, unit: Unit) -> dict[str, float]:
+    """The largest factor of the noises of all units together with which every limit is met, for each."""
+    now = _noises(design, *_NOISES)
 
     def closes(factor: float) -> bool:
         largest = worst(ratios(design, {key: np.array(factor * value) for key, value in now.items()}))

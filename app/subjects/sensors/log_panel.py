@@ -49,7 +49,7 @@ from nav_model.allan.motion import MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis, axis_label
 from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.explore.supplier import judge_log, required
+from nav_model.explore.supplier import frozen, judge_log, required
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
 _TITLE = "<h3>Analyse a log</h3>"
@@ -218,7 +218,8 @@ class LogPanel(pn.viewable.Viewer):
     def _adopt(self, offer: Callable[[], Adoption]) -> None:
         try:
             adoption = offer()
-            problem = self.session.change(adoption.changes, adoption.written, adoption.origins)
+            own = frozen(self.session.design)  # so that a log does not move what it is judged by
+            problem = self.session.change(adoption.changes, adoption.written, adoption.origins, own)
         except InputError as error:
             problem = error
         if problem:

@@ -11,21 +11,37 @@ from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
 from nav_model.budget.allocation import allocate
 from nav_model.design.figures import REQUIRED
-from nav_model.design.own import read_own
-from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, judge_log, required
+from nav_model.design.file import format_design, parse_design
+from nav_model.design.own import Own, read_own
+from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, frozen, judge_log, required
 
 DESIGN = read_design("examples/tactical_x_band.toml")
 _NO_LIMITS = {f"requirements.{key}": None for key in set(REQUIRED.values())}
 
 
-@pytest.mark.parametrize("unit", ["imu", "gnss"])
-def test_with_all_required_values_at_once_every_limit_is_met_and_one_percent_more_misses_one(unit: str) -> None:
-    lines = required(DESIGN, unit)
+def test_with_all_required_values_of_all_sheets_at_once_every_limit_is_met_and_one_percent_more_misses_one() -> None:
+    lines = [line for unit in ("imu", "gnss") for line in required(DESIGN, unit)]
     at = {line.key: line.value for line in lines}
     assert analyse(DESIGN.replace(at)).verdict.closes
     assert not analyse(DESIGN.replace({key: 1.011 * value for key, value in at.items()})).verdict.closes
     ratios = [line.value / line.current for line in lines]
     assert max(ratios) == pytest.approx(min(ratios), rel=0.01)
+
+
+def test_frozen_values_do_not_move_with_the_design_and_go_through_its_file() -> None:
+    before = {unit: required(DESIGN, unit) for unit in ("imu", "gnss")}
+    kept = DESIGN.replace({}, own=frozen(DESIGN))
+    assert kept.allocation.frozen == DESIGN.content_hash[:12]
+    better = kept.replace({"imu.velocity_random_walk": 0.2 * DESIGN.imu.velocity_random_walk})
+    again = parse_design(format_design(better).encode(), "design")
+    assert again == better
+    assert again.content_hash == better.content_hash != better.replace({}, own=Own()).content_hash
+    for unit, lines in before.items():
+        assert [line.value for line in required(again, unit)] == [line.value for line in lines]
+    assert required(better.replace({}, own=Own()), "imu")[1].value != before["imu"][1].value
+    assert frozen(better) == better.own  # once
+    with pytest.raises(InputError, match=r"allocation.required.radar.slant_range"):
+        read_own({"allocation": {"required": {"radar.slant_range": "7 km"}}})
 
 
 @pytest.mark.parametrize("name", ["tactical_x_band", "l_band_jet", "mems_x_band"])
@@ -69,7 +85,7 @@ def test_a_limit_on_the_impulse_response_is_left_out_of_values_from_the_allocati
 
 def test_what_no_unit_meets_and_a_design_without_limits_are_refused() -> None:
     with pytest.raises(InputError, match="no noise is low enough"):
-        required(read_design("examples/mems_x_band.toml"), "gnss")
+        required(DESIGN.replace({"imu.accelerometer_bias": 1.0}), "gnss")
     with pytest.raises(InputError, match="none is given"):
         required(DESIGN.replace(_NO_LIMITS), "imu")
 
