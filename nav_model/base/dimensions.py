@@ -15,7 +15,7 @@ from statistics import NormalDist
 from typing import NamedTuple
 
 from nav_model.base.errors import InputError, shown
-from nav_model.base.unit_text import TABLES, Product, plain_signs, product_of, root_of, size_of, spelled
+from nav_model.base.unit_text import LONGEST, TABLES, Product, plain_signs, product_of, root_of, size_of, spelled
 
 _FINE = Context(prec=40)
 MAX_EXPONENT = 400
@@ -128,6 +128,8 @@ _HALF = Fraction(1, 2)
 def _scale(text: str, name: str) -> Scale:
     """As `Dimension.scale`, of a text that is not one of the usual symbols."""
     kind = DIMENSIONS[name]
+    if len(text) > LONGEST:
+        raise _refused(text, kind)
     unit = re.sub(r"[\s-]*\brms\s*(?=/)", "", plain_signs(text).strip())  # "µg rms/√Hz"
     accuracies, band, slope, more, how = [], Fraction(0), Fraction(0), "", ""
     while match := _AFTER.search(unit):

@@ -354,6 +354,15 @@ def test_hostile_units_are_refused_or_read_in_little_arithmetic(text, dimension)
     assert exact.denominator.bit_length() < 10_000
 
 
+def test_a_unit_of_a_column_is_read_without_a_number():
+    assert float(DIMENSIONS["angular rate"].scale("rad s^-1").size) == 1.0
+    assert DIMENSIONS["acceleration"].scale("milli-g")[:2] == ("mg", Fraction("0.00980665"))
+    with pytest.raises(InputError, match="'rad' is not a unit of angular rate"):
+        DIMENSIONS["angular rate"].scale("rad")
+    with pytest.raises(InputError, match="is not a unit of angular rate"):
+        DIMENSIONS["angular rate"].scale(" " * 1_000_000)
+
+
 _KINDS = {"imu.angle_random_walk": "angle random walk", "imu.velocity_random_walk": "velocity random walk",
           "imu.accelerometer_bias": "acceleration", "imu.gyro_bias": "angular rate", "gnss.position_noise": "length",
           "flight.altitude": "length", "flight.speed": "speed", "gnss.velocity_noise": "speed",
