@@ -67,7 +67,7 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(
     bad.write_text("a,b\n1,2\n")
     page.get_by_role("button", name="Inputs", exact=True).click()
     page.locator("input[type=file][accept='.csv']").set_input_files(bad)
-    expect(page.get_by_text("mine.csv: line 1: columns time_s")).to_be_visible()
+    expect(page.get_by_text("mine.csv: columns time_s")).to_be_visible()
     expect(status).to_contain_text("From the full simulation.")
 
     accessible(page)
