@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 from bokeh.document import Document
-from pages import at_once
 from panel.io.state import set_curdoc
 from waiting import soon
 
@@ -50,13 +49,18 @@ def test_a_button_forgets_what_came_be_it_refused_or_not(traced: None) -> None:
     assert after - before < 0.1 * _LARGE
 
 
+async def _as_flown(*_: object) -> tuple[tuple[()], str]:
+    """Instead of a worker that reads a file: one that is flown as it is."""
+    return (), "flown"
+
+
 async def test_pages_keep_a_flight_and_a_phase_history_on_the_disk(
     traced: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = Session(first_design())
     page = TrajectoryPage(session)
-    monkeypatch.setattr(page, "start", lambda: None)
-    monkeypatch.setattr(trajectory_page, "run_in_pool", at_once)
+    monkeypatch.setattr(page, "begin", lambda: None)
+    monkeypatch.setattr(trajectory_page, "run_in_pool", _as_flown)
     picture = UploadedPicture(session, lambda: None)
     await page._uploaded("flight.out", b"small")  # imports what it needs
     before, _ = tracemalloc.get_traced_memory()
