@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import Inputs
 from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
+from nav_model.simulation.layout import ATTITUDE, BIASES, VELOCITY
+from nav_model.simulation.specification import GnssModel
 from nav_model.trajectory.errors import ErrorModel
+from nav_model.trajectory.states import States
 
 FloatArray = NDArray[np.float64]
 ORDERS = 6
@@ -26,16 +29,21 @@ _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ROUNDING = 1e-6  # s
 _MOST_WEIGHTS = 5_000_000  # nodes of all apertures: a few minutes, and some 4 GB
 _SLOWEST = 0.1  # m/s, as of a design: what stands has no synthetic aperture
-# Mean square that polynomials up to ORDERS - 1 leave of white noise integrated twice, over its density times T³: with
-# M = ORDERS - 1 it is (M + 1)/(8 (2M - 1)(2M + 1)(2M + 3)(2M + 5)), 1/420 for M = 1. [S-6], [P-15]
-_BEYOND = 1 / 25740
+# Mean square that polynomials of order up to ORDERS - 1 leave of white noise integrated twice, over its density times
+# T³, and thrice, over its density times T⁵: 1/420 and 17/30240 where the order is 1. [S-6], [P-15]
+_BEYOND, _BEYOND_THRICE = 1 / 25740, 1 / 6126120
+_FREQUENCY = math.sqrt(_BEYOND / _BEYOND_THRICE)  # rad: that of what they leave, times T
+_SMOOTHED_AWAY = 0.05  # of what they leave of the free noise, by a smoother: less is left out
 
 
 class Apertures(NamedTuple):
-    """Apertures of a flight, one a row: the output it belongs to, its first and last node, and weights on position
-    and velocity errors from the first node on (apertures, nodes, COLUMNS, 6)."""
+    """Apertures of a flight, one a row: the output it belongs to, where it begins [s], its line of sight (apertures,
+    3), its first and last node, and weights on position and velocity errors from the first node on (apertures, nodes,
+    COLUMNS, 6)."""
 
     output: NDArray[np.int64]
+    begin: FloatArray
+    sight: FloatArray
     first: NDArray[np.int64]
     last: NDArray[np.int64]
     weights: FloatArray
@@ -89,7 +97,7 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
             moved = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
             weights[on, step + offset, ORDERS, states] += moved
     weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
-    return Apertures(output, first, last, weights)
+    return Apertures(output, begin, sight, first, last, weights)
 
 
 def directions(velocity: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:
@@ -104,20 +112,60 @@ def directions(velocity: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]
     return sight, (along - s * sight) / math.cos(x.squint)
 
 
-def figures(variances: FloatArray, x: Inputs, white: FloatArray) -> Mapping[str, FloatArray]:
+def free_rest(states: States, x: Inputs) -> FloatArray:
+    """Mean square that the coefficients leave of a free INS over the aperture, by source (sources) [m²]. [P-15]
+
+    What drives a bias acts as white noise where its correlation time is short against the periods that are left, and
+    as white noise integrated once where it is long.
+    """
+    length, rest = float(x.aperture), np.zeros(len(states.sources))
+    group = {first: name for name, first in states.first.items()} | {VELOCITY: "accelerometer", ATTITUDE: "gyro"}
+    level = float((x.g * np.cos(x.grazing_angle)) ** 2) * length**2 * _BEYOND_THRICE
+    sensors = {"accelerometer": _BEYOND, "gyro": level}
+    slowest = _FREQUENCY / length
+    for error in states.drives:
+        density = error.drive
+        if error.first >= BIASES:
+            density /= slowest**2 + (1.0 / error.time**2 if error.time else 0.0)
+        rest[error.source] += density * length**3 * sensors.get(group[error.first].split()[0], 0.0)
+    return rest
+
+
+def smoother_reaches(free: FloatArray, x: Inputs, gnss: GnssModel) -> bool:
+    """Whether fixes hold down what the coefficients leave of a free INS, `free` (sources) [m²]: if not, the smoothed
+    trajectory has the same. A coefficient is known from fixes as well as white noise of their density lets it be."""
+    length = float(x.aperture)
+    known = 1.0 / (min(gnss.axis_noise) ** 2 * gnss.interval)
+    if gnss.velocity_noise is not None:
+        known += (_FREQUENCY / length) ** 2 / (min(gnss.axis_velocity_noise) ** 2 * gnss.interval)
+    return bool(free.sum() * length * known > _SMOOTHED_AWAY)
+
+
+def smoothed_rest(whole: FloatArray, variances: FloatArray, free: FloatArray) -> FloatArray:
+    """Mean square that the coefficients leave of smoothed errors, (sources, apertures) [m²].
+
+    whole: mean square of these errors over the aperture (sources, apertures); variances: of their sums (sources,
+    apertures, COLUMNS). No more is left in all than of a free INS.
+    """
+    rest = np.maximum(whole - sum(variances[..., n] / (2 * n + 1) for n in range(ORDERS)), 0.0)
+    total = rest.sum(axis=0)
+    return np.asarray(rest * np.minimum(1.0, free.sum() / np.where(total > 0.0, total, 1.0)))
+
+
+def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, FloatArray]:
     """Variances of the image figures by name, of those of the sums (sources, apertures, COLUMNS); [rad²], [m²].
 
-    white: density of the accelerometers' noise by source [m²/s³] (sources), which the coefficients do not exhaust.
+    rest: mean square that the coefficients leave, (sources, apertures) or (sources, 1) [m²].
     `ce90` is the sum of both variances on the ground: `circular` makes the radius of the whole.
     """
     phase = x.to_phase**2
-    left = sum(variances[..., n] / (2 * n + 1) for n in range(x.autofocus_order + 1, ORDERS))
+    higher = sum(variances[..., n] / (2 * n + 1) for n in range(x.autofocus_order + 1, ORDERS))
     moved = _shifts(variances)
     along, across, _ = ground_covariance(moved, x.grazing_angle, 0.0, x.squint)
     return {
         "quadratic_phase": 9 / 4 * phase * variances[..., 2],
         "cubic_phase": 25 / 4 * phase * variances[..., 3],
-        "detrended_phase": phase * (left + _BEYOND * x.aperture**3 * white[:, None]),
+        "detrended_phase": phase * (higher + rest),
         "azimuth_shift": moved.azimuth,
         "range_shift": moved.range,
         "ce90": along + across,

@@ -12,6 +12,7 @@ the start on. Sources: Bryson and Ho, *Applied Optimal Control*, ch. 13; Gelb, *
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,6 @@ from numpy.typing import NDArray
 
 from nav_model.budget.contributors import composed
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-from nav_model.simulation.layout import VELOCITY
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
@@ -27,6 +27,7 @@ from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import judge
 from nav_model.trajectory.result import Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
+from nav_model.trajectory.start import settled_start
 from nav_model.trajectory.states import RADAR_TIME
 
 FloatArray = NDArray[np.float64]
@@ -59,17 +60,26 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     not finite.
     """
     model = error_model(spec, most_steps)
+    if spec.settled:
+        start = settled_start(spec.study, model.states, model.truth.at(np.array([0])))
+        model = replace(model, states=start)
     run, looks = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
     ends, by_innovation = _ends(model, run, looks)
-    states, smooth = _later(model, run, looks, ends)
+    free_rest = aperture.free_rest(model.states, spec.inputs)
+    reached = aperture.smoother_reaches(free_rest, spec.inputs, spec.study.gnss)
+    states, smooth, path = _later(model, run, looks, ends, whole_path=reached)
     # In real time nothing later is known, and the INS is free from the aperture's start on.
     free = _Sums(np.zeros_like(smooth.rows), np.zeros_like(smooth.added))
     _within(model, run, looks, free, None)
     _within(model, run, looks, smooth, by_innovation)
-    variances, images = _forward(model, run, looks, states, (free, smooth))
+    variances, images, squares = _forward(model, run, looks, states, (free, smooth), path)
+    rests = [free_rest[:, None]] * 2
+    if reached:
+        whole = _mean_square(squares, model.time_s, looks, float(spec.inputs.aperture))
+        rests[1] = aperture.smoothed_rest(whole, images[1], free_rest)
     real_time, post_processed = (
-        _processed(spec, model, looks, values, image, post)
-        for values, image, post in zip(variances, images, (False, True), strict=True)
+        _processed(spec, model, looks, values, image, rest, post)
+        for values, image, rest, post in zip(variances, images, rests, (False, True), strict=True)
     )
     truth = model.truth.at(model.outputs)
     return TrajectoryResult(
@@ -140,12 +150,24 @@ def _ends(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[FloatArray
     return found, by_innovation
 
 
-def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) -> tuple[_Sums, _Sums]:
-    """Position, velocity and roll, pitch, yaw smoothed at the outputs; and what λ at the end of each aperture adds to
-    its sums, on the errors there."""
+class _Path(NamedTuple):
+    """Smoothed position and velocity at every node, as `_Sums`: rows (nodes, 6, n), and what later noises add to the
+    covariance of position with both (noisy, nodes, 3, 6)."""
+
+    rows: FloatArray
+    added: FloatArray
+
+
+def _later(
+    model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray, *, whole_path: bool
+) -> tuple[_Sums, _Sums, _Path]:
+    """Position, velocity and roll, pitch, yaw smoothed at the outputs; what λ at the end of each aperture adds to
+    its sums, on the errors there; and the smoothed path, of no node unless asked for."""
     m, n, noisy = model.states.estimated, model.states.size, model.states.noisy
     states = _Sums(np.zeros((len(model.outputs), _AXES, n)), np.zeros((noisy, len(model.outputs), _AXES)))
     images = _Sums(np.zeros((len(ends), COLUMNS, n)), np.zeros((noisy, len(ends), COLUMNS)))
+    nodes = len(model.time_s) if whole_path else 0
+    path = _Path(np.zeros((nodes, 6, n)), np.zeros((noisy, nodes, 3, 6)))
     driven = [error.source for error in model.states.drives]
     ending, output_of = _by_node(looks.last), _by_node(model.outputs)
     carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
@@ -157,6 +179,10 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
         for look in ending.get(node, ()):
             images.rows[look] = ends[look] @ carried
             images.added[:, look] = ((ends[look] @ now) * ends[look]).sum(axis=2)
+        if whole_path:
+            p = run.covariance[node, :6]
+            path.rows[node] = np.eye(6, n) - p @ carried
+            path.added[:, node] = p[:3] @ now @ p.T
         if node == 0:
             break
         if model.is_fix[node]:
@@ -170,7 +196,7 @@ def _later(model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray) 
         step = _transition(model, node, n)
         back = step[:m, :m].T
         carried, now = back @ carried @ step, back @ now @ back.T
-    return states, images
+    return states, images, path
 
 
 def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_innovation: FloatArray | None) -> None:
@@ -200,24 +226,27 @@ def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_i
 
 
 def _forward(
-    model: ErrorModel, run: _Filter, looks: Apertures, states: _Sums, images: tuple[_Sums, _Sums]
-) -> tuple[FloatArray, FloatArray]:
+    model: ErrorModel, run: _Filter, looks: Apertures, states: _Sums, images: tuple[_Sums, _Sums], path: _Path
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Every source through the same gains.
 
     Returns variances of position, velocity and roll, pitch, yaw (2 processings, sources, outputs, 9), and of the sums
-    of the apertures (2, sources, apertures, COLUMNS).
+    of the apertures (2, sources, apertures, COLUMNS), and covariances of the smoothed position with position and
+    velocity at the nodes of the path (sources, nodes, 3, 6).
     """
     own = model.states
     m, n, s, size, sources = own.estimated, own.size, own.noisy, own.moving, len(own.sources)
     variances = np.zeros((2, sources, len(model.outputs), _AXES))
     found = np.zeros((2, sources, len(looks.output), COLUMNS))
     variances[1, :s], found[:, :s] = states.added, [part.added for part in images]
-    owner, state = np.nonzero(own.initial[s:])
-    owned = np.eye(sources - s)[owner].T
-    constant = np.zeros((n, len(owner)))  # what each sigma of the constant sources does to every state
-    constant[state, range(len(owner))] = np.sqrt(own.initial[s:][owner, state])
+    squares = np.zeros((sources, len(path.rows), 3, 6))
+    squares[:s] = path.added
+    lasts = own.owner >= s
+    owned = np.eye(sources - s)[own.owner[lasts] - s].T
+    constant = own.initial[:, lasts]  # what each sigma of the constant sources does to every state
     now = np.zeros((size, s, size))  # the noisy ones, state before source: both products are of large matrices
-    now[range(size), :, range(size)] = own.initial[:s, :size].T
+    for column in np.flatnonzero(~lasts):
+        now[:, own.owner[column]] += np.outer(own.initial[:size, column], own.initial[:size, column])
 
     def by_source(both: FloatArray) -> FloatArray:
         """Variances (2, sources, q) of sums of both processings, rows (2, q, n)."""
@@ -247,7 +276,41 @@ def _forward(
             variances[:, :, at] += by_source(np.stack([model.shown[at], states.rows[at]]))
         for look in starting.get(node, ()):
             found[:, :, look] += by_source(np.stack([part.rows[look] for part in images]))
-    return variances, found
+        if len(path.rows):
+            rows = path.rows[node]
+            noisy = (rows[:3, :size] @ now.reshape(size, -1)).reshape(3 * s, size) @ rows[:, :size].T
+            squares[:s, node] += noisy.reshape(3, s, 6).swapaxes(0, 1)
+            fixed = rows @ constant
+            squares[s:, node] += ((fixed[:3, None] * fixed) @ owned.T).transpose(2, 0, 1)
+    return variances, found, squares
+
+
+def _mean_square(squares: FloatArray, time_s: FloatArray, looks: Apertures, length: float) -> FloatArray:
+    """Mean square of the smoothed error along the line of sight over each aperture (sources, apertures) [m²].
+
+    The covariance of position changes by that of position with velocity, so between two nodes it is nearly the cubic
+    that has both at both ends.
+    """
+    covariance = squares[..., :3]
+    change = squares[..., 3:] + squares[..., 3:].swapaxes(2, 3)
+    steps = np.diff(time_s)[:, None, None]
+    whole = steps / 2 * (covariance[:, :-1] + covariance[:, 1:]) + steps**2 / 12 * (change[:, :-1] - change[:, 1:])
+    integral = np.concatenate([0.0 * covariance[:, :1], np.cumsum(whole, axis=1)], axis=1)
+
+    def until(at: FloatArray) -> FloatArray:
+        node = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
+        h = np.diff(time_s)[node][:, None, None]
+        u = (at - time_s[node])[:, None, None] / h
+        return np.asarray(
+            integral[:, node]
+            + h * (u - u**3 + u**4 / 2) * covariance[:, node]
+            + h * (u**3 - u**4 / 2) * covariance[:, node + 1]
+            + h**2 * (u**2 / 2 - 2 * u**3 / 3 + u**4 / 4) * change[:, node]
+            + h**2 * (u**4 / 4 - u**3 / 3) * change[:, node + 1]
+        )
+
+    mean = (until(looks.begin + length) - until(looks.begin)) / length
+    return np.asarray(np.einsum("saij,ai,aj->sa", mean, looks.sight, looks.sight))
 
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:
@@ -274,9 +337,16 @@ def _all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
 
 
 def _processed(
-    spec: CovarianceSpec, model: ErrorModel, looks: Apertures, variances: FloatArray, image: FloatArray, post: bool
+    spec: CovarianceSpec,
+    model: ErrorModel,
+    looks: Apertures,
+    variances: FloatArray,
+    image: FloatArray,
+    rest: FloatArray,
+    post: bool,
 ) -> Processed:
-    """The figures of one processing of variances (sources, outputs, 9) and (sources, apertures, COLUMNS)."""
+    """The figures of one processing of variances (sources, outputs, 9) and (sources, apertures, COLUMNS), with the
+    `rest` of `aperture.figures`."""
     variances, sources = np.maximum(variances, 0.0), model.states.sources
     groups = {
         "position_horizontal": variances[:, :, 0:2].sum(axis=2),
@@ -287,11 +357,7 @@ def _processed(
         "heading": variances[:, :, 8],
     }
     found: dict[str, FloatArray] = {}
-    white = np.zeros(len(sources))
-    for error in model.states.drives:
-        if error.first == VELOCITY:
-            white[error.source] = error.drive
-    for name, values in aperture.figures(image, spec.inputs, white).items():
+    for name, values in aperture.figures(image, spec.inputs, rest).items():
         groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
         groups[name][:, looks.output] = np.maximum(values, 0.0)
         found[name] = np.sqrt(groups[name].sum(axis=0))

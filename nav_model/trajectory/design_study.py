@@ -83,7 +83,17 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
         study = replace(study, imu=replace(study.imu, accelerometer=whole))
     on_flight, elsewhere = _divided(design)
-    return CovarianceSpec(study, x, flown, design.processing.mode, on_flight, _besides(x), elsewhere)
+    return CovarianceSpec(
+        study,
+        x,
+        flown,
+        design.processing.mode,
+        on_flight,
+        _besides(x),
+        elsewhere,
+        slow_error_known=True,
+        settled=True,
+    )
 
 
 def _divided(design: Design) -> tuple[Most, tuple[Check, ...]]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.errors import InputError
-from nav_model.budget.shares import GYRO_NOISE
+from nav_model.budget.shares import GYRO_NOISE, SLOW_GNSS
 from nav_model.earth.rotation import euler_error_map, skew
 from nav_model.simulation.fixes import observe
 from nav_model.simulation.kalman import error_dynamics
@@ -40,7 +40,7 @@ from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, States, states_
 FloatArray = NDArray[np.float64]
 _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact for noise through the chain gyro -> position
-_APERTURE_PARTS = 5  # nodes in an aperture at least
+_APERTURE_PARTS = {1: 5, 2: 7, 3: 9}  # steps in an aperture at least, by the order that autofocus removes
 _DENSEST = 0.02  # s between nodes, however short a correlation time
 MOST_STEPS = 200_000
 """Steps of a flight unless fewer are allowed: a few minutes, and some 8 GB."""
@@ -83,13 +83,17 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
     Raises InputError where the flight cannot be flown, as `plan_trajectory`, or takes more steps.
     """
     study = spec.study
-    trajectory, states = plan_trajectory(study.trajectory, study.duration), states_of(study)
+    trajectory, states = (
+        plan_trajectory(study.trajectory, study.duration),
+        states_of(study, slow_error_known=spec.slow_error_known),
+    )
     scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
     wanted = output_samples(study) / study.imu.rate
     time_s = _nodes(trajectory, states, np.union1d(scheduled, wanted), spec, most_steps)
     outputs, truth = np.searchsorted(time_s, wanted - 1e-9), true_states(trajectory, time_s)
     parts = [
-        _steps(trajectory, time_s[first : first + _BLOCK + 1], states) for first in range(0, len(time_s) - 1, _BLOCK)
+        steps_between(trajectory, time_s[first : first + _BLOCK + 1], states)
+        for first in range(0, len(time_s) - 1, _BLOCK)
     ]
     top, kept, factors, filter_noise = (np.concatenate(part) for part in zip(*parts, strict=True))
     # Over a tenth of a second: of a spline in latitude and longitude, the velocity is what is at hand.
@@ -110,11 +114,11 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
         kept=kept,
         factors=factors,
         filter_noise=filter_noise,
-        **_measurements(study, states, trajectory, truth, late, scheduled),
+        **measurements(study, states, trajectory, truth, late, scheduled),
     )
 
 
-def _steps(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[FloatArray, ...]:
+def steps_between(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[FloatArray, ...]:
     """`top`, `kept`, `factors` and `filter_noise` of the steps between some nodes, in the fields of `ErrorModel`."""
     steps, decay, m = np.diff(time_s), states.decay, states.estimated
     powers = _powers(_dynamics(trajectory, time_s, states), decay, steps)
@@ -149,7 +153,9 @@ def _nodes(
 ) -> FloatArray:
     """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
     times = [error.time / 5.0 for error in states.drives if error.time > 0.0]
-    longest = max(min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS, *times]), _DENSEST)
+    longest = max(
+        min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS[spec.inputs.autofocus_order], *times]), _DENSEST
+    )
     grid = np.union1d(np.arange(0.0, spec.study.duration, 0.25), anchors)
     rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)
     at = np.searchsorted(grid, anchors)
@@ -185,7 +191,7 @@ def _of_all_states(own: FloatArray, sensed: FloatArray, states: States) -> Float
     """
     found = np.zeros((*own.shape[:2], states.size))
     found[:, :, :BIASES] = own[:, :, :BIASES]
-    for first in range(BIASES, states.estimated, TRIADS):
+    for first in range(BIASES, states.inertial, TRIADS):
         found[:, :, first : first + TRIADS] = own[:, :, BIASES:]
     for name, at in (("accelerometer", 0), ("gyro", GYRO)):
         error = -own[:, :, BIASES + at : BIASES + at + 3]
@@ -222,7 +228,7 @@ def _top(powers: list[FloatArray], part: float) -> FloatArray:
     return found
 
 
-def _measurements(
+def measurements(
     study: SimulationSpec,
     states: States,
     trajectory: Trajectory,
@@ -242,9 +248,11 @@ def _measurements(
         observe(truth.matrix[node], arm, truth.body_rate[node], lever[node], swing, own[node])
     rows = _of_all_states(own, specific_force_and_rate(trajectory, truth.time_s), states)
     position, velocity = slice(POSITION, POSITION + 3), slice(VELOCITY, VELOCITY + 3)
-    if (place := states.first.get("slow GNSS error")) is not None:
-        sizes = [gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise]
-        rows[:, position, place : place + 3] = -np.diag(sizes)
+    if (place := states.first.get(SLOW_GNSS)) is not None:
+        sizes = np.diag([gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise])
+        rows[:, position, place : place + 3] = -sizes
+        if states.estimated > states.inertial:
+            rows[:, position, states.inertial : states.estimated] = sizes
     if (place := states.first.get("lever arm error")) is not None:
         rows[:, position, place : place + 3] = truth.matrix
         rows[:, velocity, place : place + 3] = truth.matrix @ skew(truth.body_rate)

@@ -34,6 +34,9 @@ class CovarianceSpec:
     study: its runs and seed mean nothing here. Without lines the whole flight is one. most: limits in the
     `processing` that is judged. contributors: of the user's own, by the figure they enter. elsewhere: checks of the
     requirements on what no flight changes, as the budget has them.
+    slow_error_known: the filter has the slow GNSS error among its states. settled: the flight begins with the
+    covariance of a filter that has settled on a straight leg of its first heading, correlations included, where only
+    the heading is the study's initial one; else with the study's initial errors, each independent.
     """
 
     study: SimulationSpec
@@ -43,3 +46,5 @@ class CovarianceSpec:
     most: Most = ()
     contributors: Contributors = field(default_factory=Contributors)
     elsewhere: tuple[Check, ...] = ()
+    slow_error_known: bool = False
+    settled: bool = False

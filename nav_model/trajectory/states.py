@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE
+from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE, SLOW_GNSS
 from nav_model.simulation.layout import ATTITUDE, BAROMETER, BIASES, HEADING, POSITION, VELOCITY
 from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec
@@ -44,14 +44,17 @@ class Error(NamedTuple):
 class States:
     """n states, of which the filter has the first m, and s sources.
 
+    The filter's are those of the simulator's, `inertial` of them, and where it knows the slow GNSS error its three.
     Sources with noise come first, `noisy` of them, then those that are constant through a flight; so do the states:
     noise moves the first `moving` ones. first: state of each group of considered ones. drives: errors with process
     noise; assumed: first state and density of those that the filter assumes. decay (n - 9): rate of each state beyond
-    the first nine [1/s]. initial (s, n): variances at time 0 by source; believed (m, m): as the filter starts.
+    the first nine [1/s]. initial (n, starts): what one sigma of each independent error at time 0 does to every state,
+    and owner (starts) its source; believed (m, m): covariance with which the filter starts.
     """
 
     sources: tuple[str, ...]
     noisy: int
+    inertial: int
     estimated: int
     moving: int
     size: int
@@ -60,14 +63,17 @@ class States:
     assumed: tuple[tuple[int, float], ...]
     decay: FloatArray
     initial: FloatArray
+    owner: NDArray[np.int64]
     believed: FloatArray
 
 
-def states_of(study: SimulationSpec) -> States:
-    """The states and sources of a study."""
+def states_of(study: SimulationSpec, *, slow_error_known: bool = False) -> States:
+    """The states and sources of a study; `slow_error_known` as of `CovarianceSpec`."""
     imu, gnss, aiding = study.imu, study.gnss, study.aiding
     triads = (("accelerometer", imu.accelerometer), ("gyro", imu.gyro))
-    size = m = study.filter.states
+    is_slow = gnss.markov_noise > 0.0 or gnss.vertical_markov_noise > 0.0
+    inertial = study.filter.states
+    size = m = inertial + (3 if is_slow and slow_error_known else 0)
     sources: dict[str, int] = {}
     first: dict[str, int] = {}
     errors: list[Error] = []
@@ -95,9 +101,10 @@ def states_of(study: SimulationSpec) -> States:
         add(f"{name} bias", f"{name} bias random walk", 3, 0.0, model.rate_random_walk**2)
         source, drive = f"{name} bias instability", 2.0 * model.bias_instability**2 / model.correlation_time
         add(source, source, 3, model.bias_instability, drive, model.correlation_time)
-    if gnss.markov_noise > 0.0 or gnss.vertical_markov_noise > 0.0:
-        slow = "slow GNSS error"
-        add(slow, slow, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)  # its size is in what a fix measures
+    if is_slow:
+        add(
+            SLOW_GNSS, SLOW_GNSS, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time
+        )  # its size is in what a fix measures
     moving, noisy = size, len(sources)
     constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
     constant += [(RADAR_TIME, 1, study.radar_time_offset)]
@@ -110,17 +117,25 @@ def states_of(study: SimulationSpec) -> States:
     for state, (name, start) in enumerate(zip(names, initial_sigma(study)[:BIASES], strict=True)):
         put(name, state, 1, float(start))
 
-    tuning, decay, initial = tuning_of(study), np.zeros(size - BIASES), np.zeros((len(sources), size))
+    tuning, decay = tuning_of(study), np.zeros(size - BIASES)
     assumed = [(VELOCITY, tuning.accelerometer_density**2), (ATTITUDE, tuning.gyro_density**2)]
-    assumed += [(state, float(tuning.bias_drive[state - BIASES])) for state in range(BIASES, m, 3)]
-    decay[: m - BIASES] = tuning.decay_rate[: m - BIASES]
+    assumed += [(state, float(tuning.bias_drive[state - BIASES])) for state in range(BIASES, inertial, 3)]
+    decay[: inertial - BIASES] = tuning.decay_rate[: inertial - BIASES]
+    believed = np.concatenate([believed_sigma(study), np.ones(m - inertial)])
+    if m > inertial:
+        assumed.append((inertial, 2.0 / gnss.markov_time))
+        decay[inertial - BIASES : m - BIASES] = 1.0 / gnss.markov_time
+    starts = [(error, error.first + n) for error in errors if error.sigma > 0.0 for n in range(error.states)]
+    initial = np.zeros((size, len(starts)))
+    for column, (error, state) in enumerate(starts):
+        initial[state, column] = error.sigma
     for error in errors:
-        initial[error.source, error.first : error.first + error.states] += error.sigma**2
         if error.time > 0.0:
             decay[error.first - BIASES : error.first - BIASES + error.states] = 1.0 / error.time
     return States(
         sources=tuple(sources),
         noisy=noisy,
+        inertial=inertial,
         estimated=m,
         moving=moving,
         size=size,
@@ -129,5 +144,6 @@ def states_of(study: SimulationSpec) -> States:
         assumed=tuple(each for each in assumed if each[1] > 0.0),
         decay=decay,
         initial=initial,
-        believed=np.diag(believed_sigma(study) ** 2),
+        owner=np.array([error.source for error, _ in starts], dtype=np.int64),
+        believed=np.diag(believed**2),
     )

@@ -25,6 +25,7 @@ from nav_model.trajectory.covariance import _filtered, covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.errors import error_model
 from nav_model.trajectory.result import Processed, TrajectoryResult
+from nav_model.trajectory.specification import CovarianceSpec
 
 MEMS = read_design("examples/mems_x_band.toml")
 TACTICAL = read_design("examples/tactical_x_band.toml")
@@ -52,8 +53,17 @@ RICH = read_study_inputs(
 
 
 def along(design: Design, **options: Any) -> TrajectoryResult:
+    return covariance(planned(design, **options))
+
+
+def planned(design: Design, **options: Any) -> CovarianceSpec:
     study = specification(design, **{"trajectory": "straight", "duration": 300.0, **options})
-    return covariance(covariance_specification(design, study))
+    return covariance_specification(design, study)
+
+
+def as_simulated(design: Design, **options: Any) -> CovarianceSpec:
+    """With the filter and the start of the simulator's runs."""
+    return replace(planned(design, **options), settled=False, slow_error_known=False)
 
 
 def states(part: Processed) -> np.ndarray:
@@ -71,7 +81,7 @@ def states(part: Processed) -> np.ndarray:
 )
 def test_a_filter_that_knows_its_errors_is_that_of_the_simulator(options: dict[str, Any]) -> None:
     """The simulator steps ten times a second, this from fix to fix: the same to a thousandth through turns."""
-    found = along(MEMS, **options)
+    found = covariance(as_simulated(MEMS, **options))
     own = fly_without_errors(found.spec.study).filter_sigma[POSTERIOR][:, :9]
     np.testing.assert_allclose(states(found.real_time), own, rtol=2e-3)
 
@@ -149,7 +159,7 @@ def test_the_shares_of_all_sources_add_up_at_every_time() -> None:
 
 
 def test_the_sources_of_a_filter_that_knows_them_add_up_to_what_it_believes() -> None:
-    found = along(MEMS, states=21, trajectory="turns", duration=200.0)
+    found = covariance(as_simulated(MEMS, states=21, trajectory="turns", duration=200.0))
     model = error_model(found.spec)
     believed = _filtered(model).covariance[model.outputs]
     variance = np.einsum("kii->ki", believed)[:, :6]
@@ -255,7 +265,7 @@ def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_con
     runs: int, receiver: dict[str, float]
 ) -> None:
     flight = {"trajectory": "turns", "duration": 220.0, "every": 10.0, "outages": [(170.0, 200.0)]}
-    found = along(MEMS.replace(receiver), more=RICH, **flight)
+    found = covariance(as_simulated(MEMS.replace(receiver), more=RICH, **flight))
     squares = np.mean([fly(found.spec.study, run).error[POSTERIOR][:, :9] ** 2 for run in range(runs)], axis=0)
     ratio = squares[1:] / states(found.real_time)[1:] ** 2
     # The mean over times and axes of many correlated ratios, and each of them within five of its own sigmas.

@@ -75,7 +75,7 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
     generator = np.random.default_rng(7)
     run, m, n = _filtered(model), model.states.estimated, model.states.size
     draw = generator.standard_normal
-    now = sum(np.sqrt(part)[:, None] * draw((n, runs)) for part in model.states.initial)
+    now = model.states.initial @ draw((model.states.initial.shape[1], runs))
     before, after = [now], []
     for node in range(len(model.time_s)):
         if node:
