@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nav_model.budget.contributors import Contributors
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners
 
@@ -68,7 +69,7 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
         if not conditions.post_processed:
             because += " It needs post-processing, so it cannot be chosen while the design is processed in real time."
     break_even = float(break_even_aperture(conditions))
-    limit = _break_even_noise(conditions, sigma) if fitted else 0.0
+    limit = _break_even_noise(conditions) if fitted else 0.0
     change = ""
     if conditions.autofocus_order > 1:
         change = "Autofocus removes the quadratic under every strategy, so the choice hardly matters here. "
@@ -93,11 +94,13 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
     return Advice(chosen, sentence, because, change, sigma, break_even, limit)
 
 
-def _break_even_noise(conditions: Conditions, sigma: dict[str, float]) -> float:
+def _break_even_noise(conditions: Conditions) -> float:
     """Fix noise [m] at which strategies 2 and 5 are equal, as the fit's noise grows with its square. Zero with
-    autofocus."""
+    autofocus. Contributors enter both alike."""
     if conditions.autofocus_order > 1:
         return 0.0
+    conditions = replace(conditions, contributors=Contributors())
+    free, _, fitted, *_ = np.square(map_of_winners(conditions).sigma)
     given = float(np.asarray(conditions.gnss_sigma))
     upright = conditions.vertical_gnss_sigma
     small = replace(
@@ -106,7 +109,7 @@ def _break_even_noise(conditions: Conditions, sigma: dict[str, float]) -> float:
         vertical_gnss_sigma=None if upright is None else np.multiply(upright, 1e-9),
     )
     rest = float(map_of_winners(small).sigma[2]) ** 2
-    room = (sigma["2"] ** 2 - rest) / (sigma["5"] ** 2 - rest)
+    room = (float(free) - rest) / (float(fitted) - rest)
     return given * float(np.sqrt(max(room, 0.0)))
 
 

@@ -149,6 +149,8 @@ def conditions(
         slow_with_tilt=0.0 if x.slow is None else model.cycle.slow_with_tilt,
         smoothed=_smoothed(x, whole=changes is None) if smoothed else None,
         post_processed=x.processing == POST_PROCESSED,
+        contributors=x.contributors,
+        to_phase=x.to_phase,
         fast=(
             sum(made.quadratic for made in x.fast.values()),
             sum(getattr(made, f"left_{x.autofocus_order}") for made in x.fast.values()),

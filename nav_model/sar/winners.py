@@ -9,7 +9,8 @@ counts only for post-processed designs, as it needs fixes from after the apertur
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,8 @@ from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.aperture.phase import phase_budget, total
 from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
+from nav_model.budget.contributors import Contributors, with_contributors
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.fit_noise import SlowFit, slow_fit
 from nav_model.sar.strategy_forms import (
     QUADRATIC_MEAN_SQUARE,
@@ -54,7 +57,8 @@ class Conditions:
     aperture, floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``. ``slow``: of the fixes, numbers;
     ``start`` is then that of the filter that estimates it, and ``slow_with_tilt`` [m rad] the covariance of its
     tilt error with the slow error itself. ``smoothed``: of the whole-leg smoother [m²].
-    ``post_processed``: whether the image is made after the flight.
+    ``post_processed``: whether the image is made after the flight. ``contributors``: the user's own, which enter the
+    phases of every strategy; ``to_phase`` [rad/m] is what they need.
     """
 
     aperture_time: ArrayLike
@@ -79,6 +83,8 @@ class Conditions:
     smoothed: Smoothed | None = None
     post_processed: bool = False
     fast: tuple[ArrayLike, ArrayLike] = (0.0, 0.0)
+    contributors: Contributors = field(default_factory=Contributors)
+    to_phase: ArrayLike = 1.0
 
 
 class Smoothed(NamedTuple):
@@ -137,7 +143,18 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     if c.smoothed is not None:
         ends.append(np.asarray(c.smoothed.quadratic))
         residuals.append(np.asarray(c.smoothed.detrended))
-    return StrategyVariances(np.stack(np.broadcast_arrays(*ends)), np.stack(np.broadcast_arrays(*residuals)))
+    return StrategyVariances(_composed(c, "quadratic_phase", ends), _composed(c, "detrended_phase", residuals))
+
+
+def _composed(c: Conditions, figure: str, variances: Sequence[ArrayLike]) -> Array:
+    """Variances [m²] of the strategies with the contributors to a phase: those of real time, and of post-processing
+    for the smoother."""
+    stacked = np.stack(np.broadcast_arrays(*variances))
+    for rows, processing in ((slice(len(IN_APERTURE)), REAL_TIME), (slice(len(IN_APERTURE), None), POST_PROCESSED)):
+        if parts := c.contributors.entering(figure, processing):
+            sigma = with_contributors(np.sqrt(stacked[rows]) * c.to_phase, parts)
+            stacked[rows] = np.square(sigma / c.to_phase)
+    return stacked
 
 
 def whole_variances(c: Conditions, detrended: Array) -> Array:
@@ -151,7 +168,8 @@ def whole_variances(c: Conditions, detrended: Array) -> Array:
         bent = QUADRATIC_MEAN_SQUARE * np.stack(np.broadcast_arrays(*_bent_by_the_turn(c)))
         variances[: len(IN_APERTURE)] += bent
     if c.smoothed is not None:
-        variances[len(IN_APERTURE) :] = c.smoothed.whole
+        turn = np.subtract(c.smoothed.whole, c.smoothed.detrended)
+        variances[len(IN_APERTURE) :] += turn
     return variances
 
 

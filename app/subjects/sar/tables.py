@@ -118,6 +118,8 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
         cells += wholes
         rows.append((strategy.name, kind_of(strategy), *cells))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
+    if budget.design.contributors:
+        runs += "Formulas have the contributors given in the design, runs have the navigation's errors alone. "
     return table(
         f"{key}-sar-errors",
         f"Detrended phase by strategy: rms over the aperture {LEFT[budget.sar.autofocus_order]}",

@@ -7,8 +7,9 @@ import pytest
 from scipy.stats import chi2
 
 from nav_model.budget import analyse
+from nav_model.design.own import read_own
 from nav_model.sar.decomposition import autofocus, decompose
-from nav_model.sar.design_case import design_case, study_cautions
+from nav_model.sar.design_case import design_case, judged, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map
 from nav_model.sar.design_study import closed_forms, design_study
 from nav_model.sar.flown_engine import fly_axes
@@ -136,3 +137,25 @@ def test_the_formula_is_the_budgets_post_processed_figure(open_design, closed_de
         assert to_phase * closed.detrended["9"] == pytest.approx(
             budget["detrended_phase", "post-processed"].sigma, rel=1e-12
         )
+
+
+@pytest.mark.parametrize("processing", ["real time", "post-processed"])
+def test_contributors_count_in_the_strategy_that_is_judged_as_on_budget(open_design, processing):
+    own = read_own(
+        {
+            "contributors": [
+                {"name": "lever arm", "value": "2 mm", "enters": "detrended_phase"},
+                {"name": "clock", "value": "3°", "enters": "quadratic_phase", "kind": "systematic"},
+                {"name": "before", "value": "5°", "enters": "detrended_phase", "processing": "real time"},
+            ]
+        }
+    )
+    for coast in (0.0, 4.0):
+        changes = {"processing.mode": processing, "coast.before_aperture": coast}
+        budget = analyse(open_design.replace(changes, own=own))
+        closed, to_phase = closed_forms(budget), 4 * math.pi / budget.sar.wavelength
+        key = judged(budget.design)
+        assert to_phase * closed.detrended[key] == pytest.approx(budget.figure("detrended_phase").sigma, rel=1e-9)
+        assert to_phase * closed.quadratic[key] == pytest.approx(budget.figure("quadratic_phase").sigma, rel=1e-9)
+        bare = closed_forms(analyse(open_design.replace(changes)))
+        assert all(value > bare.detrended[name] for name, value in closed.detrended.items() if value is not None)
