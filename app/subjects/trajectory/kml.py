@@ -1,5 +1,6 @@
 """A flight as KML: its path, and each line in the colour of its verdict."""
 
+import html
 from xml.etree import ElementTree
 
 import numpy as np
@@ -7,9 +8,11 @@ import numpy as np
 from app.document.wording import printable
 from app.subjects.trajectory.run import Followed
 from app.subjects.trajectory.tables import failure
+from nav_model.trajectory.result import LineResult, TrajectoryResult
 
 NAMESPACE = "http://www.opengis.net/kml/2.2"
 _COLOURS = {"path": "ff8b877b", "closes": "ff4b7f1a", "fails": "ff2f2fc6"}  # alpha, blue, green, red
+_NO_TAGS = str.maketrans("<>", "‹›")  # in names, where some viewers would show HTML and others entities
 
 
 def as_kml(followed: Followed) -> bytes:
@@ -17,19 +20,19 @@ def as_kml(followed: Followed) -> bytes:
     result = followed.result
     root = ElementTree.Element("kml", xmlns=NAMESPACE)
     document = _add(root, "Document")
-    _add(document, "name", followed.design.name or "flight")
+    _add(document, "name", (followed.design.name or "flight").translate(_NO_TAGS))
     for key, colour in _COLOURS.items():
         style = _add(_add(document, "Style", id=key), "LineStyle")
         _add(style, "color", colour)
         _add(style, "width", "2" if key == "path" else "5")
     parts = [("flight", followed.flight, "path", 0.0, float(result.time_s[-1]))]
     for line in result.lines if result.spec.lines else ():
-        told = f"{line.name} keeps its limits" if line.closes else failure(result, line)
-        parts.append((line.name, f"{told}.", "closes" if line.closes else "fails", line.start_s, line.stop_s))
-    for name, told, look, start, stop in parts:
+        look = "closes" if line.closes else "fails"
+        parts.append((line.name, line_verdict(result, line), look, line.start_s, line.stop_s))
+    for name, description, look, start, stop in parts:
         mark = _add(document, "Placemark")
-        _add(mark, "name", name)
-        _add(mark, "description", told)
+        _add(mark, "name", name.translate(_NO_TAGS))
+        _add(mark, "description", html.escape(description, quote=False))  # which viewers show as HTML
         _add(mark, "styleUrl", f"#{look}")
         drawn = _add(mark, "LineString")
         _add(drawn, "altitudeMode", "absolute")
@@ -37,6 +40,11 @@ def as_kml(followed: Followed) -> bytes:
         degrees = np.column_stack([np.degrees(places[:, 1]), np.degrees(places[:, 0]), places[:, 2]])
         _add(drawn, "coordinates", " ".join(f"{east:.7f},{north:.7f},{up:.2f}" for east, north, up in degrees))
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
+
+
+def line_verdict(result: TrajectoryResult, line: LineResult) -> str:
+    """Whether a line keeps its limits, or why not."""
+    return f"{line.name} keeps its limits." if line.closes else f"{failure(result, line)}."
 
 
 def _add(parent: ElementTree.Element, name: str, text: str = "", **attributes: str) -> ElementTree.Element:

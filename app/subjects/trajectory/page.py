@@ -21,6 +21,7 @@ from app.subjects.trajectory.charts import map_chart, shares_chart, simulated, t
 from app.subjects.trajectory.fields import PlanFields
 from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.kml import as_kml
+from app.subjects.trajectory.plan_file import as_plan
 from app.subjects.trajectory.run import File, Followed, Rows, follow, row_of, waypoints_in, waypoints_of_lines
 from app.subjects.trajectory.tables import line_table, verdict
 from app.ui.chart_pane import ChartPane, described, head_html
@@ -241,6 +242,7 @@ class TrajectoryPage(StudyPage[Followed]):
             download("Everything (JSON)", "trajectory.json", lambda: as_json(known())),
             download("Figures (CSV)", "trajectory.csv", lambda: as_csv(known())),
             download("Lines with their verdict (KML)", "trajectory.kml", lambda: as_kml(known())),
+            download("Plan with lines (QGroundControl)", "trajectory.plan", lambda: as_plan(known())),
         ]
         return exports(files, [lambda found: map_chart(found, self.figure), self._drawn_shares], known)
 

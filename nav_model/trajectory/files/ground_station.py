@@ -3,11 +3,12 @@
 import json
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
 from nav_model.base.errors import shown
-from nav_model.trajectory.files.heights import ABOVE_GROUND, ABOVE_SEA, Heights, counted
+from nav_model.trajectory.files.heights import ABOVE_GROUND, ABOVE_SEA, Heights, counted, plain_name
 from nav_model.trajectory.plan import Waypoint
 
 MOST_TEXT = 5_000_000  # bytes
@@ -17,8 +18,9 @@ _NOT_FLOWN = {20: "return", 21: "landing", 22: "take-off", 84: "take-off", 85: "
 _CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP = 206, 2000, 2001
 _REFERENCES = {0: ABOVE_SEA, 5: ABOVE_SEA, 3: "home", 6: "home", 10: ABOVE_GROUND, 11: ABOVE_GROUND}
 """Of MAVLink's frames."""
-Item = tuple[str, int, int, list[Any]]
-"""Where it is in the file, its command, its frame and its seven parameters (MAVLink's mission items)."""
+Item = tuple[str, int, int, list[Any], Any]
+"""Where it is in the file, its command, its frame and its seven parameters (MAVLink's mission items), and the name of
+the line that begins there; None where the plan names none."""
 
 
 def read_plan(content: bytes, heights: Heights) -> tuple[Waypoint, ...]:
@@ -67,7 +69,7 @@ def _listed(content: bytes, heights: Heights) -> Iterator[Item]:
             raise heights.refuse(f"{where}: {len(cells)} columns, 12 belong there")
         if cells:
             frame, command = (int(heights.number(cell, where)) for cell in cells[2:4])
-            yield where, command, frame, [*cells[4:11]]
+            yield where, command, frame, [*cells[4:11]], None
 
 
 def _items(items: list[Any], heights: Heights) -> Iterator[Item]:
@@ -91,7 +93,7 @@ def _item(item: Any, where: str, heights: Heights) -> Item:
     if not isinstance(params, list) or len(params) != 7:
         raise heights.refuse(f"{where} has no seven parameters")
     command, frame = (int(heights.number(item.get(key), f"{where}, {key}")) for key in ("command", "frame"))
-    return where, command, frame, params
+    return where, command, frame, params, item.get("line")
 
 
 def _flown(items: Iterator[Item], home: Any, heights: Heights) -> tuple[Waypoint, ...]:
@@ -99,10 +101,11 @@ def _flown(items: Iterator[Item], home: Any, heights: Heights) -> tuple[Waypoint
     unused: Counter[str] = Counter()
     triggered, shooting = False, False
     places: list[tuple[Waypoint, bool]] = []
+    names: dict[int, str] = {}
 
     def waypoints() -> Iterator[Waypoint]:
         nonlocal triggered, shooting
-        for where, command, frame, params in items:
+        for where, command, frame, params, name in items:
             if command in (_CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP):
                 distance = params[0] is not None and heights.number(params[0], where) > 0.0
                 shooting = command == _CAMERA_START or (command == _CAMERA_DISTANCE and distance)
@@ -116,6 +119,8 @@ def _flown(items: Iterator[Item], home: Any, heights: Heights) -> tuple[Waypoint
                 if reference == "home":
                     up, reference = _above_home(up, home, heights, where)
                 point = heights.waypoint(params[4], params[5], up, reference, where)
+                if isinstance(name, str):
+                    names[len(places)] = plain_name(name)
                 places.append((point, shooting))
                 yield point
             else:
@@ -128,7 +133,8 @@ def _flown(items: Iterator[Item], home: Any, heights: Heights) -> tuple[Waypoint
     for number, (point, on) in enumerate(places):
         line = on if triggered else number < len(places) - 1
         count += line
-        named.append(Waypoint(point.latitude, point.longitude, point.height, f"line {count}" if line else ""))
+        name = names.get(number, "") if names else f"line {count}" if line else ""
+        named.append(replace(point, line=name))
     return tuple(named)
 
 

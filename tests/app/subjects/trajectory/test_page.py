@@ -33,6 +33,7 @@ from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
 from app.subjects.trajectory.figures import FIGURES, main_figure
 from app.subjects.trajectory.kml import NAMESPACE, as_kml
 from app.subjects.trajectory.page import TrajectoryPage, as_csv, as_json
+from app.subjects.trajectory.plan_file import as_plan
 from app.subjects.trajectory.run import File, Followed, follow
 from app.subjects.trajectory.tables import line_table, verdict
 from nav_model.base.errors import InputError
@@ -263,15 +264,26 @@ def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> No
         ),
         "trajectory.limits": (("wide", 1e3, 1e3, *[None] * 3, 1e3, 1e3, *[None] * 4),),
     }  # fmt: skip
-    text = as_kml(follow(first_design().replace(plan), 9))
+    followed = follow(first_design().replace(plan), 9)
+    text = as_kml(followed)
     assert b"<b>" not in text
     marks = ElementTree.fromstring(text).iter(f"{{{NAMESPACE}}}Placemark")
     flight, out, wide = [{part.tag.partition("}")[2]: part for part in mark} for mark in marks]
-    assert [mark["name"].text for mark in (flight, out, wide)] == ["flight", "out & <b>in</b>", "wide"]
+    assert [mark["name"].text for mark in (flight, out, wide)] == ["flight", "out & ‹b›in‹/b›", "wide"]
     assert [mark["styleUrl"].text for mark in (out, wide)] == ["#fails", "#closes"]
-    assert str(out["description"].text).startswith("out & <b>in</b> fails ")
+    assert str(out["description"].text).startswith("out &amp; &lt;b&gt;in&lt;/b&gt; fails ")  # HTML to viewers
     assert wide["description"].text == "wide keeps its limits."
     assert flight["description"].text == "Flight: waypoints, 2 lines, 334 s; outages: none; filter of 9 states."
+    mission = parse_file(as_plan(followed), "again.plan")
+    rows = plan["trajectory.waypoints"]
+    assert [point.line for point in mission.waypoints] == ["out & in", "", "wide", ""]
+    np.testing.assert_allclose(
+        [(p.latitude, p.longitude, p.height) for p in mission.waypoints], [r[:3] for r in rows]
+    )
+    items = json.loads(as_plan(followed))["mission"]["items"]
+    assert items[2]["verdict"] == "wide keeps its limits."
+    with pytest.raises(InputError, match="Export this flight as KML"):
+        as_plan(replace(followed, file="other.csv"))
     (again,) = [point for point in parse_file(text, "again.kml").waypoints if point.line == "wide"][:1]
     assert (again.latitude, again.longitude) == pytest.approx((0.823, 0.14), abs=1e-5)
 
