@@ -154,7 +154,7 @@ def read_log(
         advice = _ADVICE.get(kind, "Write the inertial data as CSV, a row for each sample.")
         raise InputError(name, f"The file is {kind}. {advice}")
     del bytes_read
-    content, notes = _without_empty(content)
+    content, notes = _without_empty(content, name)
     _complete(content, options, name)
     clock = _clock(content, options, name, notes)
     lengths = {len(column.values) for role in _SENSORS for column in content.of(role)}
@@ -334,7 +334,7 @@ def _six_columns(arrays: Mapping[str, NDArray[Any]], count_units: Mapping[str, s
     return []
 
 
-def _without_empty(content: _Content) -> tuple[_Content, list[str]]:
+def _without_empty(content: _Content, name: str) -> tuple[_Content, list[str]]:
     """The content without columns that hold no number at all, and a note of those."""
     empty = [
         column.label
@@ -344,6 +344,8 @@ def _without_empty(content: _Content) -> tuple[_Content, list[str]]:
     if not empty:
         return content, []
     columns = [column for column in content.columns if column.label not in empty]
+    if content.of("gyro") + content.of("accelerometer") and not any(c.meaning.role in _SENSORS for c in columns):
+        raise InputError(name, f"{', '.join(label[:40] for label in empty[:_MOST_NAMES])} hold no numbers.")
     return replace(content, columns=columns), [f"empty: {', '.join(empty)}"]
 
 

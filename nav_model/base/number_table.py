@@ -90,6 +90,9 @@ class NumberTable:
         while piece := following:
             following = self._piece(text)
             count = piece.count("\n") + (not piece.endswith("\n"))
+            if piece.isspace():
+                line += count
+                continue
             block, offsets = self._at_once(piece, count, places), np.arange(count, dtype=np.int32)
             if block is None:
                 block, offsets, cut = self._by_field(piece, line, places, times, last=not following)

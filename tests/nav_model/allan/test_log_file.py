@@ -451,6 +451,11 @@ def test_lost_samples_and_rows_without_a_value_are_gaps():
     assert read_log(untimed, LogOptions(rate_hz=10.0)).breaks["gyro"].tolist() == [30]
 
 
+def test_sensors_without_a_number_are_told():
+    with pytest.raises(InputError, match=r"gyro_x \[rad/s\], .* hold no numbers"):
+        read_log(csv(GYRO * np.nan, ",".join(f"{name} [rad/s]" for name in NAMES[:3])), LogOptions(rate_hz=1.0))
+
+
 def test_sensors_in_rows_of_their_own_have_their_own_rates():
     lines = [GOOD[0]]
     for row in range(50):
