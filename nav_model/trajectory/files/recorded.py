@@ -11,8 +11,10 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
+from nav_model.earth.trajectory_file import check_samples
 from nav_model.earth.wgs84 import metres_per_radian
-from nav_model.simulation.trajectory import flight_through
+from nav_model.simulation.specification import HIGHEST_LATITUDE
+from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, counted
 from nav_model.trajectory.plan import PlannedFlight
 from nav_model.trajectory.specification import Line
@@ -21,6 +23,7 @@ _STEP = 0.5  # s between samples of the flight, where knots are not closer
 _LONGEST = 100 * 3600.0  # s
 _KNOT_EVERY = (2, 4, 8, 16, 32, 64)  # samples
 _FEWEST_SMOOTHED = 16  # samples; a spline through fewer is not fitted but goes through them
+_MOST_SEGMENTS = 500
 _PAUSE = 10.0  # median intervals, and seconds: a longer gap ends a segment
 _GENTLE = 0.25 * STANDARD_GRAVITY  # across a pause
 _SLOWEST = 1.0  # m/s with a course
@@ -49,6 +52,10 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
     pieces = [piece for segment in segments for piece in _pieces(segment, heights)]
     if not pieces:
         raise heights.refuse("holds no two recorded places at different times")
+    if len(pieces) > _MOST_SEGMENTS:
+        raise heights.refuse(f"{len(pieces)} segments; at most {_MOST_SEGMENTS} are flown. Cut it.")
+    if (north := max(float(np.abs(piece.rows[:, 1]).max()) for piece in pieces)) > math.degrees(HIGHEST_LATITUDE):
+        raise heights.refuse(f"reaches {north:g}° of latitude; must stay within 85° of the equator")
     for piece, following in pairwise(pieces):
         if following.rows[0, 0] <= piece.rows[-1, 0]:
             raise heights.refuse(f"time runs backwards from {piece.name!r} to {following.name!r}")
@@ -73,6 +80,8 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
         if number:  # across the pause before it, in the time that a gentle flight needs
             pause = start - pieces[number - 1].rows[-1, 0]
             bridge = _bridge(curves[number - 1], pieces[number - 1].rows[-1, 0], curve, start, pause)
+            if clock + bridge.x[-1] > _LONGEST:
+                raise heights.refuse(f"the way to {name!r} is too long to be flown; give the parts as files")
             t = np.linspace(0.0, bridge.x[-1], math.ceil(bridge.x[-1] / _STEP) + 1)[1:-1]
             times.append(clock + t)
             places.append(bridge(t))
@@ -102,6 +111,7 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
     if cuts:
         heights.note(f"{counted(len(cuts), 'pause')} cut, {sum(cuts):.0f} s")
     samples = np.column_stack([time, place, roll, pitch, yaw])
+    check_samples(samples, range(1, len(samples) + 1), heights.file_name, FILE_BOUNDS, "sample")
     flight = flight_through(samples, list(range(1, len(samples) + 1)), heights.file_name)
     return PlannedFlight(flight, float(time[-1]), tuple(lines))
 

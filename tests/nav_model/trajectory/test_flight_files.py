@@ -180,6 +180,20 @@ def test_time_that_runs_backwards_is_named() -> None:
         parse_file(f"<gpx><trk>{gpx(rows)}</trk></gpx>".encode(), "a.gpx")
 
 
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([(30.0 * (k // 2) + k % 2, 1.0 * k) for k in range(2000)], "1000 segments; at most 500"),
+        ([(k + 1e8 * (k > 9), 1.0 * k + 5e6 * (k > 9)) for k in range(20)], "too long to be flown"),
+        ([(1.0 * k, 9.6e6 + k) for k in range(20)], "of latitude; must stay within 85°"),
+    ],
+)
+def test_a_recording_that_would_take_long_is_refused(rows: list[tuple[float, float]], said: str) -> None:
+    text = "time_s,lat,lon,alt\n" + "\n".join(f"{t},{north * METRE},8,900" for t, north in rows)
+    with pytest.raises(InputError, match=said):
+        parse_file(text.encode(), "a.csv")
+
+
 @pytest.mark.parametrize("rate", [1.0, 10.0])
 def test_columns_of_a_drone_are_read_by_their_names_and_units(rate: float) -> None:
     rows = recorded(0.0, rate)
