@@ -80,8 +80,10 @@ def _items(items: list[Any], heights: Heights) -> Iterator[Item]:
             raise heights.refuse(f"{where} is not a mission item")
         if item.get("type") != "ComplexItem":
             yield _item(item, where, heights)
-        elif isinstance(own := item.get("TransectStyleComplexItem"), dict) and isinstance(own.get("Items"), list):
-            for part, inner in enumerate(own["Items"], 1):
+        elif isinstance(transects := item.get("TransectStyleComplexItem"), dict) and isinstance(
+            transects.get("Items"), list
+        ):
+            for part, inner in enumerate(transects["Items"], 1):
                 yield _item(inner, f"{where}, part {part}", heights)
         else:
             told = "holds no lines. Open the plan in QGroundControl and save it again"

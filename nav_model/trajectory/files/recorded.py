@@ -118,13 +118,13 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
 
 def unrolled(time: Array) -> tuple[Array, str]:
     """Times [s] without the jump back at the end of a week or a day, and which was found."""
-    steps, found = np.diff(time), ""
+    steps, note = np.diff(time), ""
     for length, name in ((604_800.0, "week"), (86_400.0, "day")):
         ends = (steps < 0.0) & (steps + length > 0.0) & (steps + length < 60.0)
         if ends.any():
             time = time + length * np.concatenate([[0], np.cumsum(ends)])
-            steps, found = np.diff(time), f"time goes on over the end of the {name}"
-    return time, found
+            steps, note = np.diff(time), f"time goes on over the end of the {name}"
+    return time, note
 
 
 def _pieces(segment: Segment, heights: Heights) -> list[Segment]:

@@ -61,10 +61,10 @@ def read_columns(table: NumberTable, heights: Heights) -> Segment | PlannedFligh
     Raises InputError under the file's name: a column that is missing, a unit that is not known, what is no number.
     """
     if any(map(has_trajectory, table.headers)):
-        own = trajectory_of(table, FILE_BOUNDS)
-        heights.note(f"trajectory file, {counted(len(own.samples), 'row')}")
-        flight = flight_through(own.samples, own.lines, heights.file_name)
-        return PlannedFlight(flight, float(own.samples[-1, 0]), ())
+        trajectory = trajectory_of(table, FILE_BOUNDS)
+        heights.note(f"trajectory file, {counted(len(trajectory.samples), 'row')}")
+        flight = flight_through(trajectory.samples, trajectory.lines, heights.file_name)
+        return PlannedFlight(flight, float(trajectory.samples[-1, 0]), ())
     return _recorded(table, heights)
 
 

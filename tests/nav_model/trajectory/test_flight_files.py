@@ -181,16 +181,16 @@ def test_time_that_runs_backwards_is_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         ([(30.0 * (k // 2) + k % 2, 1.0 * k) for k in range(2000)], "1000 segments; at most 500"),
         ([(k + 1e8 * (k > 9), 1.0 * k + 5e6 * (k > 9)) for k in range(20)], "too long to be flown"),
         ([(1.0 * k, 9.6e6 + k) for k in range(20)], "of latitude; must stay within 85°"),
     ],
 )
-def test_a_recording_that_would_take_long_is_refused(rows: list[tuple[float, float]], said: str) -> None:
+def test_a_recording_that_would_take_long_is_refused(rows: list[tuple[float, float]], message: str) -> None:
     text = "time_s,lat,lon,alt\n" + "\n".join(f"{t},{north * METRE},8,900" for t, north in rows)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         parse_file(text.encode(), "a.csv")
 
 
@@ -218,7 +218,7 @@ def test_columns_of_a_drone_are_read_by_their_names_and_units(rate: float) -> No
 
 
 @pytest.mark.parametrize(
-    ("head", "row", "said"),
+    ("head", "row", "message"),
     [
         ("time_s;lat;lon;alt [fathom]", "{t};47.{t};8;9", "column alt .fathom.*"),
         ("time,lat,alt", "{t},47.{t},9", "latitude and longitude are missing"),
@@ -227,9 +227,9 @@ def test_columns_of_a_drone_are_read_by_their_names_and_units(rate: float) -> No
         ("t,lat,lon,alt", "{t},97,0.2,900", "line 2: 97, 0.2 is no place"),
     ],
 )
-def test_columns_that_are_missing_or_have_two_meanings_are_asked_for(head: str, row: str, said: str) -> None:
+def test_columns_that_are_missing_or_have_two_meanings_are_asked_for(head: str, row: str, message: str) -> None:
     text = "\n".join([head, *(row.format(t=t) for t in range(10, 40))])
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         parse_file(text.encode(), "a.csv")
 
 
@@ -317,21 +317,21 @@ def test_a_week_that_ends_in_flight_goes_on() -> None:
 
 
 @pytest.mark.parametrize(
-    ("column", "value", "said"),
+    ("column", "value", "message"),
     [
         (3, -7e6, "record 1: height_m = -7000000: must be between"),
         (7, 1e301, "record 1: roll_deg = .*: must be between"),
         (0, 0.0, "record 2: time"),
     ],
 )
-def test_sbet_is_held_to_the_bounds_of_columns(column: int, value: float, said: str) -> None:
+def test_sbet_is_held_to_the_bounds_of_columns(column: int, value: float, message: str) -> None:
     with pytest.raises(InputError, match=r"record 1: latitude_deg = 89\.9: must be between"):
         parse_file(sbet(89.9).tobytes(), "a.out")
     rows = sbet()
     rows[:, column] = (
         value if column else np.where(np.arange(len(rows)) < 2, 5e-324 * np.arange(len(rows)), rows[:, 0])
     )
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         parse_file(rows.tobytes(), "a.out")
 
 
@@ -339,7 +339,7 @@ def test_sbet_is_held_to_the_bounds_of_columns(column: int, value: float, said: 
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (b"%PDF-1.7 ...", "is a PDF document. Give a KML"),
         (b'{"type": "FeatureCollection"}', "is JSON, but no plan"),
@@ -353,8 +353,8 @@ def test_sbet_is_held_to_the_bounds_of_columns(column: int, value: float, said: 
         (b"hello", "No numbers found"),
     ],
 )
-def test_any_other_file_is_told_what_it_is(content: bytes, said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_any_other_file_is_told_what_it_is(content: bytes, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         parse_file(content, "a.kml")
 
 
@@ -369,7 +369,7 @@ def test_text_of_sixteen_bits_is_read() -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (kml("<Placemark>" * 50 + path() + "</Placemark>" * 50), "placemark within a placemark"),
         (b"<kml>" + b"<a>" * 200_000, "more than 100 deep"),
@@ -386,11 +386,11 @@ def test_text_of_sixteen_bits_is_read() -> None:
     ids=range(11),
 )
 @pytest.mark.long
-def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, said: str) -> None:
+def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, message: str) -> None:
     if not content.startswith((b"{", b"<kml><", b"PK")):
         content = content.replace(b"<LineString>", b"<LineString><altitudeMode>absolute</altitudeMode>")
     tracemalloc.start()
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         parse_file(content, "a.kml")
     assert tracemalloc.get_traced_memory()[1] < 250_000_000
     tracemalloc.stop()
@@ -400,7 +400,7 @@ def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, said:
 
 
 @pytest.mark.parametrize(
-    ("name", "given", "count", "height", "said"),
+    ("name", "given", "count", "height", "message"),
     [
         ("20_drawn_path_height_0.kml", {"height": 3000.0}, 6, 3000.0, "without a height are at 3000 m"),
         ("24_relative_to_ground.kml", {"ground": 430.0}, 6, 550.0, "ground, which is at 430 m"),
@@ -413,14 +413,14 @@ def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, said:
     ],
 )
 def test_files_that_people_brought_are_flown(
-    name: str, given: dict[str, float], count: int, height: float, said: str
+    name: str, given: dict[str, float], count: int, height: float, message: str
 ) -> None:
     if not BROUGHT.is_dir():
         pytest.skip("the shared files are not here")
     content = (BROUGHT / name).read_bytes()
     file = parse_file(content, name, **given)
     assert len(file.waypoints) == count
-    assert said in file.note
+    assert message in file.note
     flight = parse_flight(content, name, LIKE, **given)
     assert np.mean(states(flight)[:, 3]) == pytest.approx(height, abs=2.0)
     assert all(a.stop <= b.start for a, b in pairwise(flight.lines))
