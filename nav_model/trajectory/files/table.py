@@ -77,6 +77,10 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     whole = np.isfinite(read.values).all(axis=1)
     if empty := int(np.sum(~whole)):
         heights.note(f"{counted(empty, 'row')} with empty fields left out")
+    unfixed = whole & (read.values[:, 1] == 0.0) & (read.values[:, 2] == 0.0)
+    if unfixed.any() and not unfixed[whole].all():  # what receivers write before they know where they are
+        heights.note(f"{counted(int(unfixed.sum()), 'row')} at latitude and longitude 0 left out")
+        whole &= ~unfixed
     lines = read.lines[whole]
     if not len(lines):
         raise heights.refuse("holds no row with time and place")

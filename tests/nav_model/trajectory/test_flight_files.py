@@ -194,6 +194,15 @@ def test_a_recording_that_would_take_long_is_refused(rows: list[tuple[float, flo
         parse_file(text.encode(), "a.csv")
 
 
+def test_rows_before_the_first_fix_are_left_out_and_named() -> None:
+    places = [("0", "0")] * 3 + [("", "")] * 2 + [(f"{47 + 20 * t * METRE}", "8") for t in range(5, 40)]
+    rows = [f"{t},{north},{east},900" for t, (north, east) in enumerate(places)]
+    file = parse_file("\n".join(["time_s,lat,lon,alt", *rows]).encode(), "a.csv")
+    assert states(file.flight)[-1, 0] == 34.0
+    assert "2 rows with empty fields left out" in file.note
+    assert "3 rows at latitude and longitude 0 left out" in file.note
+
+
 @pytest.mark.parametrize("rate", [1.0, 10.0])
 def test_columns_of_a_drone_are_read_by_their_names_and_units(rate: float) -> None:
     rows = recorded(0.0, rate)
