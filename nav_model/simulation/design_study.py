@@ -52,7 +52,7 @@ def specification(
     duration: float = 500.0,
     outages: Sequence[tuple[float, float]] = (),
     every: float = 1.0,
-    states: int = 9,
+    states: int = 0,
     keep_runs: bool = False,
     more: SimulationInputs = NOTHING_ADDED,
 ) -> SimulationSpec:
@@ -68,7 +68,8 @@ def specification(
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as a file gives.
     duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
-    tells two kinds of bias apart. more: sensor errors, receiver and tuning beyond the design.
+    tells two kinds of bias apart; 0 for 15 where a bias, constant or varying, is not zero, else 9. more: sensor
+    errors, receiver and tuning beyond the design.
 
     Raises InputError naming the key of the design, or the option, that cannot be flown.
     """
@@ -80,10 +81,13 @@ def specification(
     if late := [start for start, _ in outages if start >= duration]:
         raise InputError("outage", f"{late[0]:g} s is after the flight, which ends at {duration:g} s.", late[0])
     slow = gnss.correlated_noise if gnss.correlated else 0.0
+    gyro = more.triad("gyro", imu.angle_random_walk, imu.gyro_bias)
+    accelerometer = more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias)
+    biased = any(one.turn_on_bias or one.bias_instability or one.rate_random_walk for one in (gyro, accelerometer))
     return SimulationSpec(
         imu=ImuModel(
-            gyro=more.triad("gyro", imu.angle_random_walk, imu.gyro_bias),
-            accelerometer=more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias),
+            gyro=gyro,
+            accelerometer=accelerometer,
             rate=imu.rate,
             vibration_factor=imu.vibration_factor,
         ),
@@ -104,7 +108,7 @@ def specification(
         ),
         aiding=Aiding(own.heading_noise, own.barometer_noise),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
-        filter=more.filter(states),
+        filter=more.filter(states or (15 if biased else 9)),
         initial=InitialErrors(
             position=settled["horizontal_position"],
             velocity=settled["horizontal_velocity"],

@@ -67,7 +67,7 @@ class TrajectoryPage(StudyPage[Followed]):
     waiting = Answer("Working", "open", ("The covariance along the flight follows.",))
     refusal = "Plan not flown"
     flight = chosen("wandering", _FLIGHTS, "Flight")
-    states = chosen(9, {f"{count} states": count for count in FILTER_STATES}, "Filter")
+    states = chosen(0, {"by design": 0} | {f"{count} states": count for count in FILTER_STATES}, "Filter")
     figure = chosen("detrended_phase", {one.label: name for name, one in FIGURES.items()}, "Quantity")
 
     def __init__(self, session: Session) -> None:

@@ -23,6 +23,7 @@ from nav_model.simulation.monte_carlo import run_chunk, simulate
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.statistics import Statistics
+from nav_model.simulation.study_inputs import read_study_inputs
 
 DPH = math.radians(1) / 3600
 PAPER = Design({"flight.speed": 50.0})  # 0.05 m/s/√h, 0.5 °/√h, 1 m at 1 Hz are the defaults
@@ -186,7 +187,7 @@ def test_the_document_has_the_contracts_keys_and_no_nan(study) -> None:
 def test_conditions_say_what_differs() -> None:
     def said(**changes: float | bool) -> str:
         design = PAPER.replace({key.replace("__", "."): value for key, value in changes.items()})
-        return " ".join(conditions(design, specification(design)))
+        return " ".join(conditions(design, specification(design, states=9)))
 
     plain = said()
     # Normal gravity at 45° and 3 km: 9.80620 - 3.0855e-6 x 3000 m/s², by the usual free-air gradient.
@@ -203,3 +204,11 @@ def test_conditions_say_what_differs() -> None:
     spec = specification(PAPER)
     filed = replace(spec, trajectory=TrajectorySpec(kind="file", samples=b"x"))
     assert "The flight comes from the file" in conditions(PAPER, filed)[0]
+
+
+def test_the_filter_knows_the_biases_of_the_design_unless_told_otherwise() -> None:
+    walking = read_study_inputs({"gyro.bias_instability": "1 °/h"})
+    assert specification(PAPER).filter.states == 9
+    assert specification(PAPER.replace({"imu.accelerometer_bias": 1e-3})).filter.states == 15
+    assert specification(PAPER, more=walking).filter.states == 15
+    assert specification(PAPER, more=walking, states=9).filter.states == 9

@@ -264,7 +264,7 @@ def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
 def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_confidence(
     runs: int, receiver: dict[str, float]
 ) -> None:
-    flight = {"trajectory": "turns", "duration": 220.0, "every": 10.0, "outages": [(170.0, 200.0)]}
+    flight = {"trajectory": "turns", "duration": 220.0, "every": 10.0, "outages": [(170.0, 200.0)], "states": 9}
     found = covariance(as_simulated(MEMS.replace(receiver), more=RICH, **flight))
     squares = np.mean([fly(found.spec.study, run).error[POSTERIOR][:, :9] ** 2 for run in range(runs)], axis=0)
     ratio = squares[1:] / states(found.real_time)[1:] ** 2
