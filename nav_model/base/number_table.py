@@ -89,12 +89,14 @@ class NumberTable:
         following = self._piece(text)
         while piece := following:
             following = self._piece(text)
-            count = piece.count("\n") + (not piece.endswith("\n"))
-            if piece.isspace():
-                line += count
-                continue
-            block, offsets = self._at_once(piece, count, places), np.arange(count, dtype=np.int32)
-            if block is None:
+            block = self._at_once(piece, places)
+            if block is not None:
+                count, offsets = len(block), np.arange(len(block), dtype=np.int32)
+            else:
+                count = piece.count("\n") + (not piece.endswith("\n"))
+                if piece.isspace():
+                    line += count
+                    continue
                 block, offsets, cut = self._by_field(piece, line, places, times, last=not following)
             if rows + len(block) > allowed:
                 if allowed == most_rows:
@@ -115,16 +117,20 @@ class NumberTable:
             raise InputError(self.file_name, f"A line is longer than {_LONGEST_LINE} characters. This is no table.")
         return piece + end
 
-    def _at_once(self, piece: str, count: int, places: Sequence[int]) -> Array | None:
-        """The rows by NumPy's parser; None where it does not know a field, or lines differ in their fields."""
+    def _at_once(self, piece: str, places: Sequence[int]) -> Array | None:
+        """The rows by NumPy's parser, a line each; None where it does not know a field, or lines differ in theirs."""
+        if "\n\n" in piece or piece.startswith("\n"):
+            return None  # the parser would pass over empty lines
         if self.delimiter != "," and "," in piece:
             if "." in piece:
                 return None
             piece = piece.replace(",", ".")
         # Asked for some columns, the parser does not count the others, but text among them does no harm.
-        some = self.delimiter is not None
-        if some and piece.count(self.delimiter or "") != count * (self.width - 1 + self.ends_open):
-            return None
+        some = self.delimiter is not None and (len(places) < self.width or self.ends_open)
+        if some:
+            lines = piece.count("\n") + (not piece.endswith("\n"))
+            if piece.count(self.delimiter or "") != lines * (self.width - 1 + self.ends_open):
+                return None
         try:
             block = np.loadtxt(
                 io.StringIO(piece), delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, dtype=np.float64,
@@ -136,7 +142,7 @@ class NumberTable:
             if block.shape[1] != self.width:
                 return None
             block = block[:, places]
-        return None if len(block) != count or np.isinf(block).any() else block
+        return None if np.isinf(block).any() else block
 
     def _by_field(
         self, piece: str, first: int, places: Sequence[int], times: Collection[int], *, last: bool
