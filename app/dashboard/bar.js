@@ -43,11 +43,13 @@ export function render({ model }) {
       <p>For the Budget page, comparisons and reports. Other pages and reviews show 1σ. The verdict does not change.</p>
     </div>
     <div class="menu" data-for="report" hidden>
-      <label>Description, for page 1<textarea rows="4" maxlength="2000"></textarea></label>
+      <label>Description, printed on page 1<textarea rows="4" maxlength="2000"></textarea></label>
       <div class="studies"></div><p class="left"></p>
       <button data-report="pdf" type="button">PDF report</button>
       <button data-report="html" type="button">HTML report</button>
       <button data-report="xlsx" type="button" title="The budget with live formulas; without studies">Spreadsheet</button>
+      <button data-sheet="imu" type="button">IMU requirement sheet (HTML)</button>
+      <button data-sheet="gnss" type="button">Receiver requirement sheet (HTML)</button>
       <p class="writing" aria-live="polite"></p>
       <button class="stop" type="button" hidden>Cancel</button>
     </div>
@@ -189,6 +191,7 @@ export function render({ model }) {
   }
   at(".studies").onchange = ({ target }) => tell({ do: "tick", kind: target.value, ticked: target.checked })
   for (const button of all("[data-report]")) button.onclick = () => tell({ do: "report", suffix: button.dataset.report })
+  for (const button of all("[data-sheet]")) button.onclick = () => tell({ do: "sheet", unit: button.dataset.sheet })
   at(".stop").onclick = () => tell({ do: "stop" })
   const report = openers.find((opener) => opener.dataset.menu === "report")
   let since = 0, clock = 0
@@ -209,7 +212,7 @@ export function render({ model }) {
       at(".writing").textContent = ""
     }
     at(".stop").hidden = !busy
-    for (const button of all("[data-report]")) button.disabled = busy
+    for (const button of all("[data-report], [data-sheet]")) button.disabled = busy
   }
   model.on("msg:custom", (file) => {
     if (!file?.file) return

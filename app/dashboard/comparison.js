@@ -33,7 +33,7 @@ export function render({ model }) {
   }
   place.addEventListener("keydown", (event) => { if (event.key === "Escape" && !menu.hidden) { shut(); choose.focus() } })
   const named = () => {
-    said.textContent = model.compared ? `Compared with: ${model.compared}` : "Compared with: nothing yet"
+    said.textContent = model.compared ? `Compared with: ${model.compared}` : "Compare with:"
     clear.hidden = !model.compared
   }
   const listed = () => {

@@ -1,7 +1,7 @@
 """The actions of the bar's buttons: undo, files, link, reports, examples."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,7 @@ from app.document.display import display_of
 from app.document.wording import chapter_key, slug
 from app.report import report_bytes
 from app.report.studies import study_sections
+from app.report.supplier import NAMES, supplier_bytes
 from app.session import Session
 from app.subjects import TABS
 from app.ui.view import View
@@ -23,6 +24,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
+from nav_model.explore.supplier import Unit
 
 
 class Toolbar(View):
@@ -99,6 +101,8 @@ class Toolbar(View):
                 self._choice.tick(str(deed.get("kind")), bool(deed.get("ticked")))
             case "report" if deed.get("suffix") in {"pdf", "html", "xlsx"}:
                 pn.state.execute(partial(self._write, deed["suffix"]))
+            case "sheet" if deed.get("unit") in NAMES:
+                pn.state.execute(partial(self._write_sheet, deed["unit"]))
             case "stop":
                 self._report.cancel()
 
@@ -129,7 +133,7 @@ class Toolbar(View):
         self._say(f"Not opened. {problem}" if problem else "")
 
     async def _write(self, suffix: str) -> None:
-        """Write a report in a worker, say so meanwhile, and hand it to the browser."""
+        """Write a report in a worker."""
 
         async def write() -> bytes:
             budget, findings, shown = self.session.budget, self._choice.chosen(), self.session.shown
@@ -139,14 +143,25 @@ class Toolbar(View):
             return await run_in_pool(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
 
         name = f"{slug(self.session.design.name)}.{suffix}"
-        self.bar.writing = "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report"
+        await self._hand_over(name, "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report", write)
+
+    async def _write_sheet(self, unit: Unit) -> None:
+        """Write a sheet for a supplier in a worker."""
+        design = self.session.design
+        await self._hand_over(
+            f"{unit}-required.html", "requirement sheet", lambda: run_in_pool(supplier_bytes, design, unit)
+        )
+
+    async def _hand_over(self, name: str, what: str, write: Callable[[], Awaitable[bytes]]) -> None:
+        """Say that a file is being written, and hand it to the browser."""
+        self.bar.writing = what
         self._report.result = None
         try:
             await self._report.start(lambda _: write())
         finally:
             self.bar.writing = ""
         if self._report.message:
-            self._say(f"The report was not written. {self._report.message}")
+            self._say(f"The file was not written. {self._report.message}")
         elif self._report.result:
             self.bar.give(name, self._report.result)
         self._offer()

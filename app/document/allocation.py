@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from app.document.blocks import Table, Text, numbers, table
-from app.document.numbers import NONE, percent, signed_percent
+from app.document.numbers import NONE, number, percent, signed_percent
 from app.document.verdict import check_quantity
 from app.document.wording import printable
 from nav_model.base.errors import InputError
@@ -42,9 +42,9 @@ def outcome(design: Design, check: Check, found: Allocation) -> str:
     if found.closes:
         plan = design.allocation or Allotment()
         value = check_quantity(design, check, check.value)
-        now = "" if check.met else f" The estimates do not: together they are {value}."
-        return f"{whole}. The allocation closes: {SPLIT_WORDS[plan.split]}.{now}"
-    return f"{whole}. The allocation does not close: {', '.join(found.blocked_by)} locked too high."
+        excess = "" if check.met else f": {number(check.value / found.limit)} x too high"
+        return f"{whole}. Split: {SPLIT_WORDS[plan.split]}. Estimated {value}{excess}."
+    return f"{whole}. Does not fit: {', '.join(found.blocked_by)} locked too high."
 
 
 def allocation_table(budget: Budget, check: Check, key: str) -> Table | Text:

@@ -46,9 +46,7 @@ def value_ways(design: Design, solutions: Iterable[Solution]) -> tuple[Way, ...]
 
 def ways_table(found: Sequence[Way], *, closes: bool) -> Table:
     """The ways, for a design that ``closes`` already or does not; the value of a row is its text."""
-    what = (
-        "The design closes, and would with each of these alone" if closes else "Each of these alone closes the design"
-    )
+    what = "Largest values that still close, one at a time" if closes else "Each of these alone closes the design"
     return table(
         "ways",
         f"{what}. Click one to apply it; you can undo.",

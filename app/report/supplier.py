@@ -6,9 +6,24 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any, cast
 
-from app.document.blocks import Answer, Bullets, Cell, Chapter, Report, Row, Section, Table, Text, numbers, table
+from app.document.blocks import (
+    Answer,
+    Approval,
+    Bullets,
+    Cell,
+    Chapter,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    numbers,
+    table,
+)
+from app.document.html import to_html
 from app.document.wording import input_in_words, printable, title_of
 from nav_model.allan.result import axis_label
+from nav_model.base.errors import under
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
 from nav_model.design.own import Allotment
@@ -48,10 +63,10 @@ def supplier_report(design: Design, unit: Unit) -> Report:
     degrees = degrees_of(_HOUR, design.imu.rate) if unit == "imu" else _FIXES - 1.0  # of freedom, of the test
     values = _values(design, unit, lines, accepted_share(degrees)), Bullets(_conditions(design, unit))
     proof = Text(_proof(design, unit)), Text(_decision(unit, degrees))
-    title = f"Required of the {NAMES[unit]}: {title_of(design)}"
+    title = f"{NAMES[unit]} requirements for {title_of(design)}"
     chapter = Chapter(
         key=unit,
-        kind="Sheet for the supplier",
+        kind="Requirement sheet",
         title=title,
         running=design.content_hash[:12],
         facts=(
@@ -62,10 +77,23 @@ def supplier_report(design: Design, unit: Unit) -> Report:
         sections=(
             Section(f"{unit}-values", "Required values", values),
             Section(f"{unit}-proof", "How each is verified", proof),
+            Section("approval", "Approval", (Approval(("Prepared", "Checked", "Approved"), (title,)),)),
             Section(f"{unit}-sources", "Sources", (Bullets(_SOURCES[unit]),)),
         ),
     )  # fmt: skip
     return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), (chapter,), ())
+
+
+def supplier_bytes(design: Design, unit: Unit) -> bytes:
+    """The sheet of one unit as an HTML file.
+
+    Raises
+    ------
+    InputError
+        Where no unit can close the design, with the reason.
+    """
+    with under(f"No {NAMES[unit]} can close this design"):
+        return to_html(supplier_report(design, unit)).encode()
 
 
 def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float) -> Table:
@@ -143,7 +171,7 @@ def _decision(unit: Unit, degrees: float) -> str:
     said = (
         f"Decision: every axis may read at most {100 * accepted_share(degrees):.1f} % of the required value. That "
         f"is the root of the chi-square quantile at {100 * (1 - CONFIDENCE):.0f} % over the degrees of freedom, "
-        f"here {degrees:.0f}. A shorter log has fewer and accepts less"
+        f"here {degrees:.0f}. Shorter logs need a lower reading"
     )
     return f"{said}: navbudget allan LOG --against DESIGN computes both and decides." if unit == "imu" else f"{said}."
 

@@ -170,15 +170,13 @@ class StudyPage(View, Generic[_T]):
         verdict = self._verdict(result)
         grey = replace(verdict, word=verdict.word.lstrip("✓✗ "), tone="open")
         if self.run.running and before:
-            return grey, f"{running}. This is the result before it."
+            return grey, f"{running}. Showing the previous result."
         outdated = self._outdated(result)
         if problem and (self._refused or outdated or not self.run.cancelled):
-            return Answer(
-                self.refusal, "open", (problem, f"The charts are of the result before it: {grey.word}.")
-            ), ""
+            return Answer(self.refusal, "open", (problem, f"The charts show the previous result: {grey.word}.")), ""
         if outdated:
             return grey, outdated
-        return verdict, "The last run was cancelled. This is the result before it." if problem else ""
+        return verdict, "The last run was cancelled. Showing the previous result." if problem else ""
 
     # --- parts --------------------------------------------------------------------------------------------
 

@@ -109,7 +109,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
     if not budget.post_processed and growth > 1 + _GROWTH_SAID:
         said.append(
             "In real time the along-track quadratic phase takes the velocity error at the aperture's start [S-2]. "
-            f"With that in mid-aperture it is {growth:.3g} times as large, which the verdict leaves out."
+            f"With that in mid-aperture it is {growth:.3g} times as large; the verdict does not count that."
         )
     if budget.post_processed:
         change = budget.beside("turn_of_quadratic")
@@ -124,7 +124,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             said.append(
                 f"The residual after autofocus of order {budget.sar.autofocus_order} is along the line of sight of "
                 f"mid-aperture. With the turn it is {100 * abs(change):.2g} % "
-                f"{'larger' if change > 0 else 'smaller'}, which the verdict leaves out [P-5]."
+                f"{'larger' if change > 0 else 'smaller'}, not counted in the verdict [P-5]."
             )
     said += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     said += [sentence for holds, sentence in _STANDING if holds(design)]

@@ -91,7 +91,7 @@ _USUAL: dict[str, tuple[str, float, tuple[float, float]]] = {
     "level": ("dB", 10.0, (1e-3, 0.3)),
 }
 """Dimension -> unit, highest limit, and what a slider spans."""
-_GIVEN = "Not on data sheets: the requirement of the image product or of the mission."
+_GIVEN = "From the image or mission requirement."
 _REACHED = "reached with 1.5 m fixes at 1 Hz: "
 _AFTER_OUTAGE: dict[str, Any] = {"bounds": (1e-6, 1e7), "softbounds": (1e-2, 1e4)}
 

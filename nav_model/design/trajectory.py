@@ -31,7 +31,7 @@ def _number(
     given: dict[str, Any] = {} if default is None else {"default": default}
     return (OptionalQuantity if default is None else Quantity)(
         **given, dimension=dimension, unit=unit, bounds=bounds, softbounds=soft, short=short, label=label, doc=doc,
-        typical=typical, datasheet="Not on data sheets: the flight plan.", variable=False, since="0.1.0",
+        typical=typical, datasheet="Measured at installation.", variable=False, since="0.1.0",
     )  # fmt: skip
 
 
@@ -104,8 +104,8 @@ class Trajectory(Part):
         short="twp",
         example="45, 11, 3000, line 1; 45.05, 11, 3000; 45.05, 11.05, 3000",
         label="Waypoints",
-        doc="Latitude [°], longitude [°] and height above the ellipsoid [m]. A place with a name begins a line, "
-        "which ends at the next place.",
+        doc="Latitude [°], longitude [°] and height above the ellipsoid [m]. Name a waypoint to start a line there; "
+        "it ends at the next one.",
         since="0.1.0",
     )
     outages = Table(
@@ -138,7 +138,7 @@ class Trajectory(Part):
         example="10, 1.5; 30, 0.3",
         label="After each loss",
         doc="Duration [s] and position noise [m] of the solutions that follow a loss of fixes in turn, as code, then "
-        "float, before the receiver is as it was.",
+        "float, until fixed ambiguities return.",
         since="0.1.0",
     )
     heading_noise = _number(

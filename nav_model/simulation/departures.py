@@ -39,7 +39,7 @@ FloatArray = NDArray[np.float64]
 CAUSES: Final = {
     "biases": "the formula includes the residual biases, this covariance does not",
     "fixes": "the filter's sawtooth between fixes, of which the formula gives the average [T-8]",
-    "settling": "the filter is still settling, after the start or an outage; the formula is the steady state",
+    "settling": "settling; the formula holds for steady state",
     "earth": "Schuler, Coriolis and transport terms, gravity with height, local gravity [T-17]",
     "flight": "turns, climbs or wander, where [T-1] assumes straight and level",
     "filter": "the filter differs from that of the formula",

@@ -183,7 +183,7 @@ def test_the_read_out_says_the_curves_in_the_units_of_their_axes(visit: Visit) -
             page.get_by_label("Units").select_option("")
             page.keyboard.press("Escape")
         frame = page.locator(".bk-Figure:visible").nth(1)
-        said = rf"([−\d.]+) s   tilt ([\d.e−]+) {unit}   yaw growth [\d.e−]+ {unit}"
+        said = rf"([−\d.]+) s   tilt ([\d.e−]+) {unit}   heading growth [\d.e−]+ {unit}"
         place = 300
 
         def hovered(said: str = said, frame: Locator = frame) -> re.Match[str] | None:

@@ -86,11 +86,13 @@ def test_a_sheet_that_cannot_be_made_is_told_and_nothing_is_saved(visit: Visit) 
     page = visit()
     saved: list[str] = []
     page.on("download", lambda download: saved.append(download.suggested_filename))
-    page.get_by_role("tab", name="Sensors").click()
-    page.get_by_role("button", name="Sheet for the supplier: satellite receiver").click()
-    expect(page.get_by_text("There is no sheet for the satellite receiver: no noise is low enough")).to_be_visible()
+    report = page.get_by_role("button", name="Report", exact=True)
+    report.click()
+    page.get_by_role("button", name="Receiver requirement sheet (HTML)").click()
+    refused = page.get_by_text("No satellite receiver can close this design: no noise is low enough")
+    expect(refused).to_be_visible()
     for _ in range(2):  # the same file is saved again
         with page.expect_download() as waiting:
-            page.get_by_role("button", name="Sheet for the supplier: IMU").click()
-        assert b"Required of the IMU" in content(waiting.value)
+            page.get_by_role("button", name="IMU requirement sheet (HTML)").click()
+        assert b"IMU requirements for" in content(waiting.value)
     assert saved == ["imu-required.html"] * 2

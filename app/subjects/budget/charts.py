@@ -184,7 +184,7 @@ def response_curves(budget: Budget) -> Chart:
             for key, label, values, style in (  # an exact null has no logarithm
                 ("ideal", "no error", ideal, "reference"),
                 ("quadratic", "with 1σ quadratic error", spread[0], "quadratic"),
-                ("cubic", "and cubic", spread[1], "with cubic"),
+                ("cubic", "with quadratic and cubic", spread[1], "with cubic"),
             )
         ),
         y_range=(-45.0, 2.0),

@@ -62,9 +62,9 @@ class Contributors(View):
         self._contributors = RowEditor(
             _CONTRIBUTOR, lambda rows: self._enter("contributors", rows), noun="contributor", caption="Contributors"
         )
-        self._made = pmui.Select(label="Ready-made", options=list(READY_MADE), **_BOX)
+        self._made = pmui.Select(label="Typical contributors", options=list(READY_MADE), **_BOX)
         self._boxes = [pmui.TextInput(max_length=50, **_BOX | {"width": 330}) for _ in range(2)]
-        make = pmui.Button(label="Add ready-made", variant="outlined", margin=(16, 10))
+        make = pmui.Button(label="Add", variant="outlined", margin=(16, 10))
         make.on_click(lambda _: self._make())
         self._made_said = html_pane("")
         self._made.param.watch(lambda _: self._ask(), "value")
@@ -72,7 +72,7 @@ class Contributors(View):
         ready = pn.FlexBox(self._made, *self._boxes, make, stylesheets=[PRINT_NOTHING])
         self._limits = RowEditor(
             _limit_fields(()), lambda rows: self._enter("limits", rows), noun="requirement",
-            caption="Requirements on other values",
+            caption="More requirements",
         )  # fmt: skip
         self._requirement = pmui.Select(label="Requirement", **_BOX)
         splits = {words.capitalize(): split for split, words in SPLIT_WORDS.items()}

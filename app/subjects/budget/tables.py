@@ -78,7 +78,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
             *map(row, names),
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
-        "aperture [P-3]. CE90 and LE90 hold 90 %. "
+        "aperture [P-3]. CE90, LE90: 90 % values. "
         f"Requirements are checked for {budget.verdict.processing}.",
     )
 
@@ -126,7 +126,7 @@ def outage_table(budget: Budget, key: str) -> Table:
         ("Velocity hor. [m/s]", coast.velocity_horizontal),
         ("Velocity vert. [m/s]", coast.velocity_vertical),
         ("Tilt [°] [T-9]", np.degrees(coast.tilt)),
-        ("Yaw growth [°] [T-5]", np.degrees(coast.yaw_growth)),
+        ("Heading growth [°] [T-5]", np.degrees(coast.yaw_growth)),
     )
     return table(
         f"{key}-coast",

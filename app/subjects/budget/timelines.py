@@ -164,7 +164,7 @@ def velocity_chart(budget: Budget) -> Chart:
 
 
 def attitude_chart(budget: Budget) -> Chart:
-    """Tilt sigma and yaw growth against time."""
+    """Tilt sigma and heading growth against time."""
     return _drawn(together(budget)[2])
 
 
@@ -220,7 +220,7 @@ def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
     positions = ("horizontal_position", "vertical_position", "coast_horizontal_position", "coast_vertical_position")
     attitude = (
         *pair("tilt", "tilt", "tilt, real time", "tilt", coast.tilt, DEGREES),
-        ("yaw growth", "yaw", _after(coast.yaw_growth * DEGREES)),
+        ("heading growth", "yaw", _after(coast.yaw_growth * DEGREES)),
     )
     cited = _cited(budget)
     return (

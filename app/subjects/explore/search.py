@@ -69,7 +69,7 @@ class SearchPanel(Question):
         super().__init__(session=session, run=session.new_run())
         self._own: Offers = {kind: {} for kind in KINDS}
         self._opened_file = ("", "")
-        self._keep = pmui.Button(label="Keep in the library", variant="text", disabled=True, on_click=self._kept)
+        self._keep = pmui.Button(label="Save to library", variant="text", disabled=True, on_click=self._kept)
         self._of_library = pmui.Select(
             label="File in the library", visible=False, width=180, margin=(8, 8), size="small"
         )
@@ -104,7 +104,7 @@ class SearchPanel(Question):
             words,
             self._file,
             self._keep,
-            pmui.Button(label="Offers of the library", variant="text", on_click=self._load),
+            pmui.Button(label="Load from library", variant="text", on_click=self._load),
             self._of_library,
             self._remove,
             download("Example file", "sensors.toml", lambda: EXAMPLE),

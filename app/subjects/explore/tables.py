@@ -28,7 +28,7 @@ from nav_model.explore.uncertainty import Probability, UncertainVerdict
 _SURE = 0.95  # probability from which a verdict counts as sure
 _EACH = (
     "Solved with the other inputs fixed, rounded down to three digits. “Any”: every value the input may take meets "
-    "the limit. “None”: no value that can be bought or flown does."
+    "the limit. “None”: no realistic value does."
 )
 
 
@@ -45,7 +45,11 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], found: Sequence[Way]
     ((key, value),) = lever.changes.items()
     now = next(solution.current for solution in solutions if solution.key == key)
     room = float(value) / now if now else math.inf  # type: ignore[arg-type]
-    gap = f"{number(1 / room)} times too high" if room < 1 else f"{number(room)} times as much still closes"
+    gap = (
+        f"{number(1 / room)} times too high"
+        if room < 1
+        else ("at the limit" if room < 1.005 else f"{percent(room - 1)} headroom")
+    )
     other = (f"Changing the {_name(wanted)} alone is not enough.",) if wanted and wanted not in lever.changes else ()
     said = (f"You have {lever.now}: {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
     return Answer(f"Closes if {_name(key)} is {lever.value}", tone, said)
@@ -58,7 +62,10 @@ def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
     for check in budget.verdict.checks:
         if not check.met:
             helps = ", ".join(_phrase(budget.design, found) for found in remedies(solutions, check.name))
-            said.append(f"{check.label} alone would be met by {helps or 'no single input'}.")
+            name = figure_in_sentence(check.on)
+            said.append(
+                f"{helps[0].upper()}{helps[1:]} meets {name}." if helps else f"No single change meets {name}."
+            )
     return (*said, "Change two inputs together: see “Trade-off map”.")
 
 
@@ -208,7 +215,7 @@ def uncertain_table(found: UncertainVerdict) -> Table:
     return table(
         "uncertain",
         "Requirements under these ranges",
-        ("Requirement", *numbers("Met with", "Is the tightest in")),
+        ("Requirement", *numbers("Met in", "Tightest in")),
         ((label_of(name), _probability(p), percent(found.limiting[name])) for name, p in found.each.items()),
     )
 
@@ -240,7 +247,7 @@ def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answe
     first = int(sweep_order(columns)[0])
     margin = signed_percent(float(1 - sweep_ratios(columns)[first]))
     word = f"{good:,} of {plan.rows:,} designs meet all requirements"
-    which = "Least demanding that passes" if good else "Nearest"
+    which = "Smallest margin that passes" if good else "Nearest"
     said = f"{which}: {', '.join(_swept_values(plan, first))}; margin {margin}."
     return Answer(word, "warn" if stale else "good" if good else "bad", (*old, said))
 

@@ -297,6 +297,6 @@ def _answer(listing: _Listing) -> Answer:
     """What is in the library, in a line."""
     closing = sum(saved.closes is True for saved in listing.found)
     what = counted(len(listing.found), "design") + (" found" if listing.narrowed else " saved")
-    said = f"{closing} of {len(listing.found)} close." if closing else "None closes."
+    said = f"{closing} of {len(listing.found)} close." if closing else "No design closes."
     said = said if listing.found else "Save the current design."
     return Answer(what, "open", (said,))

@@ -125,7 +125,7 @@ def audit_table(review: Review) -> Table:
         ("Signed off", signed),
         ("Seal (SHA-256)", review.seal or "none before the signature"),
         ("Signature (Ed25519)", review.signature or "none"),
-        ("Integrity", intact),
+        ("Record", intact),
         ("What the signature promises", _PROMISE),
     ]
     for item, revision in zip(review.items, review.revisions, strict=True):

@@ -267,7 +267,9 @@ class ReviewRoom(View):
         self.desk.say("")
         waived, rejected = review.waivers(), review.rejected()
         own = sum(waiver.author == who for waiver in waived)
-        warned = f"You wrote {own} of the {counted(len(waived), 'waiver')} yourself. " if own else ""
+        warned = (
+            f"You wrote {'this waiver' if len(waived) == 1 else f'{own} of {len(waived)} waivers'}. " if own else ""
+        )
         said = Answer("", "warn" if own or rejected else "open", (f"{warned}A signed review never changes.",))
         self._to_sign.object = html_of(said)
         self._yes.label = (

@@ -26,7 +26,7 @@ _COLUMNS: dict[Kind, tuple[tuple[str, str, str, str], ...]] = {
 _CAPTIONS: dict[Kind, str] = {"imu": "IMUs of the catalogue", "radar": "Radars of the catalogue"}
 _DIGITS = 4  # as many as data sheets print
 _STATUS = (
-    "Every value was read in the source given with it. ⚠ secondary: read in a source that quotes the maker. ⚠ "
+    "Values marked ⚠ were not checked at the maker. ⚠ secondary: read in a source that quotes the maker. ⚠ "
     "assumed: a "
     "typical value chosen here. ⚠ unconfirmed: no source found. Press a heading to sort."
 )

@@ -176,7 +176,7 @@ class LogPanel(pn.viewable.Viewer):
         keys = error.key.split(", ")
         blamed = [key for key in keys if key in self.boxes]
         for key in blamed:
-            self._mark(key, error.reason if len(keys) == 1 else "not in the file, and needed")
+            self._mark(key, error.reason if len(keys) == 1 else "Required: the file does not give it")
         return bool(blamed)
 
     def _mark(self, key: str, wrong: str = "") -> None:
@@ -225,7 +225,7 @@ class LogPanel(pn.viewable.Viewer):
         if problem:
             self._say(f"Not used. {problem}")
         else:
-            self._say("The design now has the values, with their origin. You can undo.", "success")
+            self._say("Values and source copied to the design. You can undo.", "success")
 
 
 class StaticResult(View):

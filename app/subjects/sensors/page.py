@@ -1,31 +1,25 @@
 """The Sensors page: origins of the design's noise values, log analysis, and the catalogue, one view at a time."""
 
-from functools import partial
 from typing import Any
 
 import panel as pn
 
 from app.declared import held
 from app.document.pane import html_of
-from app.report import document_bytes
-from app.report.supplier import NAMES, supplier_report
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.data_sheet import DataSheetBox
 from app.subjects.sensors.log_panel import LogPanel, paper
 from app.subjects.sensors.tables import origin_answer, origin_table
 from app.ui.answer_strip import AnswerStrip
-from app.ui.downloads import download
 from app.ui.first_screen import screen_of_views
 from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.view import View
-from nav_model.base.errors import under
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Kind
 from nav_model.design.presets import preset_of
-from nav_model.explore.supplier import Unit
 
 _SCROLLED = """
 :host { overflow: auto; }
@@ -52,26 +46,12 @@ class SensorsPage(View):
         self._views = NamedViews(
             "What to see",
             {
-                "My log": lambda: _scrolled(self.log, self._supplier(), paper(self._origins)),
+                "My log": lambda: _scrolled(self.log, paper(self._origins)),
                 "IMUs": lambda: _scrolled(paper(self.sheet), self.tables["imu"]),
                 "Radars": lambda: _scrolled(self.tables["radar"]),
             },
         )
         self._view = screen_of_views(self._strip, self._views)
-
-    def _supplier(self) -> pn.FlexBox:
-        """The sheets for suppliers, to be saved."""
-
-        def made(unit: Unit) -> bytes:
-            with under(f"There is no sheet for the {NAMES[unit]}"):
-                return document_bytes(supplier_report(self.session.design, unit), ".html")
-
-        return pn.FlexBox(
-            *(
-                download(f"Sheet for the supplier: {name}", f"{unit}-required.html", partial(made, unit))
-                for unit, name in NAMES.items()
-            )
-        )
 
     def go_to(self, place: str) -> None:
         """Show the view of this name, such as "log" of "#sensors-log"."""

@@ -125,7 +125,7 @@ def _triad_table(title: str, quantity: str, axes: list[AxisNoise]) -> Table:
         f"{title}: noise coefficients",
         ("Axis", *(Column(head, width=1) for head in heads)),
         ((axis.name[-1], *_axis_cells(axis)) for axis in axes),
-        "<: not resolved; the log is consistent with none, and the coefficient is below this with 95 % probability.",
+        "< = 95 % upper bound, term not resolved.",
     )
 
 

@@ -173,7 +173,9 @@ class SimulatePage(StudyPage[Flown]):
         if not flown.partial:
             return said
         done = flown.study.result.spec.runs
-        rest = () if self.run.running else (f"The rest was not flown. Press Start to fly all {flown.wanted}.",)
+        rest = (
+            () if self.run.running else (f"{flown.wanted - done} runs remain. Press Start for all {flown.wanted}.",)
+        )
         word = "Running" if self.run.running else f"Partial: {done} of {flown.wanted} runs"
         return Answer(word, "open", (*rest, f"{said.word[2:]} after {done} runs.", *said.sentences))
 

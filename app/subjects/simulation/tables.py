@@ -40,8 +40,8 @@ def verdict(study: SimulationStudy) -> Answer:
     if result.nis is not None:
         nis = result.nis
         sentences.append(
-            f"Mean NIS {number(nis.mean)} of {number(nis.states)} measured axes, 95 % band {number(nis.low)} to "
-            f"{number(nis.high)}: {'inside' if nis.inside else 'outside'}."
+            f"NIS {number(nis.mean)}, expected {number(nis.states)} "
+            f"(95 % band {number(nis.low)} to {number(nis.high)})."
         )
     return Answer(word, tone, tuple(sentences))
 
@@ -128,7 +128,7 @@ def departures(study: SimulationStudy, key: str) -> Block:
         "Where formula and simulation differ, and why",
         (("Error", 1), ("When", 0.8), *ratios, ("Why, and by what factor", 2.2)),
         rows,
-        "Differences above 10 % just after the fix; of the simulated errors, only those significant at 0.1 %. Each "
+        "Differences above 10 % just after the fix that are significant at 0.1 %. Each "
         "cause is found by changing one thing at a time. Factors multiply; those below 3 % or a quarter "
         "of the largest are omitted.",
     )

@@ -107,7 +107,7 @@ class InputPanel(View):
             label="Use IMU of the design", icon="input", on_click=lambda _: self._take_design(), **_LOOK
         )
         reset = pmui.Button(
-            label="Reset to GP-1 reference case", icon="restart_alt",
+            label="Reset to the reference flight", icon="restart_alt",
             on_click=lambda _: self.adopt(lambda: DEFAULTS), **_LOOK,
         )  # fmt: skip
         return [self.file, save, take, reset]

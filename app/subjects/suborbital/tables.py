@@ -156,7 +156,7 @@ def gap_table(shown: Shown) -> NumberTable:
     return NumberTable(
         "linear",
         "Linear answers against the integrated INS",
-        ("source", "S p, INS [m]", "S p, INS [%]", "S p, tracker [m]", "S p, tracker [%]"),
+        ("source", "linear, INS [m]", "linear, INS [%]", "linear, tracker [m]", "linear, tracker [%]"),
         tuple(
             (called(study.names[k]), float(plain.pure_m[k]), float(100 * plain.pure_share[k]),
              float(plain.aided_m[k]), float(100 * plain.aided_share[k]))
@@ -180,7 +180,7 @@ def noise_table(shown: Shown) -> NumberTable:
             for ins, spread in spreads
             for i, channel in enumerate(CHANNELS)
         )
-        said = "No ensemble has been run at these inputs."
+        said = "Press Run for an ensemble."
     else:
         rows = tuple(
             (f"{ins}, {channel}", sigma, rms, rms / sigma if sigma > 0 else None, "yes" if inside else "no")

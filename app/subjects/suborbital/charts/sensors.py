@@ -45,7 +45,7 @@ def noise_chart(shown: Shown, channel: int) -> Chart:
         ("INS with tracker", study.aided_noise.position_sigma_m[:, channel]),
     )
     flown, low, high = (np.full(len(x), np.nan),) * 2, math.nan, math.nan
-    said = "No ensemble has been run at these inputs; only the prediction is drawn."
+    said = "Prediction only; press Run for an ensemble."
     if ensemble is not None:
         flown = (ensemble.pure_rms_m[:, channel], ensemble.aided_rms_m[:, channel])
         low, high = ensemble.low, ensemble.high

@@ -82,7 +82,7 @@ def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> N
     ]
     found = allocate(part.session.budget, "tilt")
     assert math.sqrt(sum(entry.allocated**2 for entry in found.entries)) == pytest.approx(0.7 * 0.01)
-    assert "closes: equal values" in part._outcome.object
+    assert "Split: equal values" in part._outcome.object
     before = part.session.design
     part._entries.put([{"lock": "2 m"} for _ in shown])
     assert part._entries.refused.startswith("gyro noise: ")
@@ -91,7 +91,7 @@ def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> N
     assert part.session.design == before
     part._reserve.value = "30 %"
     part._entries.put([{"lock": "20°"} for _ in shown])
-    assert "does not close" in part._outcome.object
+    assert "Does not fit" in part._outcome.object
     part.session.change({"requirements.tilt": None})
     assert "Detrended phase" in part._outcome.object
     part._entries.put([{"lock": "2 kg"} for _ in part._entries.rows])

@@ -126,7 +126,7 @@ def test_a_design_that_closes_is_told_how_far_each_input_may_go() -> None:
     assert budget.verdict.closes
     found = {way.what: way for way in ways(budget.design) if not way.what.startswith("IMU")}
     noise = found["Angle random walk"]
-    assert "closes, and would" in str(ways_block(budget, tuple(found.values())))
+    assert "still close, one at a time" in str(ways_block(budget, tuple(found.values())))
     ((key, most),) = noise.changes.items()
     assert analyse(budget.design.replace({key: most})).verdict.closes
     assert not analyse(budget.design.replace({key: 1.02 * most})).verdict.closes

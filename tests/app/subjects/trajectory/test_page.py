@@ -149,7 +149,7 @@ def test_the_page_follows_design_flight_and_file(session: Session, tmp_path: Pat
     page._file = File("plan.gpx", not_one)
     assert "plan.gpx: is not XML" in after(page, page.begin)
     assert "<h2>Plan not flown</h2>" in page._strip._text.object
-    assert "The charts are of the result before it: 1 of 1 line within" in page._strip._text.object
+    assert "The charts show the previous result: 1 of 1 line within" in page._strip._text.object
     assert page._strip._view.css_classes == ["open"]
     session.change({"trajectory.flight": "straight", "trajectory.duration": 60.0})
     assert "of the flight" in after(page, lambda: setattr(page, "flight", "straight"))
