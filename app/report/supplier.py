@@ -90,9 +90,9 @@ def supplier_bytes(design: Design, unit: Unit) -> bytes:
     Raises
     ------
     InputError
-        Where no unit can close the design, with the reason.
+        Where values cannot be required, with the reason.
     """
-    with under(f"No {NAMES[unit]} can close this design"):
+    with under(f"No requirement sheet for the {NAMES[unit]}"):
         return to_html(supplier_report(design, unit)).encode()
 
 

@@ -284,7 +284,7 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
     assert told["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)  # as the command has it
     here.inputs.put("gyros.white_noise", 1e-5)
     assert here.study.shown.ensemble is None
-    assert "No ensemble has been run" in noise_table(here.study.shown).note
+    assert "Press Run for an ensemble" in noise_table(here.study.shown).note
     assert "Run again" in here.noise.bar.message
 
 
