@@ -1,7 +1,8 @@
 export function render({ model }) {
   const place = document.createElement("div")
-  place.innerHTML = `<div role="group" aria-label="Start with"><span aria-hidden="true">Start with</span></div>
-    <p aria-live="polite"></p>`
+  place.innerHTML = `<p>Is your navigation good enough for your SAR image?</p>
+    <div role="group" aria-label="Start with"><span aria-hidden="true">Start with</span></div>
+    <p class="next" aria-live="polite"></p>`
   const group = place.querySelector("div")
   for (const name of model.names) {
     const button = document.createElement("button")
@@ -12,7 +13,7 @@ export function render({ model }) {
     for (const button of group.querySelectorAll("button")) {
       button.setAttribute("aria-pressed", button.textContent === model.chosen)
     }
-    place.querySelector("p").textContent = model.says
+    place.querySelector(".next").textContent = model.says
   }
   model.on("chosen", show)
   model.on("says", show)

@@ -168,12 +168,13 @@ class Approval:
 class Answer:
     """The answer to a question: one word with its sign, how it is set (good, bad, warn, open), and why.
 
-    On a page the word may be empty: a message of one sentence.
+    On a page the word may be empty: a message of one sentence. ``tip`` explains the word there.
     """
 
     word: str
     tone: str
     sentences: tuple[str, ...]
+    tip: str = ""
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,8 @@ def html_of(*blocks: Block, said: Said = prose) -> str:
 
 def _answer(answer: Answer, said: Said) -> str:
     why = " ".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)  # one line of text in a report
-    word = f"<h2>{said(answer.word)}</h2>" if answer.word else ""
+    tip = f' title="{escape(answer.tip)}"' if answer.tip else ""
+    word = f"<h2{tip}>{said(answer.word)}</h2>" if answer.word else ""
     return f'<div class="strip {answer.tone}" role="status">{word}{why}</div>'
 
 

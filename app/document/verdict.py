@@ -130,6 +130,7 @@ def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
     return Answer(
         *_word_and_tone(budget.verdict),
         (f"{tightest.label} {value}, limit {limit}{at}; {share} from {tightest.sensor}{_through(tightest)}.",),
+        "A design closes when every requirement is met.",
     )
 
 

@@ -55,6 +55,7 @@ def first_screen(
     sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
     # Two parts on top of each other in a view may need more than a low window leaves them: the view then scrolls.
     scrolls = within and max(len(left), len(right)) > 1
+    sheet = sheet.replace("SIDES", "0" if within else "10px")
     sheet = sheet.replace("LEAST", "225px" if scrolls else "0")
     sheet = sheet.replace("FLEX", "1 1 0" if within else "none").replace(
         "OVERFLOW", "auto" if scrolls else "clip" if within else "visible"

@@ -45,7 +45,7 @@ class NamedViews(View):
         self._places = {
             name: pn.Column(visible=False, sizing_mode="stretch_both", stylesheets=[NARROW]) for name in views
         }
-        look: dict[str, Any] = {"margin": (6, 10), "stylesheets": [PRINT_NOTHING, SWITCH]}
+        look: dict[str, Any] = {"margin": (6, 10, 6, 0), "stylesheets": [PRINT_NOTHING, SWITCH]}
         self._switch = pmui.RadioButtonGroup(label=label, options=list(self._groups), **look)
         self._switch.param.watch(self._turn, "value")
         self._within = pmui.RadioButtonGroup(label=f"{label}, one of a group", visible=False, **look)

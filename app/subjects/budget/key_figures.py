@@ -71,7 +71,8 @@ def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> 
         sight = float(phase_to_metres(amount, budget.sar.wavelength))
         # The quadratic phase is what autofocus has not taken yet.
         before = ", before autofocus" if "quadratic" in figure.name and budget.sar.autofocus_order > 1 else ""
-        return f"{display.show(sight, 'length')} along the line of sight, {how}{before}"
+        removed = "rms after a line is removed, " if figure.name == "detrended_phase" else ""
+        return f"{removed}{display.show(sight, 'length')} along the line of sight, {how}{before}"
     return f"{told}, {how}"
 
 

@@ -25,9 +25,9 @@ from app.session import Session
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.key_figures import key_figures
-from app.subjects.budget.tables import echo_table, processing_table, requirement_table, steady_table
+from app.subjects.budget.tables import echo_table, processing_table, requirement_table
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, described, head_html, source_note, takes
+from app.ui.chart_pane import ChartPane, described, head_html, takes
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
@@ -230,7 +230,6 @@ class BudgetPage(View):
             (
                 ("Requirements and cautions", lambda: details.text(requirements)),
                 ("Phase and image location, real time and post-processed", lambda: details.text(_both)),
-                ("Sources and methods", lambda: details.text(lambda budget: _sources(budget, self._display))),
                 (
                     "Paired echoes: vibration and oscillator",
                     lambda: details.text(lambda budget: html_of(echo_table(budget, "d"))),
@@ -277,11 +276,3 @@ def _both(budget: Budget) -> str:
         return html_of(processing_table(budget, "d"))
     except InputError as error:  # of the processing that is not the design's
         return f"<p>{escape(str(error))}</p>"
-
-
-def _sources(budget: Budget, display: Display) -> str:
-    notes = "".join(
-        f"<h3>{chart.title}</h3>{source_note(chart.knowledge)}"
-        for chart in (describe(budget) for describe in charts.BUDGET_CHARTS)
-    )
-    return html_of(key_figures(budget, display), steady_table(budget, "d", display)) + notes
