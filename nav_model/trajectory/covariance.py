@@ -28,7 +28,7 @@ from nav_model.trajectory.lines import judge
 from nav_model.trajectory.result import Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.start import settled_start
-from nav_model.trajectory.states import RADAR_TIME
+from nav_model.trajectory.states import RADAR_TIME, short_as_white
 
 FloatArray = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -59,6 +59,7 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     Raises InputError for a flight that cannot be flown or takes more steps, ArithmeticError where the covariance is
     not finite.
     """
+    given, spec = spec, replace(spec, study=short_as_white(spec.study))
     model = error_model(spec, most_steps)
     if spec.settled:
         start = settled_start(spec.study, model.states, model.truth.at(np.array([0])))
@@ -83,7 +84,7 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     )
     truth = model.truth.at(model.outputs)
     return TrajectoryResult(
-        spec=spec,
+        spec=given,
         time_s=truth.time_s,
         truth=truth,
         sources=_all_sources(spec, model),

@@ -5,8 +5,9 @@ then what is really there: biases, scale factors, misalignments, the slow GNSS e
 The filter's gains act on the first part; the second is considered. A source that is zero has no state and no noise.
 """
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE, SLOW_GNSS
 from nav_model.simulation.layout import ATTITUDE, BAROMETER, BIASES, HEADING, POSITION, VELOCITY
 from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
-from nav_model.simulation.specification import SimulationSpec
+from nav_model.simulation.specification import SimulationSpec, TriadModel
 
 FloatArray = NDArray[np.float64]
 MEASURED_BY: Mapping[str, slice] = {
@@ -26,6 +27,7 @@ MEASURED_BY: Mapping[str, slice] = {
 }
 """Sources of noise in what a fix measures, and which measurements have it."""
 RADAR_TIME = "radar time offset"
+_SHORTEST = 0.01  # s: correlation time of a process with states of its own
 
 
 class Error(NamedTuple):
@@ -65,6 +67,22 @@ class States:
     initial: FloatArray
     owner: NDArray[np.int64]
     believed: FloatArray
+
+
+def short_as_white(study: SimulationSpec) -> SimulationSpec:
+    """A study whose biases with a correlation time far below any step are the white noise that they act as.
+
+    Of sigma and time tau, a Gauss-Markov process has the density 2 sigma² tau at periods that are long against tau.
+    """
+
+    def changed(model: TriadModel) -> TriadModel:
+        if model.bias_instability == 0.0 or model.correlation_time >= _SHORTEST:
+            return model
+        white = model.bias_instability * math.sqrt(2.0 * model.correlation_time) / study.imu.vibration_factor
+        return replace(model, random_walk=math.hypot(model.random_walk, white), bias_instability=0.0)
+
+    imu = replace(study.imu, gyro=changed(study.imu.gyro), accelerometer=changed(study.imu.accelerometer))
+    return replace(study, imu=imu)
 
 
 def states_of(study: SimulationSpec, *, slow_error_known: bool = False) -> States:

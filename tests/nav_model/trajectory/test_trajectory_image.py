@@ -12,6 +12,7 @@ from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import settling, specification
+from nav_model.simulation.study_inputs import SimulationInputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.plan import Plan, Waypoint, fly
@@ -138,3 +139,20 @@ def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> 
     level = bias * math.sqrt(2) * math.cos(float(x.grazing_angle))
     expected = float(x.to_phase) * level * float(x.aperture) ** 2 / 8
     assert of_bias == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("sensor", ["gyro", "accelerometer"])
+def test_a_bias_that_is_forgotten_in_a_millisecond_acts_as_white_noise(sensor: str) -> None:
+    """Of the density of the sensor's own, it makes that noise sqrt(2) times as large."""
+    key = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}[sensor]
+    own = BASES[0][key] * BASES[0].imu.vibration_factor
+    sigma = own / math.sqrt(2 * 1e-3)
+    more = SimulationInputs(((f"{sensor}.bias_instability", sigma), (f"{sensor}.correlation_time", 1e-3)))
+    sizes = []
+    for design, others in (
+        (BASES[0], more),
+        (BASES[0].replace({key: BASES[0][key] * math.sqrt(2)}), SimulationInputs({})),
+    ):
+        study = specification(design, trajectory="straight", duration=300.0, every=100.0, more=others)
+        sizes.append(covariance(covariance_specification(design, study)).real_time.position[-1])
+    np.testing.assert_allclose(*sizes, rtol=1e-3)
