@@ -60,8 +60,8 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     fixes = np.concatenate([[-np.inf], time_s[model.is_fix]])
     last_fix = fixes[np.searchsorted(fixes, begin + _ROUNDING, side="right") - 1]
     begin = np.where(begin - last_fix < interval * (1.0 + 1e-9), last_fix, begin)
-    middle = np.minimum(np.searchsorted(time_s, begin + half), len(time_s) - 1)
-    speed = np.linalg.norm(model.truth.velocity[middle, :2], axis=1)
+    in_middle = np.column_stack([np.interp(begin + half, time_s, axis) for axis in model.truth.velocity.T])
+    speed = np.linalg.norm(in_middle[:, :2], axis=1)
     inside = (begin >= 0.0) & (begin + x.aperture <= time_s[-1]) & (speed > _SLOWEST)
     output, begin = np.flatnonzero(inside), begin[inside]
     first = np.searchsorted(time_s, begin + _ROUNDING, side="right") - 1
@@ -71,7 +71,7 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
         said = f"{len(output)} apertures of {nodes} steps are too many. Give fewer results or a shorter aperture."
         raise InputError("every", said)
     weights = np.zeros((len(output), nodes, COLUMNS, 6))
-    sight, across = directions(model.truth.velocity[middle[inside]], x)
+    sight, across = directions(in_middle[inside], x)
     # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
     slope = (2 * x.slant_range / (speed[inside] * math.cos(x.squint) * x.aperture))[:, None]
     for step in range(weights.shape[1] - 1):

@@ -13,8 +13,12 @@ from nav_model.design import Design
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import settling, specification
 from nav_model.simulation.study_inputs import SimulationInputs
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.truth import true_states
+from nav_model.trajectory.aperture import apertures_of, directions
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
+from nav_model.trajectory.errors import error_model
 from nav_model.trajectory.plan import Plan, Waypoint, fly
 from nav_model.trajectory.result import TrajectoryResult
 
@@ -156,3 +160,12 @@ def test_a_bias_that_is_forgotten_in_a_millisecond_acts_as_white_noise(sensor: s
         study = specification(design, trajectory="straight", duration=300.0, every=100.0, more=others)
         sizes.append(covariance(covariance_specification(design, study)).real_time.position[-1])
     np.testing.assert_allclose(*sizes, rtol=1e-3)
+
+
+def test_the_line_of_sight_in_a_turn_is_that_of_the_middle_of_the_aperture() -> None:
+    study = specification(BASES[0], trajectory="turns", duration=200.0)
+    spec = covariance_specification(BASES[0], study)
+    looks = apertures_of(error_model(spec), spec.inputs, study.gnss.interval)
+    middle = looks.begin + 0.5 * float(spec.inputs.aperture)
+    velocity = true_states(plan_trajectory(study.trajectory, study.duration), middle).velocity
+    np.testing.assert_allclose(looks.sight, directions(velocity, spec.inputs)[0], atol=0.003)
