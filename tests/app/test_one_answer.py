@@ -1,22 +1,33 @@
 """One requirement, one answer: value, limit, margin and verdict are the same wherever they are told."""
 
+import io
 import math
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import openpyxl
 import pytest
 
+from app.document.numbers import show_in
 from app.document.verdict import check_words, verdict_strip, verdicts_in_short
+from app.report.comparison import difference_tables
+from app.report.spreadsheet import workbook_bytes
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import requirement_table
 from app.subjects.sar.tables import answer
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.json import to_json
+from nav_model.budget.verdict import limit_on
 from nav_model.design import Design
+from nav_model.design.figures import FIGURES, REQUIRED
+from nav_model.design.own import Own, read_own
 from nav_model.design.parts import INPUTS
 from nav_model.explore.margins import ratios
+from nav_model.explore.supplier import required
 from nav_model.sar.design_case import conditions, judged
 from nav_model.sar.design_study import closed_forms
 from nav_model.sar.winners import map_of_winners
@@ -60,7 +71,36 @@ def some_design(random: np.random.Generator) -> Design:
         "coast_horizontal_position": 20.0, "coast_vertical_position": 20.0,
     }  # fmt: skip
     assert set(limits) <= set(INPUTS["requirements"])
-    return Design(keys | {f"requirements.{name}": limit for name, limit in limits.items()})
+    return Design(keys | {f"requirements.{name}": limit for name, limit in limits.items()}, own=some_entries(random))
+
+
+_SIZES = {"angle": "2°", "length": "0.2 m", "speed": "5 mm/s", "level": "-25 dB", "loss": "0.1 dB"}
+_LIMITS = {"angle": "9°", "length": "1 m", "speed": "1 cm/s", "level": "-15 dB", "loss": "1 dB"}
+
+
+def some_entries(random: np.random.Generator) -> Own:
+    """Contributors to some figures, and limits of the user's own on others."""
+    entering, limited = (random.choice(list(FIGURES), count, replace=False) for count in random.integers(0, 5, 2))
+    contributors = [
+        {
+            "name": f"error {n}",
+            "enters": str(name),
+            "value": _SIZES[FIGURES[name].dimension],
+            "kind": str(random.choice(["random", "systematic"])),
+            "allowance": "20 %",
+            "processing": str(random.choice(["both", "real time", "post-processed"]))
+            if FIGURES[name].smoothed_mark
+            else "both",
+        }
+        for n, name in enumerate(entering)
+    ]
+    limits = [
+        {"name": f"limit {n}", "on": str(name), "limit": _LIMITS[FIGURES[name].dimension]}
+        | ({"confidence": 3} if FIGURES[name].scaled and n % 2 else {})
+        | ({"at": "7 s"} if FIGURES[name].kind == "outage" and n % 2 else {})
+        for n, name in enumerate(limited)
+    ]
+    return read_own({"contributors": contributors, "limits": limits})
 
 
 @pytest.mark.long
@@ -101,11 +141,44 @@ def test_pages_report_and_command_give_one_verdict() -> None:
         assert said.tone == ("good" if check.met else "bad")
         assert f"{words.value}, limit {words.limit}, margin {words.margin}." in said.sentences[0]
         phase = 4 * math.pi / budget.sar.wavelength * design.requirements.confidence
-        own = closed.detrended[judged(design)]
-        assert phase * own == pytest.approx(check.value, rel=1e-9)
+        assert phase * closed.detrended[judged(design)] == pytest.approx(check.value, rel=1e-9)
         drawn = map_of_winners(conditions(budget))
         assert phase * drawn.sigma[drawn.strategies.index(judged(design))] == pytest.approx(check.value, rel=1e-9)
         if judged(design) == closed.advice.strategy:
             meets = re.search(r"(meets|misses) the limit", closed.advice.would_change)
             assert (meets[1] == "meets") is check.met
     assert min(seen.values()) > COUNT
+
+
+@pytest.mark.long
+def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: Path) -> None:
+    """With the values of the budget, and a value of every sheet at once within every limit that one of them keeps."""
+    random = np.random.default_rng(281)
+    for number in range(25):
+        design = some_design(random)
+        budget = analyse(design)
+        checks = {check.name: check for check in budget.verdict.checks}
+        book = openpyxl.load_workbook(io.BytesIO(workbook_bytes(budget)), data_only=True)
+        for verdict, sheet in (
+            (budget.judged("real time"), "Budget"),
+            (budget.judged("post-processed"), "Post-processed"),
+        ):
+            rows = {row[0].value: row for row in book[sheet].iter_rows(min_row=6)}
+            for check in verdict.checks:
+                assert rows[check.label][6].value == pytest.approx(check.margin, rel=1e-9, abs=1e-9), (
+                    number,
+                    check.name,
+                )
+                assert rows[check.label][7].value == ("met" if check.met else "not met")
+        _, figures, _ = difference_tables([budget, analyse(design.replace({"name": "B"}))], ["A", "B"])
+        shown = {row[0].text: row[1].text for row in figures.rows}
+        prior = analyse(design.replace({"requirements.steady_state": "prior"}))
+        for name in REQUIRED:
+            sigma, unit = prior.figure(name).sigma, limit_on(name).unit
+            assert shown[FIGURES[name].label] == show_in(sigma, unit, FIGURES[name].dimension)
+        try:
+            lines = [line for unit in ("imu", "gnss") for line in required(design, unit)]
+        except InputError:
+            continue
+        delivered = analyse(design.replace({line.key: line.value for line in lines})).verdict
+        assert all(check.margin > -1e-9 for check in delivered.checks if checks[check.name].margin < 1)
