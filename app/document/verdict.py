@@ -82,6 +82,8 @@ def verdict_of(budget: Budget) -> Answer:
     """The verdict: closes or not, at which confidence, what is tightest and what dominates it."""
     verdict, design = budget.verdict, budget.design
     tightest = verdict.tightest
+    if tightest is None and verdict.elsewhere:
+        return Answer(*_word_and_tone(verdict), (_elsewhere(verdict),))
     if tightest is None:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         return Answer(
@@ -105,8 +107,15 @@ def verdict_of(budget: Budget) -> Answer:
             f"{judged(verdict).capitalize()}, {met}.",
             f"Tightest: {name}, {words.value} against {words.limit}, margin {words.margin}.",
             f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
+            *((_elsewhere(verdict),) if verdict.elsewhere else ()),
         ),
     )
+
+
+def _elsewhere(verdict: Verdict) -> str:
+    """Which requirements are judged along a flight alone."""
+    names = ", ".join(map(figure_in_sentence, verdict.elsewhere))
+    return f"Judged along a flight only, on the page Flight: {names}."
 
 
 def _through(check: Check) -> str:
@@ -115,12 +124,16 @@ def _through(check: Check) -> str:
 
 
 def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
+    if verdict.elsewhere and all(check.met for check in verdict.checks):
+        return "Judged on Flight", "open"
     return ("✓ Closes", "good") if verdict.closes else ("✗ Does not close", "bad")
 
 
 def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
     """The verdict in one line: the tightest requirement, shown like the figures below it, and what dominates it."""
     tightest = budget.verdict.tightest
+    if budget.verdict.elsewhere and all(check.met for check in budget.verdict.checks):
+        return Answer(*_word_and_tone(budget.verdict), (_elsewhere(budget.verdict),))
     if tightest is None:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."

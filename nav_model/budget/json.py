@@ -12,7 +12,7 @@ from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget
 from nav_model.budget.verdict import Check, Verdict
 from nav_model.design.contributors import Contributor
-from nav_model.design.figures import FIGURES, REQUIRED, of_kind
+from nav_model.design.figures import FIGURES, OF_BUDGET, REQUIRED, of_kind
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -87,8 +87,8 @@ def to_json(budget: Budget) -> dict[str, Any]:
         },
         "spectral": _spectral(budget),
         "figures": {
-            "real_time": _sigmas_of(budget, REAL_TIME, *FIGURES),
-            "post_processed": _sigmas_of(budget, POST_PROCESSED, *FIGURES),
+            "real_time": _sigmas_of(budget, REAL_TIME, *OF_BUDGET),
+            "post_processed": _sigmas_of(budget, POST_PROCESSED, *OF_BUDGET),
         },
         "contributors": [_contributor(one, sar.wavelength) for one in design.contributors],
         "verdict": verdict_json(verdict),
@@ -122,6 +122,7 @@ def verdict_json(verdict: Verdict) -> dict[str, Any]:
         "closes": verdict.closes,
         "confidence": verdict.confidence,
         "tightest": verdict.tightest.name if verdict.tightest else None,
+        "elsewhere": list(verdict.elsewhere),
         "requirements": [_check(check) for check in verdict.checks],
     }
 
@@ -139,7 +140,7 @@ def _model_shares(budget: Budget, name: str) -> dict[str, float]:
 
 
 def _post_processed(budget: Budget) -> dict[str, Any]:
-    figures = {name: budget[name, POST_PROCESSED] for name in FIGURES}
+    figures = {name: budget[name, POST_PROCESSED] for name in OF_BUDGET}
     sigmas, lines = {name: figure.sigma for name, figure in figures.items()}, budget.phase_lines(POST_PROCESSED)
     return {
         **_sigmas(sigmas),

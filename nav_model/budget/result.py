@@ -39,7 +39,7 @@ from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.spectral import Spectral, spectral_of
 from nav_model.budget.verdict import Verdict, judge
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES
+from nav_model.design.figures import FIGURES, OF_BUDGET
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _MOMENTS = {"prior": "prior", "posterior": "posterior", "closed": "formula"}
@@ -97,10 +97,10 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return self.composed(*key)
 
     def __iter__(self) -> Iterator[tuple[str, str]]:
-        return ((name, processing) for processing in (REAL_TIME, POST_PROCESSED) for name in FIGURES)
+        return ((name, processing) for processing in (REAL_TIME, POST_PROCESSED) for name in OF_BUDGET)
 
     def __len__(self) -> int:
-        return 2 * len(FIGURES)
+        return 2 * len(OF_BUDGET)
 
     @property
     def processing(self) -> str:

@@ -9,7 +9,7 @@ from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Composed, Shares
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.figures import FIGURES, REQUIRED, label_of
+from nav_model.design.figures import FIGURES, label_of, of_kind
 from nav_model.design.parts import declaration_of
 
 
@@ -99,7 +99,8 @@ def makers_of(check: Check, source: str) -> Shares:
 class Verdict:
     """All checks, in the order of the requirements; ``tightest`` is the one with the least margin.
 
-    ``processing`` is the mode that the figures belong to: "real time" or "post-processed".
+    ``processing`` is the mode that the figures belong to: "real time" or "post-processed". ``elsewhere`` names the
+    requirements that only a flight can judge; with one of them, a budget alone does not close.
     """
 
     processing: str
@@ -107,13 +108,19 @@ class Verdict:
     confidence: float
     checks: tuple[Check, ...]
     tightest: Check | None
+    elsewhere: tuple[str, ...] = ()
 
 
 def required(design: Design) -> dict[str, Required]:
-    """Name of each check of a design -> its requirement, in the order of the verdict, without computing figures."""
+    """Name of each check of a budget -> its requirement, in the order of the verdict, without computing figures."""
+    return {name: given for name, given in all_required(design).items() if given.on not in of_kind("flight")}
+
+
+def all_required(design: Design) -> dict[str, Required]:
+    """The same with those that only a flight can judge."""
     usual: float = design.requirements.confidence
     requirements = {}
-    for name, key in REQUIRED.items():
+    for name, key in {name: figure.required_as for name, figure in FIGURES.items() if figure.required_as}.items():
         if (limit := getattr(design.requirements, key)) is not None:
             unit, factor = design.unit(f"requirements.{key}"), _factor(name, usual)
             requirements[name] = Required(name, None, limit, limit_on(name).dimension, unit, factor)
@@ -136,7 +143,7 @@ def confidence_of(design: Design, figure: str) -> float:
 
 def limit_on(name: str) -> BaseQuantity[float | None]:
     """The declaration of the requirement that limits a figure."""
-    declaration = declaration_of(f"requirements.{REQUIRED[name]}")
+    declaration = declaration_of(f"requirements.{FIGURES[name].required_as}")
     assert isinstance(declaration, BaseQuantity)
     return declaration
 
@@ -184,5 +191,6 @@ def judge(
             )
         )
     tightest = min(checks, key=lambda check: check.margin, default=None)
-    closes = all(check.met for check in checks)
-    return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest)
+    elsewhere = tuple(name for name, given in all_required(design).items() if given.on in of_kind("flight"))
+    closes = all(check.met for check in checks) and not elsewhere
+    return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest, elsewhere)

@@ -38,6 +38,7 @@ from nav_model.design.parts import (
     all_keys,
     declaration_of,
 )
+from nav_model.design.table import Table
 
 _NOTHING = Own()
 
@@ -257,11 +258,20 @@ class Design:
     def content_hash(self) -> str:
         """SHA-256 over every key and value, in hexadecimal; stable across runs, machines and units."""
         lines = [
-            f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(_without_sign(value))}"
+            f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(_identity(key, value))}"
             for key, value in self._values.items()
             if key not in LATER or value != declaration_of(key).default
         ]
         return hashlib.sha256("\n".join(lines + self.own.identity()).encode()).hexdigest()
+
+
+def _identity(key: str, value: Any) -> Any:
+    """What a text or a table counts as in a hash."""
+    if not isinstance(value, tuple):
+        return value
+    declaration = declaration_of(key)
+    assert isinstance(declaration, Table)
+    return _without_sign(declaration.identity(value))
 
 
 def _without_sign(value: Any) -> Any:

@@ -14,9 +14,10 @@ from typing import Any, Literal
 from nav_model.base.constants import DEGREE
 from nav_model.design.declaration import OptionalQuantity, in_sentence
 
-Kind = Literal["phase", "place", "level", "steady", "outage", "response"]
+Kind = Literal["phase", "place", "level", "steady", "outage", "response", "flight"]
 """What a figure is of: phase over the aperture, place of the image, side lobes of fast errors, the settled filter,
-a time after the last fix, the azimuth impulse response with the quadratic phase at one sigma."""
+a time after the last fix, the azimuth impulse response with the quadratic phase at one sigma; or of a flight alone,
+as a straight leg does not tell it."""
 
 
 @dataclass(frozen=True)
@@ -210,6 +211,13 @@ _DECLARED = (
     Figure("coast_vertical_velocity", "Vertical velocity after the outage", "speed", "outage", "[T-10]"),
     Figure("coast_tilt", "Tilt after the outage", "angle", "outage", "[T-9]"),
     Figure("coast_heading", "Heading growth in the outage", "angle", "outage", "[T-5]"),
+    _limited(
+        "heading", "Heading", "angle", "flight", "", "rhd",
+        "Along a flight, on each of its lines. A straight leg does not tell it, so only the page Flight and "
+        "`navbudget trajectory` judge it.",
+        "0.005 to 0.05° for a lidar or a camera", "0.2.0",
+        requirement={"bounds": (1e-6 * DEGREE, math.pi), "softbounds": (1e-3 * DEGREE, 1 * DEGREE)}, in_flight=True,
+    ),
     Figure("cep", "CEP", "length", "place", "[P-7]", "[P-7]", scaled=False),
     *(
         Figure(
@@ -238,10 +246,13 @@ def of_kind(*kinds: Kind) -> tuple[str, ...]:
     return tuple(name for name, figure in FIGURES.items() if figure.kind in kinds)
 
 
+OF_BUDGET = tuple(name for name, figure in FIGURES.items() if figure.kind != "flight")
+"""Figures that a budget has; the others are known along a flight alone."""
+
 REQUIRED: Mapping[str, str] = MappingProxyType(
-    {name: figure.required_as for name, figure in FIGURES.items() if figure.required_as}
+    {name: FIGURES[name].required_as for name in OF_BUDGET if FIGURES[name].required_as}
 )
-"""Figures that a requirement limits -> the name of that requirement."""
+"""Figures of a budget that a requirement limits -> the name of that requirement."""
 
 IN_FLIGHT = tuple(name for name, figure in FIGURES.items() if figure.in_flight)
 """Figures that are known along a flight."""

@@ -63,6 +63,14 @@ class Table(Declared, param.Parameter[Any]):
             if not any(cell not in (None, "") for cell in row[1:]):
                 raise InputError(f"{self.key}[{number}]", f"has one cell only. Write for example {self.example}.")
 
+    def identity(self, value: Any) -> Any:
+        """A value for a design's hash: columns that came after the table count where they have a cell."""
+        columns = self.columns.values()
+        later = [column is not None and column.since > self.since for column in columns]
+        return tuple(
+            tuple(cell for cell, new in zip(row, later, strict=True) if not new or cell is not None) for row in value
+        )
+
     def read(self, text: Any) -> Any:
         """Rows as text or as a design file has them -> the value.
 

@@ -19,11 +19,11 @@ from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
-from nav_model.design.figures import FIGURES
+from nav_model.design.figures import FIGURES, OF_BUDGET
 from nav_model.explore.margins import least, quantity
 
 _STEP = 1e-20
-RANKED = tuple(name for name, figure in FIGURES.items() if figure.kind != "response")
+RANKED = tuple(name for name in OF_BUDGET if FIGURES[name].kind != "response")
 """Figures that have a derivative: a measure of the impulse response is read off a curve."""
 SENSORS: Mapping[str, str] = {key: source for key in VARIABLES if (source := quantity(key).source)}
 """Inputs that are error sources -> the name a budget gives the source."""

@@ -30,7 +30,7 @@ from nav_model.base.errors import InputError, not_a_choice
 from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.figures import FIGURES, REQUIRED
+from nav_model.design.figures import OF_BUDGET, REQUIRED
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.design.presets import preset_fill
@@ -164,11 +164,11 @@ def _design(content: Any, folder: Path) -> Design:
 def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
     given = tables.get("results", list(REQUIRED))
     if not isinstance(given, list) or not given:
-        raise InputError("results", f"must be a list out of {', '.join(FIGURES)}")
+        raise InputError("results", f"must be a list out of {', '.join(OF_BUDGET)}")
     for name in given:
-        if name not in FIGURES:
-            raise InputError("results", not_a_choice(name, FIGURES), name)
-    return tuple(name for name in FIGURES if name in given)
+        if name not in OF_BUDGET:
+            raise InputError("results", not_a_choice(name, OF_BUDGET), name)
+    return tuple(name for name in OF_BUDGET if name in given)
 
 
 def _part_size(tables: Mapping[str, Any], usual: int) -> int:

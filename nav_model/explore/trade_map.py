@@ -11,13 +11,13 @@ from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
-from nav_model.design.figures import FIGURES
+from nav_model.design.figures import OF_BUDGET
 from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, value_of, worst
 
 SIZE = 64
 """Points along a side."""
 
-RESULTS = (ALL, *FIGURES)
+RESULTS = (ALL, *OF_BUDGET)
 """What a map can show: a figure at the confidence asked for, or the largest value over limit."""
 
 

@@ -12,7 +12,7 @@ from nav_model.budget import analyse
 from nav_model.budget.contributors import Contributors, Part
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime, with_fast
-from nav_model.budget.verdict import Check, confidence_of, required
+from nav_model.budget.verdict import Check, all_required, confidence_of
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
 from nav_model.design.figures import FIGURES, IN_FLIGHT
@@ -101,7 +101,7 @@ def _divided(design: Design) -> tuple[Most, tuple[Check, ...]]:
     other requirements, which are the same on every flight, as the budget has them."""
     lowest: dict[str, float] = {}
     others = []
-    for name, requirement in required(design).items():
+    for name, requirement in all_required(design).items():
         if requirement.on in IN_FLIGHT:
             limit = requirement.at_one_sigma
             lowest[requirement.on] = min(limit, lowest.get(requirement.on, limit))

@@ -42,6 +42,8 @@ class Processed:
         part = self.position if name.endswith("position") else self.velocity
         if name == "tilt":
             part = self.attitude[:, [0, 1, 1]]
+        if name == "heading":
+            part = self.attitude[:, [2, 2, 2]]
         found: FloatArray = part[:, 2] if name.startswith("vertical") else part[:, :2].max(axis=1)
         return np.asarray(with_contributors(found, self.entering.get(name, ())))
 

@@ -103,9 +103,10 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
     verdict, tightest = budget.verdict, budget.verdict.tightest
+    elsewhere = [f"{path}: NOT JUDGED {name}: a flight tells it, navbudget trajectory" for name in verdict.elsewhere]
     if tightest is None:
-        return [f"{path}: closes (the design has no requirement, so nothing was checked)"]
-    lines = []
+        return elsewhere or [f"{path}: closes (the design has no requirement, so nothing was checked)"]
+    lines = elsewhere
     for check in verdict.checks:
         words = check_words(budget.design, check)
         lines.append(

@@ -14,7 +14,7 @@ from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
 
 EVERY = [(section, name) for section, names in INPUTS.items() for name in names]
-_NO_GRADE = {"confidence", "steady_state", *LEVELS}
+_NO_GRADE = {"confidence", "steady_state", "heading", *LEVELS}
 REACHED = [key for key in INPUTS["requirements"] if key not in _NO_GRADE and "phase" not in key]
 
 

@@ -23,7 +23,8 @@ from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, lines_of, planned
 from nav_model.trajectory.specification import Line
 
-EXAMPLE = (Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml").read_text()
+EXAMPLE_FILE = Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml"
+EXAMPLE = EXAMPLE_FILE.read_text()
 PLAN = """
 [trajectory]
 flight = "waypoints"
@@ -144,6 +145,27 @@ def test_a_requirement_that_no_flight_changes_is_judged_as_on_budget_and_none_is
     assert all(line.closes for line in found.lines)
     assert not checks["tilt after 30 s"].met
     assert not found.closes
+
+
+def test_heading_is_required_of_a_flight_and_a_budget_alone_does_not_say_that_it_is_met() -> None:
+    text = EXAMPLE.replace("[requirements]", '[requirements]\nheading = "0.5°"')
+    own = parse_design(text + PLAN.replace("quadratic_phase = ", 'heading = "10°", quadratic_phase = '), "design")
+    flight = planned(own)
+    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    found = covariance(covariance_specification(own, study, flight.lines))
+    first, second = found.lines
+    assert first.worst["heading"] == pytest.approx(found.chosen.attitude[:, 2].max(), rel=0.2)
+    assert (first.limits["heading"], second.limits["heading"]) == (math.radians(0.5), math.radians(10.0))
+    relaxed = own.replace({key: None for key in own if key.startswith("requirements.") and "confidence" not in key
+                           and "steady" not in key and "heading" not in key})  # fmt: skip
+    verdict = analyse(relaxed).verdict
+    assert (verdict.checks, verdict.elsewhere, verdict.closes) == ((), ("heading",), False)
+    assert main(["check", str(EXAMPLE_FILE), "--set", "requirements.heading=1°"]) == 1
+
+
+def test_a_limit_on_heading_leaves_the_hash_of_designs_that_have_none() -> None:
+    """The hash that version 0.1.0 gave this design."""
+    assert design().content_hash == "7c03deca22e8631dbba7e02467f238cc986ec2cde23113cbbd5c51769312cb9a"
 
 
 def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not_flown_is_told_so() -> None:
