@@ -1,5 +1,10 @@
 """covariance(spec): the simulator's errors along a flight, in real time and smoothed, with the share of every source.
 
+    time     0 --------- node k-1 ------------ node k ------------ node k+1 ------- end
+    forward  P, z:       after its fix,  Phi:  before, then  K, H: after its fix          `_filtered`, `_forward`
+    back     lambda:     before its fix, Phi': after,  then (I - K H)': before its fix    `_later`
+    aperture             |--- weights on position and velocity at its nodes ---|          `_ends`, `_within`
+
 The gains come from the covariance that the filter believes; every source goes through the same gains, considered
 errors among them: one with noise as its own covariance, a constant one as what a sigma of it does to every state. The
 smoother is that of Bryson and Frazier, which gives what that of Rauch, Tung and Striebel gives [P-14]: the smoothed
@@ -64,22 +69,22 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     if spec.settled:
         start = settled_start(spec.study, model.states, model.truth.at(np.array([0])))
         model = replace(model, states=start)
-    run, looks = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
-    ends, by_innovation = _ends(model, run, looks)
+    run, apertures = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
+    ends, by_innovation = _ends(model, run, apertures)
     free_rest = aperture.free_rest(model.states, spec.inputs)
     reached = aperture.smoother_reaches(free_rest, spec.inputs, spec.study.gnss)
-    states, smooth, path = _later(model, run, looks, ends, whole_path=reached)
+    states, smooth, path = _later(model, run, apertures, ends, whole_path=reached)
     # In real time nothing later is known, and the INS is free from the aperture's start on.
     free = _Sums(np.zeros_like(smooth.rows), np.zeros_like(smooth.added))
-    _within(model, run, looks, free, None)
-    _within(model, run, looks, smooth, by_innovation)
-    variances, images, squares = _forward(model, run, looks, states, (free, smooth), path)
+    _within(model, run, apertures, free, None)
+    _within(model, run, apertures, smooth, by_innovation)
+    variances, images, squares = _forward(model, run, apertures, states, (free, smooth), path)
     rests = [free_rest[:, None]] * 2
     if reached:
-        whole = _mean_square(squares, model.time_s, looks, float(spec.inputs.aperture))
+        whole = _mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
         rests[1] = aperture.smoothed_rest(whole, images[1], free_rest)
     real_time, post_processed = (
-        _processed(spec, model, looks, values, image, rest, post)
+        _processed(spec, model, apertures, values, image, rest, post)
         for values, image, rest, post in zip(variances, images, rests, (False, True), strict=True)
     )
     truth = model.truth.at(model.outputs)
@@ -108,8 +113,8 @@ def _filtered(model: ErrorModel) -> _Filter:
             cross = p @ rows.T
             inverse = np.linalg.inv(rows @ cross + np.diag(variance))
             gain = cross @ inverse
-            kept = identity - gain @ rows
-            p = kept @ p @ kept.T + (gain * variance) @ gain.T
+            update = identity - gain @ rows  # I - K H
+            p = update @ p @ update.T + (gain * variance) @ gain.T
             found.gain[node], found.weight[node] = gain, rows.T @ inverse
         p = 0.5 * (p + p.T)
         found.covariance[node] = p
@@ -125,29 +130,29 @@ def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
     return found
 
 
-def _along(looks: Apertures, *, back: bool = False) -> Iterator[tuple[int, Indices, Indices]]:
+def _along(apertures: Apertures, *, back: bool = False) -> Iterator[tuple[int, Indices, Indices]]:
     """All apertures, node by node along each: which node of it, of which apertures, and that node of the flight."""
-    steps = range(looks.weights.shape[1])
-    for block in np.array_split(np.arange(len(looks.output)), len(looks.output) // _BLOCK + 1):
+    steps = range(apertures.weights.shape[1])
+    for block in np.array_split(np.arange(len(apertures.output)), len(apertures.output) // _BLOCK + 1):
         for step in reversed(steps) if back else steps:
-            on = block[looks.first[block] + step <= looks.last[block]]
-            yield step, on, looks.first[on] + step
+            on = block[apertures.first[block] + step <= apertures.last[block]]
+            yield step, on, apertures.first[on] + step
 
 
-def _ends(model: ErrorModel, run: _Filter, looks: Apertures) -> tuple[FloatArray, FloatArray]:
+def _ends(model: ErrorModel, run: _Filter, apertures: Apertures) -> tuple[FloatArray, FloatArray]:
     """What smoothing adds to the sums of the apertures: weights on λ at the end of each (apertures, COLUMNS, m), and
     on the innovations at its nodes (nodes, apertures, COLUMNS, r)."""
-    m, (count, nodes) = model.states.estimated, looks.weights.shape[:2]
+    m, (count, nodes) = model.states.estimated, apertures.weights.shape[:2]
     found = np.zeros((count, COLUMNS, m))
     by_innovation = np.zeros((nodes, count, COLUMNS, model.rows.shape[1]))
-    for step, on, node in _along(looks):
+    for step, on, node in _along(apertures):
         now = found[on]
         if step:
             moved = now @ model.top[node - 1, :, :m].swapaxes(1, 2)
             now = np.concatenate([moved, now[:, :, _AXES:] * model.kept[node - 1, None, : m - _AXES]], axis=2)
             by_innovation[step, on] = now @ run.weight[node]
             now -= (now @ model.rows[node, :, :m].swapaxes(1, 2)) @ run.gain[node].swapaxes(1, 2)
-        found[on] = now - looks.weights[on, step] @ run.covariance[node, :6]
+        found[on] = now - apertures.weights[on, step] @ run.covariance[node, :6]
     return found, by_innovation
 
 
@@ -160,7 +165,7 @@ class _Path(NamedTuple):
 
 
 def _later(
-    model: ErrorModel, run: _Filter, looks: Apertures, ends: FloatArray, *, whole_path: bool
+    model: ErrorModel, run: _Filter, apertures: Apertures, ends: FloatArray, *, whole_path: bool
 ) -> tuple[_Sums, _Sums, _Path]:
     """Position, velocity and roll, pitch, yaw smoothed at the outputs; what λ at the end of each aperture adds to
     its sums, on the errors there; and the smoothed path, of no node unless asked for."""
@@ -170,16 +175,16 @@ def _later(
     nodes = len(model.time_s) if whole_path else 0
     path = _Path(np.zeros((nodes, 6, n)), np.zeros((noisy, nodes, 3, 6)))
     driven = [error.source for error in model.states.drives]
-    ending, output_of = _by_node(looks.last), _by_node(model.outputs)
+    ending, output_of = _by_node(apertures.last), _by_node(model.outputs)
     carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
     for node in range(len(model.time_s) - 1, -1, -1):
         for at in output_of.get(node, ()):
             sums = model.shown[at, :, :m] @ run.covariance[node]
             states.rows[at] = model.shown[at] - sums @ carried
             states.added[:, at] = ((sums @ now) * sums).sum(axis=2)
-        for look in ending.get(node, ()):
-            images.rows[look] = ends[look] @ carried
-            images.added[:, look] = ((ends[look] @ now) * ends[look]).sum(axis=2)
+        for index in ending.get(node, ()):
+            images.rows[index] = ends[index] @ carried
+            images.added[:, index] = ((ends[index] @ now) * ends[index]).sum(axis=2)
         if whole_path:
             p = run.covariance[node, :6]
             path.rows[node] = np.eye(6, n) - p @ carried
@@ -188,9 +193,9 @@ def _later(
             break
         if model.is_fix[node]:
             rows, gain = model.rows[node], run.gain[node]
-            kept = np.eye(m) - rows[:, :m].T @ gain.T
-            by_noise = kept @ carried[:, :m] @ gain - run.weight[node]
-            carried, now = kept @ carried - by_noise @ rows, kept @ now @ kept.T
+            update = np.eye(m) - rows[:, :m].T @ gain.T  # (I - K H)'
+            by_noise = update @ carried[:, :m] @ gain - run.weight[node]
+            carried, now = update @ carried - by_noise @ rows, update @ now @ update.T
             now[model.measuring] += (by_noise * model.noise[node, :, None, :]) @ by_noise.T
         factors = carried[:, : model.states.moving] @ _factors(model, node)
         now[driven] += factors @ factors.swapaxes(1, 2)
@@ -200,14 +205,16 @@ def _later(
     return states, images, path
 
 
-def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_innovation: FloatArray | None) -> None:
+def _within(
+    model: ErrorModel, run: _Filter, apertures: Apertures, sums: _Sums, by_innovation: FloatArray | None
+) -> None:
     """Take the sums from the errors at the end of each aperture to those at its start, with the noises between."""
     radar = model.states.first.get(RADAR_TIME)
-    for step, on, node in _along(looks, back=True):
+    for step, on, node in _along(apertures, back=True):
         now = sums.rows[on]
-        now[:, :, :6] += looks.weights[on, step]
+        now[:, :, :6] += apertures.weights[on, step]
         if radar is not None:
-            now[:, :, radar] += np.einsum("acx,ax->ac", looks.weights[on, step], model.late[node, :6])
+            now[:, :, radar] += np.einsum("acx,ax->ac", apertures.weights[on, step], model.late[node, :6])
         if step:
             if by_innovation is not None:
                 by_noise = now[:, :, : model.states.estimated] @ run.gain[node] - by_innovation[step, on]
@@ -227,7 +234,7 @@ def _within(model: ErrorModel, run: _Filter, looks: Apertures, sums: _Sums, by_i
 
 
 def _forward(
-    model: ErrorModel, run: _Filter, looks: Apertures, states: _Sums, images: tuple[_Sums, _Sums], path: _Path
+    model: ErrorModel, run: _Filter, apertures: Apertures, states: _Sums, images: tuple[_Sums, _Sums], path: _Path
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Every source through the same gains.
 
@@ -238,7 +245,7 @@ def _forward(
     own = model.states
     m, n, s, size, sources = own.estimated, own.size, own.noisy, own.moving, len(own.sources)
     variances = np.zeros((2, sources, len(model.outputs), _AXES))
-    found = np.zeros((2, sources, len(looks.output), COLUMNS))
+    found = np.zeros((2, sources, len(apertures.output), COLUMNS))
     variances[1, :s], found[:, :s] = states.added, [part.added for part in images]
     squares = np.zeros((sources, len(path.rows), 3, 6))
     squares[:s] = path.added
@@ -257,7 +264,7 @@ def _forward(
         whole = np.hstack([noisy, (rows @ constant) ** 2 @ owned.T])
         return whole.reshape(2, -1, sources).swapaxes(1, 2)
 
-    starting, output_of = _by_node(looks.first), _by_node(model.outputs)
+    starting, output_of = _by_node(apertures.first), _by_node(model.outputs)
     driven = [error.source for error in model.states.drives]
     for node in range(len(model.time_s)):
         if node:
@@ -275,8 +282,8 @@ def _forward(
             now[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
         for at in output_of.get(node, ()):
             variances[:, :, at] += by_source(np.stack([model.shown[at], states.rows[at]]))
-        for look in starting.get(node, ()):
-            found[:, :, look] += by_source(np.stack([part.rows[look] for part in images]))
+        for index in starting.get(node, ()):
+            found[:, :, index] += by_source(np.stack([part.rows[index] for part in images]))
         if len(path.rows):
             rows = path.rows[node]
             noisy = (rows[:3, :size] @ now.reshape(size, -1)).reshape(3 * s, size) @ rows[:, :size].T
@@ -286,7 +293,7 @@ def _forward(
     return variances, found, squares
 
 
-def _mean_square(squares: FloatArray, time_s: FloatArray, looks: Apertures, length: float) -> FloatArray:
+def _mean_square(squares: FloatArray, time_s: FloatArray, apertures: Apertures, length: float) -> FloatArray:
     """Mean square of the smoothed error along the line of sight over each aperture (sources, apertures) [m²].
 
     The covariance of position changes by that of position with velocity, so between two nodes it is nearly the cubic
@@ -310,8 +317,8 @@ def _mean_square(squares: FloatArray, time_s: FloatArray, looks: Apertures, leng
             + h**2 * (u**4 / 4 - u**3 / 3) * change[:, node + 1]
         )
 
-    mean = (until(looks.begin + length) - until(looks.begin)) / length
-    return np.asarray(np.einsum("saij,ai,aj->sa", mean, looks.sight, looks.sight))
+    mean = (until(apertures.begin + length) - until(apertures.begin)) / length
+    return np.asarray(np.einsum("saij,ai,aj->sa", mean, apertures.sight, apertures.sight))
 
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:
@@ -326,8 +333,8 @@ def _factors(model: ErrorModel, node: int) -> FloatArray:
 
 def _by_node(nodes: Indices) -> Mapping[int, list[int]]:
     found: dict[int, list[int]] = {}
-    for look, node in enumerate(nodes.tolist()):
-        found.setdefault(node, []).append(look)
+    for index, node in enumerate(nodes.tolist()):
+        found.setdefault(node, []).append(index)
     return found
 
 
@@ -340,7 +347,7 @@ def _all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
 def _processed(
     spec: CovarianceSpec,
     model: ErrorModel,
-    looks: Apertures,
+    apertures: Apertures,
     variances: FloatArray,
     image: FloatArray,
     rest: FloatArray,
@@ -360,9 +367,9 @@ def _processed(
     found: dict[str, FloatArray] = {}
     for name, values in aperture.figures(image, spec.inputs, rest).items():
         groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
-        groups[name][:, looks.output] = np.maximum(values, 0.0)
+        groups[name][:, apertures.output] = np.maximum(values, 0.0)
         found[name] = np.sqrt(groups[name].sum(axis=0))
-    found["ce90"][looks.output] = aperture.circular(image.sum(axis=0), spec.inputs)
+    found["ce90"][apertures.output] = aperture.circular(image.sum(axis=0), spec.inputs)
     processing = POST_PROCESSED if post else REAL_TIME
     entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
     shares = {}
