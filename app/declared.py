@@ -8,15 +8,15 @@ import param
 T = TypeVar("T")
 
 
-def held(kind: type[T], *, constant: bool = True) -> T:
+def required(kind: type[T], *, constant: bool = True) -> T:
     """A parameter that holds an instance of `kind`, never None and never a copy.
 
-    Declared on a class, ``session = held(Session)`` reads as that instance, for the type checker too.
+    Declared on a class, ``session = required(Session)`` reads as that instance, for the type checker too.
     """
     return cast(T, param.ClassSelector(class_=kind, allow_None=False, instantiate=False, constant=constant))
 
 
-def perhaps(kind: type[T], doc: str) -> T | None:
+def optional(kind: type[T], doc: str) -> T | None:
     """The same, or None, as at first."""
     return cast(T, param.ClassSelector(class_=kind, default=None, allow_None=True, instantiate=False, doc=doc))
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import param
 
-from app.declared import declared, held, perhaps
+from app.declared import declared, optional, required
 from app.examples import EXAMPLES, example
 from app.work.run import Run
 from nav_model.base.errors import InputError
@@ -52,8 +52,8 @@ class Session(param.Parameterized):
     of this person alone.
     """
 
-    lineage = held(Lineage, constant=False)
-    budget = held(Budget, constant=False)
+    lineage = required(Lineage, constant=False)
+    budget = required(Budget, constant=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
     shown = param.String(doc="How figures are told, as a link says it (`app.document.display`); empty: as usual.")
     study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
@@ -63,7 +63,7 @@ class Session(param.Parameterized):
     findings: dict[str, Any] = declared(
         param.Dict(default={}, doc="Kind -> its last finished study, of whatever design.")
     )
-    compared = perhaps(
+    compared = optional(
         Compared, "What the budget is held against: the value before the last change, or a design that was chosen."
     )
     narrow = param.Boolean(default=False, doc="Whether the window was narrow when the page was made, as on a phone.")

@@ -14,17 +14,17 @@ from app.dashboard.lifeline import Lifeline
 from app.dashboard.opening import opening
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
-from app.declared import held
+from app.declared import required
 from app.document.display import ONE_SIGMA, display_of
 from app.session import Lineage, Session, link_parts
 from app.subjects import TABS, tab_index
-from app.ui.faults import tell_here
+from app.ui.faults import report_to
 from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
 from app.ui.remembered import DISPLAY_COOKIE, Remembered
 from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
-from app.ui.turns import next_turn, once_quiet
+from app.ui.turns import debounce, defer
 from app.upstream.browser import Repairs
 from app.upstream.neighbours import follow_own_work
 from nav_model.base.errors import InputError
@@ -52,11 +52,11 @@ class Page(Protocol):
 class Frame(pn.viewable.Viewer):
     """The page of one session."""
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session, notice: str = "") -> None:
         super().__init__(session=session)
-        self._keep_soon = once_quiet(self._keep)
+        self._keep_soon = debounce(self._keep)
         self._opening = opening()
         session.narrow = self._opening.narrow
         self._pages: dict[int, Page] = {}
@@ -84,7 +84,7 @@ class Frame(pn.viewable.Viewer):
         self._toolbar.bar.param.watch(self._turned, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
-            tell_here(self._say)
+            report_to(self._say)
             pn.state.on_session_destroyed(lambda _: session.close())
         if pn.state.location:
             # The part of the address after # reaches the server only from the page, before the page can be changed.
@@ -99,7 +99,7 @@ class Frame(pn.viewable.Viewer):
     def _show(self) -> None:
         page = self._pages.get(self._toolbar.bar.active)  # None where it is not made yet, or could not be
         with pn.io.hold():
-            self._unsay()
+            self._clear_message()
             for view in (self._sidebar, page, self._toolbar):
                 if view is not None:
                     view.show(self.session.budget)
@@ -167,7 +167,7 @@ class Frame(pn.viewable.Viewer):
             leave()
         with pn.io.hold():
             if not self._addressed:  # what was said while the page was loaded stays
-                self._unsay()
+                self._clear_message()
             self._say_width()
             self._tour.offers = event.new == 0  # elsewhere it would lie over figures
             for index, place in enumerate(self._places):
@@ -178,7 +178,7 @@ class Frame(pn.viewable.Viewer):
         # The address that opened this page stays as it is: a new one would clear the browser's Forward history.
         if location and not self._addressed and tab_index(location.hash.lstrip("#").partition("-")[0]) != event.new:
             location.hash = f"#{name}"
-        next_turn(functools.partial(self._fill, event.new))
+        defer(functools.partial(self._fill, event.new))
 
     def _fill(self, index: int) -> None:
         """Create or update the page that was chosen, and go to the requested place on it."""
@@ -269,7 +269,7 @@ class Frame(pn.viewable.Viewer):
         """Show a message above the page; an empty text removes the last one."""
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
 
-    def _unsay(self) -> None:
+    def _clear_message(self) -> None:
         """Take back a message that was of an earlier action."""
         if self._notice.visible:
             self._say("")

@@ -10,7 +10,7 @@ from app.dashboard.comparison import ComparisonChoice
 from app.dashboard.controls import design_groups, input_of
 from app.dashboard.geometry import geometry_sketch
 from app.dashboard.start import STARTS, StartChoice
-from app.declared import held
+from app.declared import required
 from app.session import Session
 from app.ui.input_sheet import Group, InputSheet
 from nav_model.budget import Budget
@@ -29,7 +29,7 @@ class Sidebar(pn.viewable.Viewer):
         Whether the address names no design: the first question is asked then.
     """
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session, lead_to: Callable[[str], object], empty: bool) -> None:
         super().__init__(session=session)

@@ -10,7 +10,7 @@ import param
 
 from app.dashboard.bar import Bar
 from app.dashboard.report_choice import ReportChoice
-from app.declared import held
+from app.declared import required
 from app.document.display import display_of
 from app.document.wording import chapter_key, slug
 from app.report import report_bytes
@@ -38,7 +38,7 @@ class Toolbar(View):
         Where the examples appear when they are asked for.
     """
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session, say: Callable[..., None], examples: pn.Column) -> None:
         super().__init__(session=session)

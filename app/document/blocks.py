@@ -66,10 +66,10 @@ class Table:
     ticks: bool = False
 
 
-Told = Cell | str
+CellLike = Cell | str
 """A cell as it is told: often a text without more."""
 
-Row = tuple[Told, ...]
+Row = tuple[CellLike, ...]
 
 
 def table(

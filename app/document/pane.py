@@ -9,7 +9,7 @@ from app.document.blocks import MARK, UNIT_GAP, Answer, Block, Bullets, Cell, Co
 from app.document.tiles import tiles_html
 from nav_model.equations import ALL_EQUATIONS
 
-Said = Callable[[str], str]
+Prose = Callable[[str], str]
 """Literal text -> HTML: escaped, its equation marks as links to where this document has them."""
 _TITLES = {equation.mark: equation.title for equation in ALL_EQUATIONS}
 _RATE = re.compile(r"[\d.]+[ \N{NO-BREAK SPACE}][°µ\w]+/[°µ√\w/]+")  # a line may end at the stroke of m/s/√h
@@ -28,7 +28,7 @@ def _link(found: re.Match[str]) -> str:
     return f'<a class="eq" href="#theory-{mark}" title="{escape(_TITLES[mark])}">{found[0]}</a>'
 
 
-def html_of(*blocks: Block, said: Said = prose) -> str:
+def html_of(*blocks: Block, said: Prose = prose) -> str:
     """Blocks as HTML, in order.
 
     Raises
@@ -39,7 +39,7 @@ def html_of(*blocks: Block, said: Said = prose) -> str:
     return "".join(_RENDERERS[type(block)](block, said) for block in blocks)
 
 
-def _answer(answer: Answer, said: Said) -> str:
+def _answer(answer: Answer, said: Prose) -> str:
     why = " ".join(f"<p>{said(sentence)}</p>" for sentence in answer.sentences)  # one line of text in a report
     tip = f' title="{escape(answer.tip)}"' if answer.tip else ""
     word = f"<h2{tip}>{said(answer.word)}</h2>" if answer.word else ""
@@ -50,7 +50,7 @@ _SENTENCES = 1.8  # weight of a column beyond which it holds sentences and keeps
 _MANY = 20  # rows of a sorted table beyond which it scrolls by itself
 
 
-def _table(table: Table, said: Said) -> str:
+def _table(table: Table, said: Prose) -> str:
     """A table in a region that scrolls by itself; a mark is printed as a word, never by colour alone."""
     body = "".join(_row(row, table, said) for row in table.rows)
     note = f'<p class="note quiet">{said(table.note)}</p>' if table.note else ""
@@ -62,7 +62,7 @@ def _table(table: Table, said: Said) -> str:
     )
 
 
-def _heads(columns: tuple[Column, ...], said: Said) -> str:
+def _heads(columns: tuple[Column, ...], said: Prose) -> str:
     groups = ""
     if any(column.group for column in columns):
         parts = []
@@ -74,7 +74,7 @@ def _heads(columns: tuple[Column, ...], said: Said) -> str:
     return f"{groups}<tr>{heads}</tr>"
 
 
-def _head(column: Column, said: Said) -> str:
+def _head(column: Column, said: Prose) -> str:
     return f'<button type="button">{said(column.title)}</button>' if column.sortable else said(column.title)
 
 
@@ -84,7 +84,7 @@ def _css(column: Column) -> str:
     return ' class="wide"' if column.width > _SENTENCES else ""
 
 
-def _row(row: tuple[Cell, ...], table: Table, said: Said) -> str:
+def _row(row: tuple[Cell, ...], table: Table, said: Prose) -> str:
     first, *others = row
     if not others:
         heading = f'<th scope="rowgroup" colspan="{len(table.columns)}">{said(first.text)}</th>'
@@ -100,7 +100,7 @@ def _sort(cell: Cell) -> str:
     return "" if cell.sort is None else f' data-sort="{escape(str(cell.sort))}"'
 
 
-def _chosen(cell: Cell, said: Said, tick: bool = False) -> str:
+def _chosen(cell: Cell, said: Prose, tick: bool = False) -> str:
     """A cell, with what a person chooses by it."""
     text, value = _cell(cell, said), escape(cell.value)
     if tick and value:
@@ -108,14 +108,14 @@ def _chosen(cell: Cell, said: Said, tick: bool = False) -> str:
     return f'<button type="button" value="{value}">{text}</button>' if value else text
 
 
-def _cell(cell: Cell, said: Said) -> str:
+def _cell(cell: Cell, said: Prose) -> str:
     text = said(cell.text).replace("\n", "<br>")
     if cell.mark:
         return f'{text} <span class="mark {cell.tone}">{escape(cell.mark)}</span>'
     return f'<span class="tone {cell.tone}">{text}</span>' if cell.tone else text
 
 
-def _bullets(bullets: Bullets, said: Said) -> str:
+def _bullets(bullets: Bullets, said: Prose) -> str:
     name = f'<p class="name">{said(bullets.caption)}</p>' if bullets.caption else ""
     label = f' aria-label="{escape(bullets.caption)}"' if bullets.caption else ""
     items = "".join(f"<li>{said(item)}</li>" for item in bullets.items)

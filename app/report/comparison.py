@@ -9,13 +9,13 @@ import numpy as np
 from app.charts.kinds import Bar, BarChart, Chart, Line
 from app.document.blocks import (
     Cell,
+    CellLike,
     Chapter,
     ChartBlock,
     Column,
     Row,
     Section,
     Table,
-    Told,
     chart_block,
     numbers,
     table,
@@ -119,7 +119,7 @@ def _figures(
     by_design = [_sigmas(budget) for budget in budgets]
     sigmas = {name: [found[name] for found in by_design] for name in _COMPARED}
 
-    def cell(name: str, design: int) -> Told:
+    def cell(name: str, design: int) -> CellLike:
         limit, pair, sigma = limit_on(name), FIGURES[name].pair, sigmas[name][design]
         text = (
             show_in(sigma, limit.unit, limit.dimension)
@@ -157,7 +157,7 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
 
     differing = own_differences(designs)
 
-    def cell(design: int, section: str, name: str) -> Told:
+    def cell(design: int, section: str, name: str) -> CellLike:
         text = shown_value(designs[design], section, name) or "not given"
         sourced = sourced_value(designs[design], section, name)
         return text if sourced is None or sourced.confirmed else Cell(text, sourced.status, "warn")

@@ -26,7 +26,7 @@ from app.serving.board import Row
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules, is_loopback
-from app.ui.faults import caught
+from app.ui.faults import handle
 from app.upstream.connection import FirstChanges, LostConnection, NoTracebacks
 from app.upstream.late_session import end_session, new_token, person_of
 from app.upstream.requests import serve_only
@@ -112,7 +112,7 @@ async def hang_up_on_ended_logins() -> None:
 
 def caught_on_a_page(fault: BaseException) -> None:
     """Handle an exception in a page's callback; a page that goes on causing them is closed: each fills the log."""
-    caught(fault)
+    handle(fault)
     if isinstance(fault, InputError):
         return
     for page in list(_connections):

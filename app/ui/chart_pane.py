@@ -16,7 +16,7 @@ from app.document.pane import prose
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME, ON_A_PHONE, PRINT_NOTHING, PRINT_WHOLE
-from app.ui.turns import once_quiet
+from app.ui.turns import debounce
 from app.work.pool import run_in_pool
 
 _T = TypeVar("_T")
@@ -27,8 +27,8 @@ class ChartPane(Generic[_T]):
     data.
 
     With a height of None it fills its place (`app.ui.first_screen`): title, legend and a button for source and method
-    share one line, and the page offers the data elsewhere (`takes`). Its texts are updated when a slider stops;
-    ``moving``, if given, describes the part that follows at once.
+    share one line, and the page offers the data elsewhere (`download_buttons`). Its texts are updated when a slider
+    stops; ``moving``, if given, describes the part that follows at once.
     """
 
     def __init__(
@@ -48,12 +48,12 @@ class ChartPane(Generic[_T]):
         phone = [ON_A_PHONE] if self._fills else []
         figure = pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode=sizing), sizing_mode=sizing, stylesheets=phone)
         if self._fills:
-            self._tell_soon = once_quiet(lambda: self._tell(describe(current())))
+            self._tell_soon = debounce(lambda: self._tell(describe(current())))
             self._takes: list[pmui.FileDownload] = []
             self.view = pn.Column(self._title, figure, sizing_mode=sizing, stylesheets=[PRINT_WHOLE])
             return
         self._know = html_pane(_know(chart))
-        self._takes = takes(describe, current)
+        self._takes = download_buttons(describe, current)
         self.view = pn.Column(
             self._title,
             figure,
@@ -85,7 +85,7 @@ class ChartPane(Generic[_T]):
         return f"<h3>{escape(chart.title)}</h3>"
 
 
-def takes(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list[pmui.FileDownload]:
+def download_buttons(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list[pmui.FileDownload]:
     """Buttons that take a chart's data away (CSV), or the chart as it prints (SVG)."""
     chart = describe(current())
     csv_label, svg_label = _labels(chart)

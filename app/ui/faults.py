@@ -18,7 +18,7 @@ _LOGGER = logging.getLogger("navbudget")
 _tellers: WeakKeyDictionary[Document, WeakMethod[Callable[[str], None]]] = WeakKeyDictionary()
 
 
-def tell_here(say: Callable[[str], None]) -> None:
+def report_to(say: Callable[[str], None]) -> None:
     """Have faults in the current session reported by `say`, a method; does nothing outside a session.
 
     The method is not kept alive: it belongs to a page, and what is told of faults must not hold pages in memory.
@@ -33,7 +33,7 @@ def unsay() -> None:
         say("")
 
 
-def caught(fault: BaseException) -> None:
+def handle(fault: BaseException) -> None:
     """Handler of exceptions in callbacks (`pn.config.exception_handler`)."""
     say = _teller()
     if say is not None and isinstance(fault, InputError):

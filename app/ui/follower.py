@@ -43,7 +43,7 @@ class Follower(Generic[_T]):
             for show in tuple(self._shows):  # a part may make others, which have the result already
                 show(result)
 
-    def also(self, show: Callable[[_T], object]) -> None:
+    def add(self, show: Callable[[_T], object]) -> None:
         """Have ``show`` called with the result: now, if there is one, and whenever the page follows."""
         self._shows.append(show)
         result = self._current()
@@ -53,7 +53,7 @@ class Follower(Generic[_T]):
     def text(self, tell: Callable[[_T], str], margin: int | tuple[int, ...] = (4, 10)) -> TextPane:
         """HTML of the result; a text that stays the same is not sent."""
         pane = html_pane(self._coming, margin)
-        self.also(lambda result: pane.say(tell(result)))
+        self.add(lambda result: pane.say(tell(result)))
         return pane
 
     def later(self, make: Callable[[], Any], waiting: Any = None, **look: Any) -> pn.Column:
@@ -65,7 +65,7 @@ class Follower(Generic[_T]):
             if place[0] is waiting:
                 place.objects = [make()]
 
-        self.also(show)
+        self.add(show)
         return place
 
     def chart(self, draw: Callable[[_T], Plotted], height: int | None = None) -> pn.Column:

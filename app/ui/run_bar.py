@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import held
+from app.declared import required
 from app.ui.html_pane import html_pane
 from app.ui.view import View
 from app.work.run import Progress, Run
@@ -23,7 +23,7 @@ class RunBar(View):
     that says why a run failed.
     """
 
-    run = held(Run)
+    run = required(Run)
     message = param.String(default="", doc="What to say between runs, as text, until a run says more.")
 
     def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any, strip: bool = False) -> None:

@@ -9,11 +9,11 @@ import panel as pn
 import param
 
 from app.charts.kinds import AnyChart
-from app.declared import held
+from app.declared import required
 from app.document.blocks import Answer
 from app.session import Session
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import takes
+from app.ui.chart_pane import download_buttons
 from app.ui.follower import Follower
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
@@ -34,7 +34,7 @@ class StudyPage(View, Generic[_T]):
     (`_verdict`), whether one is of other inputs (`_outdated`), and writes its charts (`_write`).
     """
 
-    run = held(Run)
+    run = required(Run)
     kind: ClassVar[str]
     settings: ClassVar[tuple[str, ...]] = ()
     waiting: ClassVar[Answer]
@@ -191,4 +191,6 @@ def exports(
     files: list[pn.viewable.Viewable], draws: list[Callable[[_T], AnyChart]], current: Callable[[], _T]
 ) -> pn.FlexBox:
     """Downloads of a result: files, then every chart's data (CSV) and drawing (SVG)."""
-    return pn.FlexBox(*files, *(take for draw in draws for take in takes(draw, current)), stylesheets=[PRINT_NOTHING])
+    return pn.FlexBox(
+        *files, *(take for draw in draws for take in download_buttons(draw, current)), stylesheets=[PRINT_NOTHING]
+    )

@@ -16,7 +16,7 @@ def _is_open(document: Document) -> bool:
     return document.session_context is not None and not document.session_context.destroyed
 
 
-def next_turn(work: Callable[[], object]) -> None:
+def defer(work: Callable[[], object]) -> None:
     """Do the work in another turn of the server, when what was changed before has reached the browser, unless the
     page is closed by then.
 
@@ -58,7 +58,7 @@ def _complete(document: Document, waiting: list[Callable[[], object]]) -> None:
             pn.state.execute(waiting.pop(0), schedule=False)  # a fault in one is told, the others are made
 
 
-def once_quiet(work: Callable[[], None]) -> Callable[[], None]:
+def debounce(work: Callable[[], None]) -> Callable[[], None]:
     """A call that has the work done at once, and, while it is called again and again, not until that has ended: for
     parts that are not read or used while a slider moves.
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import param
 
-from app.declared import declared, perhaps
+from app.declared import declared, optional
 from app.work.cancellable import RunLost
 from nav_model.base.errors import InputError
 from nav_model.design.parts import labelled
@@ -75,7 +75,7 @@ class Run(param.Parameterized):
     """
 
     running = param.Boolean(default=False, doc="Whether work is under way.")
-    progress = perhaps(Progress, "How far the work under way is; None between runs.")
+    progress = optional(Progress, "How far the work under way is; None between runs.")
     result: Any = declared(
         param.Parameter(default=None, doc="The last result, which may be partial while work is under way.")
     )

@@ -229,7 +229,7 @@ def offer(design: Design, solution: Solution) -> Offer | None:
     """The largest value of an input, as a person types it, with which the budget closes; None if none was solved."""
     if solution.together.value is None:
         return None
-    offers = (typed(design, solution.key, solution.together.value, digits) for digits in _DIGITS)
+    offers = (rounded_offer(design, solution.key, solution.together.value, digits) for digits in _DIGITS)
     return next((found for found in offers if _closes(design, found)), None)
 
 
@@ -237,7 +237,7 @@ def _closes(design: Design, found: Offer) -> bool:
     return analyse(design.replace(found.changes)).verdict.closes
 
 
-def typed(design: Design, key: str, value: float, digits: int = 3) -> Offer:
+def rounded_offer(design: Design, key: str, value: float, digits: int = 3) -> Offer:
     """A value [SI] rounded down to so many digits in the unit that the design has the input in."""
     dimension = quantity(key).dimension
     unit = design.unit(key) if dimension else ""

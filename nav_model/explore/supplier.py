@@ -28,7 +28,7 @@ from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
 from nav_model.design.own import Allotment, Own
 from nav_model.explore.margins import limits, quantity, ratios, worst
-from nav_model.explore.solve import typed
+from nav_model.explore.solve import rounded_offer
 
 Unit = Literal["imu", "gnss"]
 
@@ -93,7 +93,7 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
     plan = design.allocation
     factors = _alike(design, unit) if plan is None else _allocated(design, unit, now)
     largest = {key: (1 + _ROUNDING) * factors[key] * value for key, value in now.items()}
-    return tuple(Required(key, typed(design, key, largest[key]).value, value) for key, value in now.items())
+    return tuple(Required(key, rounded_offer(design, key, largest[key]).value, value) for key, value in now.items())
 
 
 def frozen(design: Design) -> Own:

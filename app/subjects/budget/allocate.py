@@ -2,7 +2,7 @@
 
 import panel as pn
 
-from app.declared import held
+from app.declared import required
 from app.document.verdict import verdict_strip
 from app.session import Session
 from app.subjects.budget.contributors import Contributors
@@ -14,7 +14,7 @@ from nav_model.budget import Budget
 class AllocatePage(View):
     """Everything below the tab."""
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -6,7 +6,7 @@ from itertools import zip_longest
 import panel as pn
 import panel_material_ui as pmui
 
-from app.declared import held
+from app.declared import required
 from app.document.allocation import SPLIT_WORDS, entry_texts, outcome
 from app.document.blocks import Text
 from app.document.pane import html_of
@@ -55,7 +55,7 @@ def _limit_fields(own: tuple[tuple[str, str], ...]) -> tuple[Field, ...]:
 class Contributors(View):
     """The part that opens below the first screen; what is entered becomes part of the design."""
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

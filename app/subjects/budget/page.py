@@ -11,7 +11,7 @@ from bokeh.core.property.validation import validate
 from app.charts.kinds import BarChart, Chart
 from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
-from app.declared import held
+from app.declared import required
 from app.document.bars import bars_html
 from app.document.blocks import KeyFigures
 from app.document.closing import Way
@@ -27,7 +27,7 @@ from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, described, head_html, takes
+from app.ui.chart_pane import ChartPane, described, download_buttons, head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
@@ -35,7 +35,7 @@ from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
-from app.ui.turns import once_loaded, once_quiet
+from app.ui.turns import debounce, once_loaded
 from app.ui.verdict_switch import VerdictSwitch
 from app.ui.view import View
 from app.work.pool import run_in_pool
@@ -60,7 +60,7 @@ class BudgetPage(View):
     The first screen fills the window; its figures come just after it. What is folded below is made when it is opened.
     """
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
@@ -109,7 +109,7 @@ class BudgetPage(View):
                 ],
             ),
         )
-        self._tell_soon = once_quiet(self._tell)
+        self._tell_soon = debounce(self._tell)
         self._shown = session.shown
         self._feed(budget)
         self._tell()
@@ -127,7 +127,7 @@ class BudgetPage(View):
         return display_of(self.session.shown)
 
     def _timelines(self, budget: Budget) -> list[Chart]:
-        return [self._display.timeline(chart) for chart in timelines.together(budget)]
+        return [self._display.timeline(chart) for chart in timelines.all_timelines(budget)]
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
@@ -249,7 +249,7 @@ class BudgetPage(View):
         def sicd() -> bytes:
             return sicd_xml(error_statistics(now().design))
 
-        found = [take for describe in charts.BUDGET_CHARTS for take in takes(describe, now)]
+        found = [take for describe in charts.BUDGET_CHARTS for take in download_buttons(describe, now)]
         found.append(download("Image location errors: SICD XML", "error-statistics.xml", sicd))
         return pn.FlexBox(*found, stylesheets=[PRINT_NOTHING])
 

@@ -160,12 +160,12 @@ def position_chart(budget: Budget) -> Chart:
 
 def velocity_chart(budget: Budget) -> Chart:
     """Velocity sigma against time."""
-    return _drawn(together(budget)[1])
+    return _drawn(all_timelines(budget)[1])
 
 
 def attitude_chart(budget: Budget) -> Chart:
     """Tilt sigma and heading growth against time."""
-    return _drawn(together(budget)[2])
+    return _drawn(all_timelines(budget)[2])
 
 
 def _drawn(chart: Chart) -> Chart:
@@ -173,7 +173,7 @@ def _drawn(chart: Chart) -> Chart:
     return replace(chart, lines=tuple(line for line in chart.lines if not np.isnan(line.y).all()))
 
 
-def together(budget: Budget) -> tuple[Chart, Chart, Chart]:
+def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
     """Position, velocity and attitude on one time axis, as the page shows them together.
 
     In real time each curve has the level that its requirement limits before the last fix, the tile's; after it

@@ -131,7 +131,7 @@ def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
     return entries
 
 
-def doubted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+def with_uncertainty(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     """The verdict as a probability."""
     inputs = {}
     for text in options.vary:
@@ -159,7 +159,7 @@ QUESTIONS: Mapping[str, Callable[[Design, argparse.Namespace], tuple[Any, Rows]]
     "rank": ranked,
     "map": mapped,
     "search": searched,
-    "uncertainty": doubted,
+    "uncertainty": with_uncertainty,
 }
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import panel as pn
 import param
 
-from app.declared import declared, held
+from app.declared import declared, required
 from app.document.blocks import Answer
 from app.document.verdict import SAID
 from app.session import Session
@@ -23,7 +23,7 @@ from app.ui.answer_strip import AnswerStrip
 from app.ui.first_screen import screen_of_views
 from app.ui.named_views import NamedViews
 from app.ui.study_settings import StudySettings
-from app.ui.turns import next_turn
+from app.ui.turns import defer
 from app.ui.view import View
 from nav_model.budget import Budget
 
@@ -39,7 +39,7 @@ QUESTIONS: Mapping[str, type[Question]] = {
 class ExplorePage(View):
     """Everything below the tab. A question is made when first asked and follows the design while it is in view."""
 
-    session = held(Session)
+    session = required(Session)
     asked: str = declared(param.Selector(objects=list(QUESTIONS), doc="Name of the question in view."))
 
     def __init__(self, session: Session) -> None:
@@ -74,7 +74,7 @@ class ExplorePage(View):
         if location and "-" in str(location.hash):  # the name of the last question, which would come back
             location.hash = "#close"
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
-        next_turn(lambda: self.show(self.session.budget))
+        defer(lambda: self.show(self.session.budget))
 
     def _tell(self) -> None:
         answer, verdict = self.question.answer, self.session.budget.verdict

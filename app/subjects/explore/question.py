@@ -6,7 +6,7 @@ from typing import ClassVar
 import panel as pn
 import param
 
-from app.declared import declared, held
+from app.declared import declared, required
 from app.document.blocks import Answer
 from app.session import Session
 from nav_model.budget import Budget
@@ -20,7 +20,7 @@ NO_LIMIT = Answer(
 class Question(pn.viewable.Viewer, param.ParameterizedABC):
     """One of the page's views: the page hands it each budget while it is in view."""
 
-    session = held(Session)
+    session = required(Session)
     of_design: ClassVar[bool] = True
     """Whether what the answer says is always of the current design, its processing too."""
     biases: Biases = "design"

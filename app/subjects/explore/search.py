@@ -10,7 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import chosen, held
+from app.declared import chosen, required
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.library.offers import keep_offers, kept_files, remove_offers
@@ -60,7 +60,7 @@ _BIASES: dict[str, Biases] = {
 class SearchPanel(Question):
     """IMUs with the design's receiver, or all pairs; the filter, and the user's own sensors."""
 
-    run = held(Run)
+    run = required(Run)
     words = param.String(label="Filter")
     own = chosen(True, {"Your receiver": True, "All receivers": False}, "Receiver")
     biases: Biases = chosen("design", _BIASES, "Residual biases")

@@ -12,7 +12,7 @@ import param
 from app.charts.kinds import TradeMapChart
 from app.charts.screen.figures import to_bokeh
 from app.charts.screen.maps import MapFigure
-from app.declared import held
+from app.declared import required
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.wording import box_text
@@ -58,8 +58,8 @@ class SweepPanel(Question):
 
     of_design = False  # a sweep may be of an earlier one; its table says the processing
 
-    run = held(Run)
-    files = held(Run)
+    run = required(Run)
+    files = required(Run)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run(), files=session.new_run())

@@ -19,7 +19,7 @@ from nav_model.design.parts import PRESET_KEYS, declaration_of
 from nav_model.explore.margins import label_of, quantity
 from nav_model.explore.search import Biases, Candidate
 from nav_model.explore.solve import Answer as Solved
-from nav_model.explore.solve import Solution, remedies, resolution_for, typed
+from nav_model.explore.solve import Solution, remedies, resolution_for, rounded_offer
 from nav_model.explore.sweep import Column as Swept
 from nav_model.explore.sweep import sweep_ratios
 from nav_model.explore.sweep_plan import Plan
@@ -80,7 +80,7 @@ def _phrase(design: Design, found: Solved) -> str:
 def _value(design: Design, found: Solved) -> str:
     if found.value is None:
         return "any" if found.outcome == "any value" else "none"
-    text = input_in_words(design, found.key, typed(design, found.key, found.value).value, given=False)
+    text = input_in_words(design, found.key, rounded_offer(design, found.key, found.value).value, given=False)
     if found.key == "radar.aperture_time":
         text += f" ({number(resolution_for(design, found.value))} m resolution)"
     return text

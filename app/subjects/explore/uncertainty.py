@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import held
+from app.declared import required
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.wording import box_text
@@ -94,7 +94,7 @@ def _as_text(design: Design, key: str) -> str:
 class UncertaintyPanel(Question):
     """A row for each input, and what each requirement is met with."""
 
-    run = held(Run)
+    run = required(Run)
     ranges = param.String(doc="The ranges as a query of keys and texts.")
 
     def __init__(self, session: Session) -> None:

@@ -4,7 +4,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held
+from app.declared import declared, required
 from app.document.bars import bars_html
 from app.document.blocks import Answer
 from app.document.display import display_of
@@ -15,7 +15,7 @@ from app.library.store import Revision
 from app.report import report_bytes
 from app.report.comparison import closing_words, difference_tables, phase_comparison, position_comparison
 from app.subjects.review.desk import LOOK, Desk, listed
-from app.ui.chart_pane import ChartPane, described, source_note, takes
+from app.ui.chart_pane import ChartPane, described, download_buttons, source_note
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.view import View
@@ -29,7 +29,7 @@ _HEIGHT = 340  # of a chart in pixels
 class CompareView(View):
     """Verdicts, differences, curves, link and report of the revisions last compared."""
 
-    desk = held(Desk)
+    desk = required(Desk)
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=_NOTHING, instantiate=False))
 
     def __init__(self, desk: Desk) -> None:
@@ -60,7 +60,9 @@ class CompareView(View):
         self._charts.objects = [
             ChartPane(lambda at: display.timeline(position_comparison(*at)), lambda: (budgets, labels), _HEIGHT).view,
             pn.Column(
-                html_pane(said, margin=(10, 14)), pn.FlexBox(*takes(lambda _: phase, lambda: None)), styles=FRAME
+                html_pane(said, margin=(10, 14)),
+                pn.FlexBox(*download_buttons(lambda _: phase, lambda: None)),
+                styles=FRAME,
             ),
         ]
         self._link.value = comparison_link(revisions)

@@ -9,7 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held
+from app.declared import declared, required
 from app.document.blocks import Answer, Bullets
 from app.document.pane import html_of
 from app.document.wording import shortened
@@ -39,7 +39,7 @@ _NAME_COOKIE = "navbudget-name"
 class Desk(param.Parameterized):
     """The user, the chosen revisions, and messages."""
 
-    session = held(Session)
+    session = required(Session)
     picked: tuple[Revision, ...] = declared(
         param.ClassSelector(
             class_=tuple, default=(), doc=f"Revisions in the order they were picked, at most {MAX_ITEMS}."

@@ -9,7 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held
+from app.declared import declared, required
 from app.document.blocks import Answer, Block, Cell, Row, Text, table
 from app.document.pane import html_of
 from app.document.wording import shortened
@@ -43,7 +43,7 @@ _EMPTY = (
 class LibraryView(View):
     """Actions on the current design above the list, actions on the chosen ones below it."""
 
-    desk = held(Desk)
+    desk = required(Desk)
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=_LIBRARY, instantiate=False))
 
     def __init__(self, desk: Desk, compare: Callable[[], Awaitable[None]]) -> None:

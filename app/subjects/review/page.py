@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import held
+from app.declared import required
 from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.session import Session
@@ -28,7 +28,7 @@ _LIBRARY, _COMPARE, _REVIEWS = range(3)
 class ReviewPage(View):
     """Everything below the tab."""
 
-    session = held(Session)
+    session = required(Session)
     opened = param.String(doc="Id of the review in view, so that a reload or a link shows it again.")
 
     def __init__(self, session: Session) -> None:

@@ -3,7 +3,7 @@
 from importlib.metadata import version
 
 from app.document.allocation import owners_table
-from app.document.blocks import Answer, Block, Cell, Chapter, Row, Section, Table, Text, Told, numbers, table
+from app.document.blocks import Answer, Block, Cell, CellLike, Chapter, Row, Section, Table, Text, numbers, table
 from app.document.numbers import NONE
 from app.document.verdict import check_words, met_cell
 from app.document.wording import printable, shortened
@@ -137,7 +137,7 @@ def audit_table(review: Review) -> Table:
     return table("audit-table", "Audit", (("Subject", 1), ("Record", 2)), rows)
 
 
-def _program(frozen: str) -> Told:
+def _program(frozen: str) -> CellLike:
     """With which version the review was opened; figures are always computed by the version that shows them."""
     here = version("navbudget")
     if frozen == here:

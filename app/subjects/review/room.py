@@ -9,7 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held, perhaps
+from app.declared import declared, optional, required
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.wording import shortened
@@ -56,8 +56,8 @@ _SUBJECTS = {
 class ReviewRoom(View):
     """One review at a time, or the list of all."""
 
-    desk = held(Desk)
-    review = perhaps(Review, "The review at hand.")
+    desk = required(Desk)
+    review = optional(Review, "The review at hand.")
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=_OPENING, instantiate=False))
 
     def __init__(self, desk: Desk) -> None:

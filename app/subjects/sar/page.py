@@ -198,7 +198,7 @@ class SarPage(StudyPage[SarResult]):
                 formed[:] = [result]
                 run.start(lambda _: run_in_pool(scene_pictures, result.study.budget, result.study.typical))
 
-        self._of_result.also(follow)
+        self._of_result.add(follow)
         return pn.Column(status, panel)
 
     def _exports(self) -> pn.FlexBox:
@@ -206,7 +206,7 @@ class SarPage(StudyPage[SarResult]):
             return lambda result: draw(self._session.budget, self._closed, result.study)
 
         points, result_of = PicturePanel("Point target", "sar-point"), self._of_result.known
-        self._of_result.also(lambda _: setattr(points, "chart", self._points))
+        self._of_result.add(lambda _: setattr(points, "chart", self._points))
         draws = [
             *map(of_strategies, STRATEGY_CHARTS),
             *((lambda _, draw=draw: draw(self._session.budget)) for draw in WINNER_CHARTS),

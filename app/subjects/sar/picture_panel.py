@@ -10,7 +10,7 @@ import param
 from app.charts.kinds import PictureChart
 from app.charts.print.svg import to_svg
 from app.charts.screen.pictures import picture_gallery
-from app.declared import perhaps
+from app.declared import optional
 from app.ui.downloads import download
 from app.ui.html_pane import html_pane
 from app.ui.view import View
@@ -20,7 +20,7 @@ from app.work.pool import run_in_pool
 class PicturePanel(View):
     """The pictures of one chart under its title, with links; nothing while there is none."""
 
-    chart = perhaps(PictureChart, "What is shown; None: nothing yet.")
+    chart = optional(PictureChart, "What is shown; None: nothing yet.")
     stale = param.String(default="", doc="Mark beside the title, as HTML.")
 
     def __init__(self, title: str, key: str, *, pair: bool = False) -> None:

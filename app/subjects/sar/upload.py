@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import PictureChart
-from app.declared import chosen, declared, held
+from app.declared import chosen, declared, required
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
@@ -42,7 +42,7 @@ _LOOK: dict[str, Any] = {"margin": (8, 6)}
 class UploadedPicture(View):
     """Upload, choice of strategy and extent, and the two pictures, formed anew whenever one of them changes."""
 
-    run = held(Run)
+    run = required(Run)
     file: tuple[str, Path] | None = declared(param.Parameter(default=None, doc="The file's name, and where it is."))
     strategy = chosen("2", {NAMES[key]: key for key in STRATEGY_KEYS[1:]}, "Navigation error of")
     half_width = param.String(default="50", label="Half width [m]")

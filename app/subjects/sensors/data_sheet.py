@@ -3,7 +3,7 @@
 import panel as pn
 import panel_material_ui as pmui
 
-from app.declared import held
+from app.declared import required
 from app.document.blocks import Block, Bullets, Column, Text, numbers, table
 from app.document.pane import html_of
 from app.document.wording import entered, input_in_words
@@ -20,7 +20,7 @@ _EXAMPLE = "Angle random walk 0.15 °/√h, bias instability 0.5 °/h, velocity 
 class DataSheetBox(View):
     """A box for the rows, a button, and what was made of them."""
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

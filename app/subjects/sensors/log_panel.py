@@ -10,7 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import held
+from app.declared import required
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.report.supplier import acceptance_blocks
@@ -49,7 +49,8 @@ from nav_model.allan.motion import MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis, axis_label
 from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.explore.supplier import frozen, judge_log, required
+from nav_model.explore.supplier import frozen, judge_log
+from nav_model.explore.supplier import required as required_values
 
 UPLOAD_LIMITS = Limits(file_bytes=150_000_000, unpacked_bytes=500_000_000, rows=5_000_000)
 _TITLE = "<h3>Analyse a log</h3>"
@@ -80,8 +81,8 @@ class LogPanel(pn.viewable.Viewer):
     The last log at rest and the last in motion both stay in view; a log that is refused changes neither.
     """
 
-    session = held(Session)
-    run = held(Run)
+    session = required(Session)
+    run = required(Run)
     name_of_log = param.String(doc="The file uploaded last, which can be analysed again; empty: none.")
 
     def __init__(self, session: Session) -> None:
@@ -277,7 +278,7 @@ def _static_head(analysis: LogAnalysis) -> str:
 def _accepted(design: Design, analysis: LogAnalysis) -> str:
     """The log against what the design requires of its inertial unit, or why that cannot be said."""
     try:
-        rows = judge_log(required(design, "imu"), analysis)
+        rows = judge_log(required_values(design, "imu"), analysis)
         return html_of(*acceptance_blocks(design, rows, analysis.provenance.reading))
     except InputError as error:
         return f'<p class="quiet">Not judged by the supplier\'s sheet. {html.escape(str(error))}</p>'

@@ -4,7 +4,7 @@ from typing import Any
 
 import panel as pn
 
-from app.declared import held
+from app.declared import required
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
@@ -31,7 +31,7 @@ _KINDS: tuple[Kind, ...] = ("imu", "radar")
 class SensorsPage(View):
     """Everything below the tab."""
 
-    session = held(Session)
+    session = required(Session)
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from app.document.blocks import Answer, Bullets, Cell, Column, Row, Table, Text, Told, numbers, table
+from app.document.blocks import Answer, Bullets, Cell, CellLike, Column, Row, Table, Text, numbers, table
 from app.document.numbers import NONE, number
 from app.document.wording import input_in_words, printable
 from app.subjects.sensors.charts import TERM_NAMES
@@ -136,7 +136,7 @@ def _axis_cells(axis: AxisNoise) -> Row:
     return tuple(_coefficient_cell(axis, term) for term in TERMS)
 
 
-def _coefficient_cell(axis: AxisNoise, term: str) -> Told:
+def _coefficient_cell(axis: AxisNoise, term: str) -> CellLike:
     coefficient = axis.coefficients[term]
     _, scale = UNITS[axis.quantity][term]
     if term in axis.at_most:

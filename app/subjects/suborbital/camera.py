@@ -5,7 +5,7 @@ from html import escape
 import panel as pn
 import param
 
-from app.declared import held
+from app.declared import required
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.suborbital.charts.camera_noise import NOISES, camera_noise_answer, camera_noise_chart
@@ -24,7 +24,7 @@ from nav_model.suborbital.settings import Settings
 class CameraNoisePanel(pn.viewable.Viewer):
     """What the camera's noise costs over three decades of it."""
 
-    run = held(Run)
+    run = required(Run)
 
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())

@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.declared import declared, held
+from app.declared import declared, required
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
@@ -40,7 +40,7 @@ _FILE_HELP = (
 class InputPanel(View):
     """Settings and trajectory in force, and the column that changes them."""
 
-    session = held(Session)
+    session = required(Session)
     settings: Settings = declared(param.ClassSelector(class_=Settings, default=DEFAULTS, instantiate=False))
     trajectory: Trajectory = declared(
         param.Parameter(doc="Name and content of the file flown; None: the reference flight.")

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import panel_material_ui as pmui
 
-from app.declared import chosen, held
+from app.declared import chosen, required
 from app.session import Session
 from app.subjects.suborbital.charts.shown import Shown
 from app.ui.run_bar import RunBar
@@ -27,7 +27,7 @@ class NoisePanel(View):
         What is on the page; None before the first answer.
     """
 
-    run = held(Run)
+    run = required(Run)
     runs = chosen(100, _RUNS, "Runs")
 
     def __init__(self, session: Session, current: Callable[[], Shown | None]) -> None:

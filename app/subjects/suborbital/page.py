@@ -8,7 +8,7 @@ import json
 import panel as pn
 import param
 
-from app.declared import held
+from app.declared import required
 from app.document.blocks import Answer
 from app.document.tiles import tiles_html
 from app.session import Session
@@ -45,11 +45,11 @@ class SuborbitalPage(StudyPage[Survey]):
 
     kind = "suborbital"
     waiting = WAITING
-    renewal = held(Run)
-    inputs = held(InputPanel)
-    noise = held(NoisePanel)
-    camera = held(CameraNoisePanel)
-    study = held(StudyViews)
+    renewal = required(Run)
+    inputs = required(InputPanel)
+    noise = required(NoisePanel)
+    camera = required(CameraNoisePanel)
+    study = required(StudyViews)
 
     def __init__(self, session: Session) -> None:
         noise, camera, inputs = (

@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import Chart
-from app.declared import chosen, declared, perhaps
+from app.declared import chosen, declared, optional
 from app.document.pane import html_of
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
 from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown
@@ -25,7 +25,7 @@ from app.subjects.suborbital.tables import (
     source_table,
     star_table,
 )
-from app.ui.chart_pane import takes
+from app.ui.chart_pane import download_buttons
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
@@ -108,7 +108,7 @@ class StudyViews(Page):
     aided_sources = chosen(False, {"INS alone": False, "INS with star tracker": True}, "Error sources of")
     along_track = chosen(False, {"north and east": False, "down-range and cross-range": True}, "Horizontal axes")
     moment: int = declared(param.Integer(default=100, bounds=(0, 1500), step=_SPACING_S, label="Star frame at [s]"))
-    shown = perhaps(Shown, "What is on the page; None before the first answer.")
+    shown = optional(Shown, "What is on the page; None before the first answer.")
 
     def __init__(self, noise: pn.viewable.Viewer, camera: pn.viewable.Viewer, inputs: pn.viewable.Viewer) -> None:
         super().__init__()
@@ -185,14 +185,14 @@ class StudyViews(Page):
 
 def _table(parts: Follower[Shown], build: Callable[[Shown], NumberTable]) -> SortableTable:
     table = SortableTable(margin=(4, 12))
-    parts.also(lambda shown: setattr(table, "html", html_of(build(shown).block(sortable=True))))
+    parts.add(lambda shown: setattr(table, "html", html_of(build(shown).block(sortable=True))))
     return table
 
 
 def _takes(view: View, current: Callable[[], Shown]) -> Iterator[pn.viewable.Viewable]:
     """Buttons that take the numbers of a view away."""
     for draw in view.charts:
-        yield from takes(draw, current)
+        yield from download_buttons(draw, current)
     for build in view.tables:
         now = build(current())
         name = f"{now.caption.partition(' at ')[0]}: CSV"

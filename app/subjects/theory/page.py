@@ -7,7 +7,7 @@ from pathlib import Path
 
 import panel as pn
 
-from app.declared import held
+from app.declared import required
 from app.document.blocks import Answer, Bullets, Cell, Row, Table, Text, numbers, table
 from app.document.html import mathml
 from app.document.numbers import number
@@ -42,7 +42,7 @@ _STYLE = f"<style>{Path(__file__).with_suffix('.css').read_text('utf-8')}</style
 class TheoryPage(View):
     """Everything below the tab; the same for every design."""
 
-    text = held(AnchoredText)
+    text = required(AnchoredText)
 
     def __init__(self, session: Session) -> None:
         super().__init__(text=AnchoredText(html=_STYLE + theory(), sizing_mode="stretch_width", margin=(4, 14)))

@@ -183,7 +183,7 @@ class TrajectoryPage(StudyPage[Followed]):
     def _map(self) -> pn.Column:
         """The map; a double click on it adds a waypoint."""
         pane: ChartPane[Followed] = ChartPane(lambda found: map_chart(found, self.figure), self._of_result.known)
-        self._of_result.also(pane.show)
+        self._of_result.add(pane.show)
         pane.figure.plot.on_event(DoubleTap, self._placed)
         return pane.view
 

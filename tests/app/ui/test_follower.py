@@ -43,7 +43,7 @@ def test_a_part_is_made_once_with_the_first_result_and_may_make_others() -> None
 
     def make() -> pn.pane.HTML:
         made.append(page.result)
-        page.parts.also(shown.append)
+        page.parts.add(shown.append)
         return page.parts.text("{}".format)
 
     place = page.parts.later(make)

@@ -15,11 +15,11 @@ from tornado.ioloop import IOLoop
 from waiting import soon
 
 from app.ui import turns
-from app.ui.turns import next_turn, once_loaded, once_quiet
+from app.ui.turns import debounce, defer, once_loaded
 
 
 class _Clock:
-    """The time that `once_quiet` sees; it passes when told to."""
+    """The time that `debounce` sees; it passes when told to."""
 
     now = 0.0
 
@@ -49,7 +49,7 @@ def test_the_work_is_done_in_another_turn_unless_the_page_is_closed(closed: bool
     done: list[str] = []
 
     def work(_: Document, context: SimpleNamespace) -> None:
-        next_turn(lambda: done.append("worked"))
+        defer(lambda: done.append("worked"))
         assert done == []
         context.destroyed = closed
         done.append("begun")
@@ -68,7 +68,7 @@ def test_a_fault_is_told_and_leaves_the_document_able_to_change(monkeypatch: pyt
 
     def work(document: Document, _: SimpleNamespace) -> None:
         kept.append(document)
-        next_turn(fail)
+        defer(fail)
 
     _in_a_session(work, told)
     assert kept[0].models._freeze_count == 0
@@ -86,7 +86,7 @@ def test_what_waits_for_a_slider_to_rest_is_done_at_once_and_when_it_rests(monke
         rested[:] = done[1:]
 
     def work(*_: Any) -> None:
-        call = once_quiet(note)
+        call = debounce(note)
         for _ in range(5):
             call()
             clock.now += 0.1
@@ -99,7 +99,7 @@ def test_what_waits_for_a_slider_to_rest_is_done_at_once_and_when_it_rests(monke
 
 def test_without_a_server_all_is_done_at_once() -> None:
     done: list[int] = []
-    next_turn(lambda: done.append(1))
+    defer(lambda: done.append(1))
     assert done == [1]
 
 

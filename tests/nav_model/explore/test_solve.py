@@ -13,7 +13,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.explore.margins import ALL, quantity, ratios
-from nav_model.explore.solve import SOLVED, offer, remedies, resolution_for, solve, typed
+from nav_model.explore.solve import SOLVED, offer, remedies, resolution_for, rounded_offer, solve
 
 
 def _margins(design, key, value):
@@ -169,7 +169,7 @@ def test_slow_error_and_missing_requirements(closed_design):
 @given(st.floats(1e-11, 0.09), st.sampled_from([1, 2, 3]), st.sampled_from(["°/√h", "°/h/√Hz", "rad/√s"]))
 def test_a_typed_value_is_what_its_text_reads_as_and_not_above_the_value(value, digits, unit):
     design = Design({}, written={"imu.angle_random_walk": unit})
-    found = typed(design, "imu.angle_random_walk", value, digits)
+    found = rounded_offer(design, "imu.angle_random_walk", value, digits)
     text = quantity(found.key).write(found.value, found.unit)[1]
     number = text.split()[0]
     assert len(number.partition("e")[0].replace(".", "").strip("0")) <= digits
