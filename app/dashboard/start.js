@@ -1,6 +1,6 @@
 export function render({ model }) {
   const place = document.createElement("div")
-  place.innerHTML = `<p>Is your navigation good enough for your SAR image?</p>
+  place.innerHTML = `<p>Is your navigation good enough for SAR?</p>
     <div role="group" aria-label="Start with"><span aria-hidden="true">Start with</span></div>
     <p class="next" aria-live="polite"></p>`
   const group = place.querySelector("div")
