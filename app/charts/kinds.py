@@ -58,7 +58,8 @@ class Band:
 
 @dataclass(frozen=True)
 class Points:
-    """Named points. ``sizes`` in pixels, where they say something (the brightness of a star)."""
+    """Named points. ``sizes`` in pixels, where they say something (the brightness of a star). ``marker`` "name": on
+    screen the names themselves stand there."""
 
     key: str
     label: str
@@ -84,12 +85,14 @@ class Limit:
 
 @dataclass(frozen=True)
 class Span:
-    """A stretch of the x axis, shaded and named; one with a NaN start is not drawn."""
+    """A stretch of the x axis, shaded and named; one with a NaN start is not drawn. ``style``: of its colour, if
+    it has one, such as that of a verdict."""
 
     key: str
     label: str
     start: float
     stop: float
+    style: str = ""
 
 
 MOST_OUTAGES = 4

@@ -51,8 +51,10 @@ export function render({ model }) {
     for (const { label, read } of model.columns) heads.append(make("th", label, { scope: "col", className: read ? "num" : "" }))
     if (model.noun) heads.append(make("td"))
     heads.cells[0].className = ""
+    if (model.ordered) heads.prepend(make("td"))
     rows.forEach((row, index) => {
       const line = body.insertRow()
+      if (model.ordered) line.append(make("td", index + 1, { className: "num" }))
       for (const column of model.columns) {
         if (column.read) line.append(column === model.columns[0] ? make("th", row[column.key], { scope: "row" }) : make("td", row[column.key], { className: "num" }))
         else line.insertCell().append(boxOf(row, column, index))

@@ -16,7 +16,7 @@ DASHES: dict[str, Any] = {
     "dotdash": (0, (1.2, 2, 5, 2)),
     "dashdot": (0, (7, 2, 1.2, 2, 1.2, 2)),
 }
-MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x", "cross": "+"}
+MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x", "cross": "+", "name": "o"}
 LINE_SCALE = 0.62  # a pixel on screen, in points on paper
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Where a name may stand beside its point: offset in points, alignment.

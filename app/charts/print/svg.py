@@ -111,7 +111,14 @@ def _curves(axes: Any, chart: Chart) -> None:
         axes.set_yscale("log")
     for span in chart.spans:
         if not math.isnan(span.start):
-            axes.axvspan(span.start, span.stop, label=span.label, color="#7b8794", alpha=0.18, linewidth=0)
+            axes.axvspan(
+                span.start,
+                span.stop,
+                label=span.label,
+                color=STYLES[span.style or "everything"].colour,
+                alpha=0.18,
+                linewidth=0,
+            )
     for band in chart.bands:
         pale: dict[str, Any] = {"color": STYLES[band.style].colour, "alpha": 0.25, "linewidth": 0}
         axes.fill_between(band.x, band.low, band.high, label=band.label, **pale)

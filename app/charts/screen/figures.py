@@ -23,6 +23,7 @@ from bokeh.models import (
     LinearColorMapper,
     Scatter,
     Segment,
+    Text,
     VArea,
 )
 from bokeh.models import Line as LineGlyph
@@ -32,7 +33,7 @@ from app.charts.kinds import Array, Chart, Line, MapChart, Plotted
 from app.charts.region import region_names
 from app.charts.screen.axes import TOOLS, empty_figure, line_look
 from app.charts.screen.sources import Sources
-from app.charts.styles import INK, STYLES
+from app.charts.styles import INK, STYLES, behind_text
 
 _FONT = "Roboto, 'Segoe UI', system-ui, sans-serif"
 FACE: dict[str, Any] = {"text_font": value(_FONT), "text_font_size": "12px"}
@@ -184,6 +185,11 @@ def _curves(chart: Chart, height: int | None) -> Figure:
     for points in chart.points:
         style = STYLES[points.style]
         source = sources[f"points {points.key}"]
+        if points.marker == "name":
+            middle = {"text_align": "center", "text_baseline": "middle"}
+            ground = behind_text(style.colour)
+            add_glyph(plot, source, Text(x="x", y="y", text="name", background_fill_color=ground, **CHIP, **middle))
+            continue
         glyph = Scatter(
             x="x", y="y", marker=value(points.marker), size=9 if points.sizes is None else "size",
             fill_color=style.colour, line_color=style.colour, line_width=style.width if points.marker == "x" else 1.0,

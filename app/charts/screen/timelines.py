@@ -14,7 +14,7 @@ from bokeh.models import Line as LineGlyph
 from bokeh.models import Span as Rule
 from bokeh.plotting import figure
 
-from app.charts.kinds import Chart, Line
+from app.charts.kinds import Chart, Line, Span
 from app.charts.screen.axes import empty_figure, line_look
 from app.charts.screen.figures import CHIP, add_glyph, unit_of
 from app.charts.screen.sources import Sources
@@ -135,7 +135,7 @@ class Timelines:
         )
         plot.toolbar.autohide = True
         plot.xaxis.visible = last
-        strips = VStrip(x0="x0", x1="x1", fill_color=GREY, fill_alpha=0.2, line_alpha=0)
+        strips = VStrip(x0="x0", x1="x1", fill_color="colour", fill_alpha=0.2, line_alpha=0)
         add_glyph(plot, self._sources[f"{chart.key} spans"], strips)
         for line in chart.lines:
             look = line_look(STYLES[line.style])
@@ -175,6 +175,7 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
         columns[f"{chart.key} spans"] = {
             "x0": [span.start for span in chart.spans],
             "x1": [span.stop for span in chart.spans],
+            "colour": [_colour(span) for span in chart.spans],
         }
         columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1])
     return columns
@@ -182,7 +183,8 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
 
 def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
     """Each curve's name at its end, above it, or below where it would touch the upper one or the frame; the span's
-    name in the last chart, at the beginning of a wide span: the names of curves may be at its end."""
+    name in the last chart, on the time axis if it has a colour, else upright at the beginning of a wide span: the
+    names of curves may be at its end."""
     low, high = (_place(chart, bound) for bound in height)
     ends = []
     for line in chart.lines:
@@ -205,12 +207,19 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
     ]
     if last:
         for span in chart.spans:
-            if math.isfinite(span.start):
+            if span.style:
+                middle = (span.start + span.stop) / 2
+                rows.append((middle, height[0], span.label, behind_text(_colour(span)), -2.0, 0.0, 0.0, "center"))
+            elif math.isfinite(span.start):
                 wide = span.stop - span.start > _NARROW_SPAN * np.ptp(chart.lines[0].x)
                 x, shift = (span.start, 14.0) if wide else ((span.start + span.stop) / 2, 6.0)
                 rows.append((x, height[1], span.label, behind_text(GREY), 6.0, shift, math.pi / 2, "right"))
     names = ("x", "y", "text", "colour", "offset", "shift", "angle", "align")
     return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+
+def _colour(span: Span) -> str:
+    return STYLES[span.style].colour if span.style else GREY
 
 
 def _fall(chart: Chart, line: Line) -> float:

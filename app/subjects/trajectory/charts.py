@@ -6,18 +6,19 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, without_fixes
-from app.subjects.trajectory.figures import FIGURES, limit_of, limits_along
+from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, Span, without_fixes
+from app.subjects.trajectory.figures import FIGURES, limits_along
 from app.subjects.trajectory.run import Followed
 
 if TYPE_CHECKING:
     from nav_model.simulation.result import SimulationResult
+    from nav_model.trajectory.result import LineResult
 
 _DEG = 180 / math.pi
 _TIME = "time [s]"
 _MOST_SOURCES = 6
+_ROOM_FOR_A_NAME = 0.012  # of the time axis, a letter
 _SHARE_STYLES = ("horizontal", "vertical", "yaw", "tilt", "filter", "does not close", "reference")  # a colour each
 _RUNS = {
     "horizontal_position": [0, 1], "vertical_position": [2], "horizontal_velocity": [3, 4],
@@ -38,7 +39,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     figure = FIGURES[name]
     time = np.array([0.0, 300.0]) if followed is None else followed.result.time_s
     nothing = np.full(len(time), np.nan)
-    spans = without_fixes(() if followed is None else followed.result.spec.study.outages)
+    spans = without_fixes(() if followed is None else followed.result.spec.study.outages) + _line_spans(followed)
 
     runs = simulated(followed, flown)
 
@@ -80,46 +81,52 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     )
 
 
-def map_chart(followed: Followed, name: str) -> Chart:
-    """The flight seen from above, in three colours by the figure `name`."""
-    result, figure = followed.result, FIGURES[name]
-    values, limit = result.chosen.figure(name), limit_of(result, name)
-    known = values[np.isfinite(values)]
-    usual = float(np.median(known)) if math.isnan(limit) and known.size else limit
-    level = np.full(len(values), usual)
-    for start, stop, own in limits_along(result, name):
-        level[(result.time_s >= start) & (result.time_s <= stop)] = own
-    what = "its limit" if not math.isnan(limit) else "its median over the flight, as no requirement limits it"
+def _line_spans(followed: Followed | None) -> tuple[Span, ...]:
+    """The lines of the flight, named as there is room on the time axis: by name, by number, or not at all."""
+    if followed is None or not followed.result.spec.lines:
+        return ()
+    whole = followed.result.spec.study.duration
+    spans = []
+    for number, line in enumerate(followed.result.lines, 1):
+        share = (line.stop_s - line.start_s) / whole
+        label = line.name if share > _ROOM_FOR_A_NAME * len(line.name) else str(number) if share > 0.015 else ""
+        spans.append(Span(f"line {number}", label, line.start_s, line.stop_s, _verdict_style(line)))
+    return tuple(spans)
+
+
+def _verdict_style(line: LineResult) -> str:
+    """Green or red by the line's verdict; without a limit neither."""
+    if line.closes:
+        return "closes" if line.limits else "path"
+    return "does not close"
+
+
+def map_chart(followed: Followed) -> Chart:
+    """The flight seen from above: its lines numbered, green or red by their verdict, its turns thin and grey."""
+    result = followed.result
     east, north = followed.east / 1000, followed.north / 1000
-
-    def part(there: NDArray[np.bool_]) -> Array:
-        """The stretches where that holds, each up to the next one."""
-        shown = there.copy()
-        shown[1:] |= there[:-1]
-        return np.where(shown, north, np.nan)
-
-    with np.errstate(invalid="ignore"):
-        low, beyond = values <= 0.5 * level, values > level
-        middle = (values <= level) & ~low
-    source = f"{figure.said}, {result.spec.processing}"
-    names = tuple(line.name for line in result.lines)
-    starts = np.array([line.start_s for line in result.lines])
-    begin_east, begin_north = (np.interp(starts, result.time_s, way) for way in (east, north))
+    drawn = {style: np.full(len(north), np.nan) for style in ("closes", "does not close", "path")}
+    for line in result.lines:
+        on = (result.time_s >= line.start_s - 1e-9) & (result.time_s <= line.stop_s + 1e-9)
+        drawn[_verdict_style(line)][on] = north[on]
+    middles = np.array([(line.start_s + line.stop_s) / 2 for line in result.lines if result.spec.lines])
+    labels = {"closes": "within the limits", "does not close": "beyond a limit", "path": "no limit"}
     return Chart(
         key="trajectory-map",
         title="Map",
         x_label="east of the start [km]",
         y_label="north of the start [km]",
         lines=(
-            Line("path", "no aperture here", east, part(~np.isfinite(values)), "reference", source),
-            Line("low", "up to half the level", east, part(low), "closes", source),
-            Line("middle", "up to the level", east, part(middle), "this design", source),
-            Line("high", "above", east, part(beyond), "does not close", source),
+            Line("flight", "turns", east, north, "turn", "the flight"),
+            *(Line(style, labels[style], east, y, style, result.spec.processing) for style, y in drawn.items()),
         ),
-        points=(Points("starts", "a line begins", begin_east, begin_north, names, "mark", source="begins"),),
+        points=(
+            Points("lines", "line", np.interp(middles, result.time_s, east), np.interp(middles, result.time_s, north),
+                   tuple(str(number + 1) for number in range(len(middles))), "everything", "name"),
+        ),
         square=True,
-        aside=f"{figure.label}: level {figure.told(usual, given=True)}" if known.size else "",
-        knowledge=f"The level is {what}. {result.spec.processing.capitalize()}.",
+        knowledge=f"A line is green where it keeps every limit all along, {result.spec.processing}. The radar looks "
+        "to the right of the flight.",
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ import param
 from bokeh.events import DoubleTap
 
 from app.charts.legend import key_html
+from app.charts.screen.marker import PathMarker
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen
 from app.document.blocks import Answer
@@ -22,10 +23,20 @@ from app.subjects.trajectory.fields import PlanFields
 from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.kml import as_kml
 from app.subjects.trajectory.plan_file import as_plan
-from app.subjects.trajectory.run import File, Followed, Rows, follow, row_of, waypoints_in, waypoints_of_lines
-from app.subjects.trajectory.tables import line_table, verdict
+from app.subjects.trajectory.run import (
+    File,
+    Followed,
+    Rows,
+    follow,
+    follow_if_short,
+    row_of,
+    waypoints_in,
+    waypoints_of_lines,
+)
+from app.subjects.trajectory.tables import line_list, line_table, verdict
 from app.ui.chart_pane import ChartPane, described, head_html
 from app.ui.downloads import download
+from app.ui.drawer import Drawer
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
@@ -48,9 +59,10 @@ _NAMED = {f"{label[:1].upper()}{label[1:]}": name for name, label in Trajectory.
 _FLIGHTS = {**_NAMED, "From a file": _FILE}
 _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
-_SETTLE_SECONDS = 0.3  # a slider has come to rest after this long
+_SETTLE_SECONDS = 0.05  # a slider has come to rest after this long
 _HEIGHT = "max(100dvh - 104px, 724px)"  # room for four charts above each other, and for fields in two rows
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
+_NUMBERS = ("climb_rate", "ground", *AIDING)
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
@@ -75,9 +87,13 @@ class TrajectoryPage(StudyPage[Followed]):
         self._file: File | None = None
         self._on_disk = UploadedFile()
         self._plan = PlanFields(session, self._typed)
-        details = self._of_result
-        self._bar = RunBar(self.run, self.begin, "Compute", *self._fields(), strip=True)
+        of_flight = self._of_result
+        self._bar = RunBar(self.run, self.begin, "Compute", strip=True)
+        self._bar.start.visible = False  # the flight is followed whenever something changes
+        self._drawer = Drawer("Plan", "route", *self._plan_parts())
+        figure = pmui.Select.from_param(self.param.figure, width=170, **_LOOK)
         self._stack = Timelines(timelines(None, self.figure))
+        self._marker = PathMarker(self._stack.plots)
         self._head = html_pane("", margin=(6, 10, 0, 10))
         curves = pn.Column(
             self._head, *(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots),
@@ -85,20 +101,24 @@ class TrajectoryPage(StudyPage[Followed]):
         )  # fmt: skip
         whole: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
-        self._shares = pn.Column(html_pane(_COMING), **whole)
-        above = details.later(self._map, **whole)
-        self._places = pn.Column(self._plan.table("waypoints", "waypoint", _ADDED), visible=False, margin=(0, 10))
+        self._shares = pn.Column(html_pane(_COMING))
+        above = of_flight.later(self._map, **whole)
+        verdicts = of_flight.text(lambda flown: html_of(line_list(flown, self.figure)))
+        lines = pn.Column(verdicts, styles={"overflow": "auto"}, **whole)
+        run = pn.Column(self._bar, styles={"flex": "1 1 240px", "min-width": "0"})
+        tools = pn.FlexBox(figure, self._drawer.button, run, align_items="center", margin=(0, 4))
+        self._body = first_screen(tools, left=[curves], right=[above, lines], height=_HEIGHT)
         self._view = pn.Column(
             self._strip,
-            self._places,
-            first_screen(self._bar, left=[curves], right=[above, self._shares], height=_HEIGHT),
+            self._body,
             Folded(
                 (
-                    ("Aiding, and limits of single lines", self._more),
-                    ("Table by line", lambda: details.text(lambda found: html_of(line_table(found, self.figure)))),
-                    ("Exports", lambda: details.later(self._exports)),
+                    ("Shares by source", lambda: of_flight.later(self._share_chart)),
+                    ("Table by line", lambda: of_flight.text(lambda flown: html_of(line_table(flown, self.figure)))),
+                    ("Exports", lambda: of_flight.later(self._exports)),
                 )
             ),
+            self._drawer,
         )
         session.param.watch(self._flown, "findings")
         self._follow_plan()
@@ -127,10 +147,11 @@ class TrajectoryPage(StudyPage[Followed]):
         if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
             self._take(await run_in_pool(waypoints_of_lines, self._session.design))
             self._asked = self._key or ()
-        flown: Followed = await run_alone(
-            follow, self._session.design, self.states, file, progress=lambda _, what: run.tell(what)
-        )
-        return flown
+        asked = self._session.design, self.states, file
+        flown: Followed | None = None
+        if file is None:  # a short flight is not worth a process that ends with the next step of a slider
+            flown = await run_in_pool(follow_if_short, *asked[:2])
+        return flown or await run_alone(follow, *asked, progress=lambda _, what: run.tell(what))
 
     @property
     def _key(self) -> tuple[str, ...] | None:
@@ -156,34 +177,43 @@ class TrajectoryPage(StudyPage[Followed]):
 
     # --- the parts ------------------------------------------------------------------------------------
 
-    def _fields(self) -> tuple[Any, ...]:
+    def _plan_parts(self) -> tuple[Any, ...]:
+        """What the drawer has: the flight and its inputs, numbered waypoints, aiding, limits of single lines."""
         choices, box, flies = self.param, self._plan.box, self.param.flight.rx
-        self._upload = upload(
+        file = upload(
             "Plan or recording", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded,
             self._refuse, visible=flies() == _FILE,
         )  # fmt: skip
         lines, turns, named = (flies.in_(those) for those in ((LINES,), (LINES, WAYPOINTS), _HAVE_A_LENGTH))
+        self._places = pn.Column(self._plan.table("waypoints", "waypoint", _ADDED), visible=False)
         return (
-            pmui.Select.from_param(choices.figure, width=160, **_LOOK),
-            pmui.Select.from_param(choices.flight, width=150, **_LOOK),
-            self._upload,
-            box("lines", width=60, visible=lines, **_LOOK),
-            box("length", width=90, visible=lines, **_LOOK),
-            box("spacing", width=95, visible=lines, **_LOOK),
-            box("bank", width=65, visible=turns, **_LOOK),
-            box("duration", width=100, visible=named, **_LOOK),
-            box("outages", width=105, **_LOOK),
-            pmui.Select.from_param(choices.states, width=100, **_LOOK),
+            pn.FlexBox(
+                pmui.Select.from_param(choices.flight, width=170, **_LOOK),
+                file,
+                box("lines", width=70, visible=lines, **_LOOK),
+                box("length", width=100, visible=lines, **_LOOK),
+                box("spacing", width=100, visible=lines, **_LOOK),
+                box("bank", width=80, visible=turns, **_LOOK),
+                box("duration", width=110, visible=named, **_LOOK),
+                box("outages", width=130, **_LOOK),
+                pmui.Select.from_param(choices.states, width=120, **_LOOK),
+                margin=(0, 10),
+            ),
+            self._places,
+            pn.FlexBox(*(box(name, width=165, **_LOOK) for name in _NUMBERS), margin=(0, 10)),
+            self._plan.table("limits", "limit"),
         )
-
-    def _more(self) -> pn.Column:
-        numbers = [self._plan.box(name, width=200, **_LOOK) for name in ("climb_rate", "ground", *AIDING)]
-        return pn.Column(pn.FlexBox(*numbers), self._plan.table("limits", "limit"), margin=(4, 10))
 
     def _map(self) -> pn.Column:
         """The map; a double click on it adds a waypoint."""
-        pane: ChartPane[Followed] = ChartPane(lambda found: map_chart(found, self.figure), self._of_result.known)
-        self._of_result.add(pane.show)
+        pane: ChartPane[Followed] = ChartPane(map_chart, self._of_result.known)
+        self._marker.join(pane.figure.plot)
+
+        def show(flown: Followed) -> None:
+            pane.show(flown)
+            self._marker.feed(flown.result.time_s, flown.east / 1000, flown.north / 1000)
+
+        self._of_result.add(show)
         pane.figure.plot.on_event(DoubleTap, self._placed)
         return pane.view
 
@@ -215,23 +245,28 @@ class TrajectoryPage(StudyPage[Followed]):
         charts = timelines(found, self.figure, flown)
         if found is not None:
             self._stack.feed(charts)
-            self._show_shares(found)
         said, knowledge = "".join(map(described, charts)), charts[0].knowledge
         key = _COMING if found is None else key_html(**_KEY, **(_RUNS if simulated(found, flown) else {}))
         self._head.say(head_html("Along the flight", knowledge, said, key))
+        self._body.styles = {"opacity": "0.5"} if self._refused or self.run.message else {}
         if not self.run.running:
             self._of_result.follow()
 
-    def _show_shares(self, found: Followed) -> None:
+    def _share_chart(self) -> pn.Column:
         """Stacked shares: a chart for each set of sources, as their names are its structure."""
-        chart = shares_chart(found, self.figure)
-        sources = (chart.title, *(band.label for band in chart.bands))
-        if sources != self._sources:
-            self._sources = sources
-            self._pane: ChartPane[Followed] = ChartPane(self._drawn_shares, self._of_result.known)
-            self._shares.objects = [self._pane.view]
-        else:
-            self._pane.show(found)
+
+        def show(flown: Followed) -> None:
+            chart = shares_chart(flown, self.figure)
+            sources = (chart.title, *(band.label for band in chart.bands))
+            if sources != self._sources:
+                self._sources = sources
+                self._pane: ChartPane[Followed] = ChartPane(self._drawn_shares, self._of_result.known, 320)
+                self._shares.objects = [self._pane.view]
+            else:
+                self._pane.show(flown)
+
+        self._of_result.add(show)
+        return self._shares
 
     def _drawn_shares(self, found: Followed) -> Any:
         return shares_chart(found, self.figure)
@@ -244,7 +279,7 @@ class TrajectoryPage(StudyPage[Followed]):
             download("Lines with their verdict (KML)", "trajectory.kml", lambda: as_kml(known())),
             download("Plan with lines (QGroundControl)", "trajectory.plan", lambda: as_plan(known())),
         ]
-        return exports(files, [lambda found: map_chart(found, self.figure), self._drawn_shares], known)
+        return exports(files, [map_chart, self._drawn_shares], known)
 
     # --- the flight -----------------------------------------------------------------------------------
 

@@ -37,7 +37,7 @@ def sections(study: Followed, key: str) -> tuple[Section, ...]:
     name = main_figure(study.result)
     lines = line_table(study, name)
     lines = replace(lines, key=f"{key}-{lines.key}")
-    drawn = (map_chart(study, name), *timelines(study, name), shares_chart(study, name))
+    drawn = (map_chart(study), *timelines(study, name), shares_chart(study, name))
     return (
         Section(
             f"{key}-trajectory",

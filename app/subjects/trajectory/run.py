@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 _MOST_STEPS = 30_000  # seconds of work, and memory, of one person
 _POINTS = 1200  # results kept along a flight
+_SHORT = 1500  # fixes
+_seconds_per_fix = 8e-4  # as measured on two shared cores; then that of the last long flight of this process
 Rows = tuple[tuple[float, float, float, str], ...]
 """Waypoints as a design has them."""
 
@@ -86,7 +89,7 @@ def follow(
     from nav_model.trajectory.design_study import covariance_specification, plan_like, planned
     from nav_model.trajectory.files.reader import parse_flight
 
-    progress(0.0, "Following the covariance along the flight")
+    global _seconds_per_fix
     if file is None:
         flight = planned(design)
     else:
@@ -104,7 +107,12 @@ def follow(
         every=max(1.0, round(flight.duration / _POINTS)),
         states=states,
     )
+    fixes = flight.duration / design.gnss.interval
+    progress(0.0, f"Following {fixes:.0f} fixes, about {max(fixes * _seconds_per_fix, 1.0):.0f} s")
+    began = time.monotonic()
     result = covariance(covariance_specification(design, study, flight.lines), _MOST_STEPS)
+    if fixes > _SHORT:
+        _seconds_per_fix = (time.monotonic() - began) / fixes
     position = result.truth.position
     north, east = metres_per_radian(position[0, 0], position[0, 2])
     return Followed(
@@ -114,6 +122,16 @@ def follow(
         east * (np.unwrap(position[:, 1]) - position[0, 1]),
         file.name if file else "",
     )
+
+
+def follow_if_short(design: Design, states: int) -> Followed | None:
+    """`follow` of a flight of few enough fixes for the pool, whose processes are not ended; None of a longer one.
+
+    Raises InputError as `follow`.
+    """
+    from nav_model.trajectory.design_study import planned
+
+    return follow(design, states) if planned(design).duration <= _SHORT * design.gnss.interval else None
 
 
 def waypoints_in(content: bytes, name: str, design: Design) -> tuple[Rows, str]:

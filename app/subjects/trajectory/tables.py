@@ -16,33 +16,33 @@ from nav_model.design.figures import figure_in_sentence
 if TYPE_CHECKING:
     from nav_model.trajectory.result import LineResult, TrajectoryResult
 
-_MOST_TOLD = 2
-
 
 def verdict(followed: Followed, name: str) -> Answer:
     """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
     result = followed.result
-    heading, processing = result.heading.text, result.spec.processing
+    processing = result.spec.processing
     elsewhere = _elsewhere(result)
     if not any(line.limits for line in result.lines):
         figure, values = FIGURES[name], result.chosen.figure(name)
         values = values[np.isfinite(values)]
         told = f"{figure.label} is at most {figure.told(values.max())}, {processing}." if values.size else ""
         none = "No requirement of the design limits a figure of the flight."
-        return Answer("No limit", "open" if result.closes else "bad", (told, none, *elsewhere, heading))
+        return Answer("No limit", "open" if result.closes else "bad", (told, none, *elsewhere))
     failing = [line for line in result.lines if not line.closes]
     lines = len(result.lines)
     if result.spec.lines:
         word = f"{lines - len(failing)} of {lines} line{'' if lines == 1 else 's'} within the limits"
     else:
         word = f"{percent(min(result.lines[0].within.values()))} of the flight within the limits"
-    told = "; ".join(failure(result, line) for line in failing[:_MOST_TOLD])
-    more = f"; {len(failing) - _MOST_TOLD} more fail" if len(failing) > _MOST_TOLD else ""
-    sentences = (f"{told[0].upper()}{told[1:]}{more}.",) if told else ()
+    sentences: tuple[str, ...] = ()
+    if failing:
+        worst = max(failing, key=lambda line: (bool(line.reason), _excess(line)[1]))
+        told = failure(result, worst)
+        sentences = (f"{told[0].upper()}{told[1:]}.", "See Close it for what would.")
     return Answer(
         f"{'✓' if result.closes else '✗'} {word} {SAID[processing]}",
         "good" if result.closes else "bad",
-        (*sentences, *elsewhere, heading),
+        (*sentences, *elsewhere),
     )
 
 
@@ -57,21 +57,52 @@ def _elsewhere(result: TrajectoryResult) -> tuple[str, ...]:
 
 
 def failure(result: TrajectoryResult, line: LineResult) -> str:
-    """Why a line fails: no image of it can be taken, or "line 3 fails 12 s after its start: ...", with the figure and
-    its largest source."""
+    """Why a line fails: no image of it can be taken, or "line 3 fails by ... 12 s after its start", with the figure
+    and its largest source."""
     from nav_model.trajectory.lines import along
 
     if line.reason:
         return f"{line.name} {line.reason}"
-    name = min(line.failing, key=lambda failing: line.within[failing])
+    decides = _excess(line)[0]
+    name = decides if decides in line.failing else line.failing[0]
     figure, values, limit = FIGURES[name], result.chosen.figure(name), line.limits[name]
     on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name in result.chosen.image)
     beyond = np.flatnonzero(on & (values > limit))
-    after = number(max(float(result.time_s[beyond[0]] - line.start_s), 0.0), given=True)
     worst = int(beyond[np.argmax(values[beyond])])
+    after = number(max(float(result.time_s[worst] - line.start_s), 0.0), given=True)
     return (
-        f"{line.name} fails {after} s after its start: {figure.said} {figure.told(values[worst])}, limit "
+        f"{line.name} fails by {figure.said} {figure.told(values[worst])} {after} s after its start, limit "
         f"{figure.told(limit, given=True)} ({figure.spread}), most of it from {cause_at(result, name, worst)}"
+    )
+
+
+def _excess(line: LineResult) -> tuple[str, float]:
+    """The figure that decides on a line, and its worst over its limit; none without a limit or a value."""
+    over = {name: line.worst[name] / limit for name, limit in line.limits.items() if name in line.worst}
+    return max(over.items(), key=lambda item: item[1], default=("", 0.0))
+
+
+def line_list(followed: Followed, name: str) -> Table:
+    """The verdict of each line, with the figure that decides; `name` where no limit does."""
+    result = followed.result
+    rows: list[Row] = []
+    for place, line in enumerate(result.lines, 1):
+        figure = FIGURES[_excess(line)[0] or name]
+        worst, limit = line.worst.get(figure.name), line.limits.get(figure.name)
+        fails = "✗ fails", "bad"
+        sign, tone = (("✓ keeps", "good") if limit else ("no limit", "")) if line.closes else fails
+        label = line.name if not result.spec.lines or line.name == f"line {place}" else f"{place}  {line.name}"
+        told = (
+            NONE if worst is None else figure.told(worst),
+            NONE if limit is None else figure.told(limit, given=True),
+        )
+        rows.append((label, Cell(sign, tone=tone), line.reason or figure.label, *told))
+    return table(
+        "trajectory-verdicts",
+        f"Verdict by line, {result.spec.processing}",
+        ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit (1σ)")),
+        rows,
+        result.heading.text,
     )
 
 

@@ -22,7 +22,6 @@ from waiting import soon
 
 import app.subjects.trajectory.page as trajectory_page
 from app import cli
-from app.charts.kinds import to_csv
 from app.dashboard.report_choice import ReportChoice
 from app.document.blocks import ChartBlock
 from app.document.pane import html_of
@@ -35,7 +34,7 @@ from app.subjects.trajectory.kml import NAMESPACE, as_kml
 from app.subjects.trajectory.page import TrajectoryPage, as_csv, as_json
 from app.subjects.trajectory.plan_file import as_plan
 from app.subjects.trajectory.run import File, Followed, follow
-from app.subjects.trajectory.tables import line_table, verdict
+from app.subjects.trajectory.tables import line_list, line_table, verdict
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design
@@ -86,7 +85,11 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
     assert said.word == "✗ 0 of 2 lines within the limits in real time"
     assert said.sentences[0].startswith("Line 1 fails ")
     assert "most of it from" in said.sentences[0]
-    assert followed.result.heading.text in said.sentences
+    listed = line_list(followed, "detrended_phase")
+    assert [[cell.text for cell in row][:3] for row in listed.rows] == [
+        [f"line {n}", "✗ fails", "Detrended phase"] for n in (1, 2)
+    ]
+    assert listed.note == followed.result.heading.text
 
 
 def test_a_design_that_is_good_enough_says_so_and_one_without_limits_too() -> None:
@@ -109,15 +112,23 @@ def test_shares_are_stacked_up_to_one_hundred_percent(followed: Followed) -> Non
     assert all(np.array_equal(low.high, high.low, equal_nan=True) for low, high in pairwise(bands))
 
 
-def test_the_map_colours_every_place_by_the_limit(followed: Followed) -> None:
-    chart = map_chart(followed, "detrended_phase")
-    values, limit = followed.result.real_time.image["detrended_phase"], dict(followed.result.spec.most)
-    beyond = next(line for line in chart.lines if line.key == "high")
-    assert np.isfinite(beyond.y[values > limit["detrended_phase"]]).all()
-    assert [point.names for point in chart.points] == [("line 1", "line 2")]
-    # The second line lies 1 km to the right of the first, whatever the heading.
+def test_the_map_numbers_the_lines_and_colours_them_by_their_verdict(followed: Followed) -> None:
+    chart, result = map_chart(followed), followed.result
+    drawn = {line.style: np.isfinite(line.y) for line in chart.lines}
+    on = np.zeros(len(result.time_s), bool)
+    for line in result.lines:
+        on |= (result.time_s > line.start_s - 1e-6) & (result.time_s < line.stop_s + 1e-6)
+    assert not any(line.closes for line in result.lines)
+    np.testing.assert_array_equal(drawn["does not close"], on)
+    assert drawn["turn"].all()
+    assert not drawn["closes"].any()
+    assert [point.names for point in chart.points] == [("1", "2")]
+    # The middle of the second line lies 1 km to the right of that of the first, whatever the heading.
     first, second = (np.array([chart.points[0].x[i], chart.points[0].y[i]]) for i in (0, 1))
-    assert math.hypot(*(second - first)) == pytest.approx(math.hypot(1.0, 3.0), rel=0.02)
+    assert math.hypot(*(second - first)) == pytest.approx(1.0, rel=0.02)
+    spans = [span for span in timelines(followed, "tilt")[0].spans if span.style]
+    assert [(span.label, span.style) for span in spans] == [(f"line {n}", "does not close") for n in (1, 2)]
+    assert [(span.start, span.stop) for span in spans] == [(line.start_s, line.stop_s) for line in result.lines]
 
 
 def test_every_figure_can_be_chosen_and_exported(followed: Followed) -> None:
@@ -125,7 +136,6 @@ def test_every_figure_can_be_chosen_and_exported(followed: Followed) -> None:
         charts = timelines(followed, name)
         assert all(line.x is charts[0].lines[0].x for chart in charts for line in chart.lines)
         assert FIGURES[name].label in html_of(line_table(followed, name))
-        assert "no aperture here" in to_csv(map_chart(followed, name)) or name not in followed.result.chosen.image
     rows = list(csv.reader(io.StringIO(as_csv(followed))))
     assert float(rows[50][1 + list(FIGURES).index("tilt")]) == followed.result.real_time.figure("tilt")[49]
     assert json.loads(as_json(followed))["lines"][1]["name"] == "line 2"
@@ -319,6 +329,8 @@ def _for_an_hour(*_: object, progress: Any) -> None:
 
 def test_a_flight_ends_with_the_page_that_asked_for_it(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> None:
     monkeypatch.setattr(trajectory_page, "follow", _for_an_hour)
+    monkeypatch.setattr(trajectory_page, "run_in_pool", at_once)
+    monkeypatch.setattr(trajectory_page, "follow_if_short", lambda *_: None)  # as a long one
     session = Session(first_design())
     page = TrajectoryPage(session)
     others = set(multiprocessing.active_children())
