@@ -83,7 +83,8 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
         good += bool((values[(time >= line.start + half) & (time <= line.stop - half)] <= limit).all())
     assert good == 0
     assert said.word == "✗ 0 of 2 lines within the limits in real time"
-    assert said.sentences[0].startswith("Line 1 fails ")
+    worst = max(followed.result.lines, key=lambda line: line.worst["detrended_phase"])
+    assert said.sentences[0].startswith(f"{worst.name.capitalize()} fails by detrended phase ")
     assert "most of it from" in said.sentences[0]
     listed = line_list(followed, "detrended_phase")
     assert [[cell.text for cell in row][:3] for row in listed.rows] == [
