@@ -38,6 +38,7 @@ from app.subjects.trajectory.tables import line_list, line_table, verdict
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.file import format_design
+from nav_model.design.trajectory import LIMITED
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.trajectory.files.reader import parse_file
 
@@ -267,13 +268,14 @@ def test_simulated_runs_of_the_same_flight_are_laid_over_the_curves(session: Ses
 
 
 def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> None:
+    high = {"detrended_phase", "quadratic_phase", "horizontal_position", "ce90"}
     plan = {
         "trajectory.flight": "waypoints",
         "trajectory.waypoints": (
             (0.82, 0.14, 3000.0, "out & <b>in</b>"), (0.8215, 0.14, 3000.0, ""), (0.823, 0.14, 3000.0, "wide"),
             (0.8245, 0.14, 3000.0, ""),
         ),
-        "trajectory.limits": (("wide", 1e3, 1e3, *[None] * 3, 1e3, 1e3, *[None] * 4),),
+        "trajectory.limits": (("wide", *(1e3 if name in high else None for name in LIMITED)),),
     }  # fmt: skip
     followed = follow(first_design().replace(plan), 9)
     text = as_kml(followed)
