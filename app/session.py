@@ -19,9 +19,9 @@ from nav_model.budget import Budget, analyse
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
-from nav_model.design.own import Own
 from nav_model.design.parts import declaration_of
 from nav_model.design.several import with_unit
+from nav_model.design.user_entries import UserEntries
 
 _SHOWN = "show="
 _MOST_TO_SHARE = 2000  # characters that mail programs and chats do not break
@@ -163,11 +163,11 @@ class Session(param.Parameterized):
         changes: Mapping[str, Value],
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
-        own: Own | None = None,
+        entries: UserEntries | None = None,
     ) -> InputError | None:
         """Apply changes, as `Design.replace` takes them; returns the error message, if any."""
         return self._adopt(
-            lambda: self.design.replace(changes, written, origins, own), frozenset(changes), self.lineage
+            lambda: self.design.replace(changes, written, origins, entries), frozenset(changes), self.lineage
         )
 
     def enter(self, key: str, given: Any) -> InputError | None:

@@ -138,7 +138,7 @@ def labels(table):
 
 for mode in ("real time", "post-processed"):
     design = parse_design(FILE.replace("MODE", mode).encode(), "design")
-    budget, plain = analyse(design), analyse(design.replace({}, own=type(design.own)()))
+    budget, plain = analyse(design), analyse(design.replace({}, entries=type(design.entries)()))
     figure = budget.figure(NAME)
     assert abs(figure.sigma - (plain.figure(NAME).sigma ** 2 + 0.4**2) ** 0.5) < 1e-12  # the contributor enters
     assert abs(sum(figure.shares.values()) - 1) < 1e-9 and figure.shares["map"] > 0

@@ -12,7 +12,7 @@ from nav_model.budget import Budget
 from nav_model.budget.allocation import Allocation, allocate
 from nav_model.budget.verdict import Check
 from nav_model.design import Design
-from nav_model.design.own import Allotment
+from nav_model.design.user_entries import Allotment
 
 SPLIT_WORDS = {
     "shares": "in proportion to today's shares",

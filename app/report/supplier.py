@@ -26,8 +26,8 @@ from nav_model.allan.result import axis_label
 from nav_model.base.errors import under
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
-from nav_model.design.own import Allotment
 from nav_model.design.parts import declaration_of
+from nav_model.design.user_entries import Allotment
 from nav_model.equations.literature import WORKS
 from nav_model.explore.supplier import (
     AVERAGING,

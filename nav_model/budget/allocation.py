@@ -17,7 +17,7 @@ from nav_model.budget.contributors import as_phase
 from nav_model.budget.result import Budget
 from nav_model.budget.verdict import Check
 from nav_model.design.figures import RESPONSE
-from nav_model.design.own import Allotment
+from nav_model.design.user_entries import Allotment
 from nav_model.processing.paired_echo import NOTHING
 
 

@@ -17,8 +17,8 @@ from nav_model.budget.contributors import Contributors, contributors_of
 from nav_model.budget.fast import fast_sources, rectified
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.own import Limit
 from nav_model.design.parts import INPUTS, Radar
+from nav_model.design.user_entries import Limit
 from nav_model.processing.fast_motion import Fast
 
 RECTIFICATION = "vibration rectification"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.errors import InputError
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Composed, Shares
 from nav_model.design import Design
@@ -126,6 +127,8 @@ def all_required(design: Design) -> dict[str, Required]:
             requirements[name] = Required(name, None, limit, limit_on(name).dimension, unit, factor)
     figures = {contributor.name: contributor.enters for contributor in design.contributors}
     for limit in design.limits:
+        if limit.name in requirements:
+            raise InputError(limit.where, "is the name of a requirement that is given too. Rename it.", limit.name)
         factor = _factor(figures.get(limit.on, limit.on), limit.confidence or usual)
         unit = limit.unit or DIMENSIONS[limit.dimension].default_unit
         requirements[limit.name] = Required(limit.on, limit.at, limit.value, limit.dimension, unit, factor)
@@ -176,7 +179,7 @@ def judge(
             Check(
                 name=name,
                 on=requirement.on,
-                label=label_of(name),
+                label=name if name in limits else label_of(name),
                 dimension=requirement.dimension,
                 confidence=requirement.confidence,
                 value=value,

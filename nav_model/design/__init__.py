@@ -16,10 +16,9 @@ from nav_model.base.errors import InputError, shown
 from nav_model.base.frozen import FrozenMapping
 from nav_model.design.contributors import Contributor
 from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE, BaseQuantity
-from nav_model.design.own import Allotment, Limit, Own
 from nav_model.design.parts import (
     INPUTS,
-    LATER,
+    INPUTS_SINCE,
     LONGEST_ORIGIN,
     PARTS,
     PRESET_KEYS,
@@ -39,8 +38,9 @@ from nav_model.design.parts import (
     declaration_of,
 )
 from nav_model.design.table import Table
+from nav_model.design.user_entries import Allotment, Limit, UserEntries
 
-_NOTHING = Own()
+_NOTHING = UserEntries()
 
 Value = float | int | bool | str | tuple[tuple[Any, ...], ...] | None
 
@@ -68,7 +68,7 @@ class Design:
         Dotted key -> where the value came from, such as a log or a data sheet: one line.
     outdated : tuple of str
         Keys of a file or link of before that have no effect any more.
-    own : Own
+    entries : UserEntries
         Contributors, limits and an allocation of the user's own, beside the inputs.
 
     Two designs are equal when their values and texts are, whatever units they were written in and wherever the
@@ -88,7 +88,7 @@ class Design:
     written: Mapping[str, str]
     origins: Mapping[str, str]
     outdated: tuple[str, ...]
-    own: Own
+    entries: UserEntries
     _values: dict[str, Value]
 
     def __init__(
@@ -97,7 +97,7 @@ class Design:
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
         outdated: tuple[str, ...] = (),
-        own: Own = _NOTHING,
+        entries: UserEntries = _NOTHING,
     ) -> None:
         """Make a design from dotted keys in SI; a key not given takes its default.
 
@@ -109,7 +109,7 @@ class Design:
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
         parts = {part.section: part(**own) for part, own in _by_part(given)}
-        self.__dict__.update(outdated=outdated, own=own)
+        self.__dict__.update(outdated=outdated, entries=entries)
         self._fill(dict(texts), parts, dict(written or {}), dict(origins or {}))
 
     def _fill(
@@ -128,7 +128,7 @@ class Design:
 
     def __reduce__(self) -> tuple[type[Design], tuple[Any, ...]]:
         """Unpickle through the constructor, so that the copy is checked and immutable too."""
-        return type(self), (self._values, dict(self.written), dict(self.origins), self.outdated, self.own)
+        return type(self), (self._values, dict(self.written), dict(self.origins), self.outdated, self.entries)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a Design does not change; make another with replace()")
@@ -146,17 +146,17 @@ class Design:
     @property
     def contributors(self) -> tuple[Contributor, ...]:
         """Errors of the user's own that enter figures beside those of the model."""
-        return self.own.contributors
+        return self.entries.contributors
 
     @property
     def limits(self) -> tuple[Limit, ...]:
         """Requirements of the user's own, beside those of the inputs."""
-        return self.own.limits
+        return self.entries.limits
 
     @property
     def allocation(self) -> Allotment | None:
         """How limits are split among sources, where the design says so."""
-        return self.own.allocation
+        return self.entries.allocation
 
     def __getitem__(self, key: str) -> Value:
         """Value in SI under a dotted key."""
@@ -175,9 +175,9 @@ class Design:
         changes: Mapping[str, Value],
         written: Mapping[str, str] | None = None,
         origins: Mapping[str, str] | None = None,
-        own: Own | None = None,
+        entries: UserEntries | None = None,
     ) -> Design:
-        """The design that differs in `changes` (dotted keys, SI), and in what is its `own` where that is given.
+        """The design that differs in `changes` (dotted keys, SI), and in its `entries` where that is given.
 
         `written` updates the units remembered, `origins` where values came from; a value that changes loses the
         origin it had. Noise written as "1 cm + 1 ppm" follows the base line. Parts, units and origins in which
@@ -206,8 +206,8 @@ class Design:
             held = {**held, **(origins or {})}
         new = Design.__new__(Design)
         new.__dict__.update(self.__dict__)
-        if own is not None:
-            new.__dict__["own"] = own
+        if entries is not None:
+            new.__dict__["entries"] = entries
         new._fill({**self._values, **texts}, parts, units, held)
         return new
 
@@ -246,10 +246,10 @@ class Design:
         return moved
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Design) and self._values == other._values and self.own == other.own
+        return isinstance(other, Design) and self._values == other._values and self.entries == other.entries
 
     def __hash__(self) -> int:
-        return hash((tuple(self._values.items()), self.own))
+        return hash((tuple(self._values.items()), self.entries))
 
     def __repr__(self) -> str:
         return f"Design({self.name!r}, {self.content_hash[:12]})"
@@ -260,9 +260,9 @@ class Design:
         lines = [
             f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(_identity(key, value))}"
             for key, value in self._values.items()
-            if key not in LATER or value != declaration_of(key).default
+            if key not in INPUTS_SINCE or value != declaration_of(key).default
         ]
-        return hashlib.sha256("\n".join(lines + self.own.identity()).encode()).hexdigest()
+        return hashlib.sha256("\n".join(lines + self.entries.identity()).encode()).hexdigest()
 
 
 def _identity(key: str, value: Any) -> Any:

@@ -42,7 +42,7 @@ _LARGEST = 1e9  # SI; no figure is limited there
 _LONGEST = 200  # characters of a text
 
 
-class Sized:
+class OneSigma:
     """What a user adds under a name with a size: `value` in SI, its `dimension`, and the `unit` it was written in.
 
     `table` is the name of its tables in a design file.
@@ -72,7 +72,7 @@ class Sized:
 
 
 @dataclass(frozen=True)
-class Contributor(Sized):
+class Contributor(OneSigma):
     """One contributor.
 
     Attributes
@@ -155,7 +155,7 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     """
     keys = ("name", "value", "enters", "kind", "processing", "allowance", "owner", "source")
     found = []
-    for where, texts in given_tables("contributors", tables, keys, ("value", "enters")):
+    for where, texts in read_records("contributors", tables, keys, ("value", "enters")):
         if (enters := texts["enters"]) not in FIGURES:
             raise InputError(f"{where}.enters", not_a_choice(enters, FIGURES), enters)
         given: dict[str, Any] = texts | read_size(f"{where}.value", texts["value"], enters, FIGURES[enters].accepts)
@@ -165,7 +165,7 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
     return tuple(found)
 
 
-def given_tables(
+def read_records(
     kind: str, tables: Any, keys: Collection[str], needed: Iterable[str]
 ) -> Iterator[tuple[str, dict[str, str]]]:
     """Of each table ``[[kind]]`` of a design file how messages name it, and its texts; up to one more than `MOST`.

@@ -17,10 +17,10 @@ from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.own import OWN_KEYS, read_own
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
 from nav_model.design.table import Table
+from nav_model.design.user_entries import ENTRY_KEYS, read_entries
 
 ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""
@@ -147,9 +147,9 @@ def _drop(tables: dict[str, Any], section: str, name: str) -> None:
 def _build(tables: dict[str, Any]) -> Design:
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
-    own = read_own(tables)
+    entries = read_entries(tables)
     for key, content in tables.items():
-        if key in OWN_KEYS:
+        if key in ENTRY_KEYS:
             continue
         if key in TOP_KEYS:
             values[key] = _text(key, content)
@@ -160,7 +160,7 @@ def _build(tables: dict[str, Any]) -> Design:
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
     outdated = tuple(key for key in OUTDATED if key.partition(".")[2] in tables.get(key.partition(".")[0], {}))
-    design = Design(values, written, outdated=outdated, own=own)
+    design = Design(values, written, outdated=outdated, entries=entries)
     origins = tables.get(ORIGINS) or noted_origins(design)
     if isinstance(origins, dict):
         origins = {key: origin for key, origin in origins.items() if key not in OUTDATED}
@@ -261,4 +261,4 @@ def format_design(design: Design) -> str:
         tables[section] = table
     if design.origins:
         tables[ORIGINS] = dict(design.origins)
-    return tomli_w.dumps(tables | design.own.tables())
+    return tomli_w.dumps(tables | design.entries.tables())

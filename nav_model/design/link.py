@@ -15,11 +15,11 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.own import OWN_KEYS, read_own
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
 from nav_model.design.table import Table
+from nav_model.design.user_entries import ENTRY_KEYS, read_entries
 
 _MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
@@ -51,7 +51,7 @@ def to_query(design: Design) -> str:
         if value != base[key] or type(value) is not type(base[key]):
             pairs.append((short, _to_text(key, value, design)))
     pairs += [(_ORIGIN_PREFIX + short, design.origins[key]) for short, key in _SHORT.items() if key in design.origins]
-    for key, table in design.own.tables().items():
+    for key, table in design.entries.tables().items():
         pairs.append((key, json.dumps(table, ensure_ascii=False, separators=(",", ":"))))
     return urlencode(pairs, safe="()/^-.:", quote_via=quote_plus)
 
@@ -117,7 +117,7 @@ def from_query(query: str) -> Design:
     for short, text in pairs:
         if short in TOP_KEYS:
             values[short] = text
-        elif short in OWN_KEYS:
+        elif short in ENTRY_KEYS:
             own[short] = _tables(short, text)
         elif short.removeprefix(_ORIGIN_PREFIX) in _SHORT and short.startswith(_ORIGIN_PREFIX):
             origins[_SHORT[short.removeprefix(_ORIGIN_PREFIX)]] = text
@@ -126,7 +126,7 @@ def from_query(query: str) -> Design:
                 raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
             _read(_SHORT[short], text, values, written)
     outdated = tuple(_OUTDATED[short] for short in names if short in _OUTDATED)
-    design = Design(values, written, outdated=outdated, own=read_own(own))
+    design = Design(values, written, outdated=outdated, entries=read_entries(own))
     return design.replace({}, origins=origins or noted_origins(design))
 
 

@@ -26,7 +26,7 @@ from nav_model.budget.allocation import allocate
 from nav_model.budget.verdict import makers_of
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
-from nav_model.design.own import Allotment, Own
+from nav_model.design.user_entries import Allotment, UserEntries
 from nav_model.explore.margins import limits, quantity, ratios, worst
 from nav_model.explore.solve import rounded_offer
 
@@ -96,22 +96,22 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
     return tuple(Required(key, rounded_offer(design, key, largest[key]).value, value) for key, value in now.items())
 
 
-def frozen(design: Design) -> Own:
+def frozen(design: Design) -> UserEntries:
     """What a design adds, with the required values of every sheet frozen as they are; unchanged where no sheet is.
 
     Required values follow the design's own, so a log whose values enter the design would move what it is judged by.
     """
     plan = design.allocation or Allotment()
     if plan.required:
-        return design.own
+        return design.entries
     values: list[tuple[str, float, str]] = []
     for unit in _NOISES:
         with suppress(InputError):
             values += [(line.key, line.value, design.unit(line.key)) for line in required(design, unit)]
     if not values:
-        return design.own
+        return design.entries
     plan = replace(plan, required=tuple(values), frozen=design.content_hash[:12])
-    return replace(design.own, allocation=plan)
+    return replace(design.entries, allocation=plan)
 
 
 def _noises(design: Design, *units: Unit) -> dict[str, float]:

@@ -24,8 +24,8 @@ from nav_model.budget.json import to_json
 from nav_model.budget.verdict import limit_on
 from nav_model.design import Design
 from nav_model.design.figures import FIGURES, REQUIRED
-from nav_model.design.own import Own, read_own
 from nav_model.design.parts import INPUTS
+from nav_model.design.user_entries import UserEntries, read_entries
 from nav_model.explore.margins import ratios
 from nav_model.explore.supplier import required
 from nav_model.sar.design_case import conditions, judged
@@ -71,14 +71,16 @@ def some_design(random: np.random.Generator) -> Design:
         "coast_horizontal_position": 20.0, "coast_vertical_position": 20.0,
     }  # fmt: skip
     assert set(limits) <= set(INPUTS["requirements"])
-    return Design(keys | {f"requirements.{name}": limit for name, limit in limits.items()}, own=some_entries(random))
+    return Design(
+        keys | {f"requirements.{name}": limit for name, limit in limits.items()}, entries=some_entries(random)
+    )
 
 
 _SIZES = {"angle": "2°", "length": "0.2 m", "speed": "5 mm/s", "level": "-25 dB", "loss": "0.1 dB"}
 _LIMITS = {"angle": "9°", "length": "1 m", "speed": "1 cm/s", "level": "-15 dB", "loss": "1 dB"}
 
 
-def some_entries(random: np.random.Generator) -> Own:
+def some_entries(random: np.random.Generator) -> UserEntries:
     """Contributors to some figures, and limits of the user's own on others."""
     entering, limited = (random.choice(list(FIGURES), count, replace=False) for count in random.integers(0, 5, 2))
     contributors = [
@@ -100,7 +102,7 @@ def some_entries(random: np.random.Generator) -> Own:
         | ({"at": "7 s"} if FIGURES[name].kind == "outage" and n % 2 else {})
         for n, name in enumerate(limited)
     ]
-    return read_own({"contributors": contributors, "limits": limits})
+    return read_entries({"contributors": contributors, "limits": limits})
 
 
 @pytest.mark.long

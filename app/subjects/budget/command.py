@@ -16,7 +16,7 @@ from nav_model.budget.json import allocation_json, to_json
 from nav_model.budget.provenance import cautions
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
-from nav_model.design.own import SPLITS, Allotment, read_allocation
+from nav_model.design.user_entries import SPLITS, Allotment, read_allocation
 
 
 def add_to(commands: Any) -> None:

@@ -21,8 +21,8 @@ from nav_model.budget import Budget
 from nav_model.budget.allocation import allocate, check_of
 from nav_model.design.contributors import KINDS, PROCESSINGS
 from nav_model.design.figures import FIGURES, figure_in_sentence
-from nav_model.design.own import Allotment, read_own
 from nav_model.design.ready_made import READY_MADE, ready_made
+from nav_model.design.user_entries import Allotment, read_entries
 
 _FIGURES = tuple((name, figure.label) for name, figure in FIGURES.items())
 _CONTRIBUTOR = (
@@ -92,7 +92,7 @@ class Contributors(View):
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        own, plan = budget.design.own, budget.design.allocation or Allotment()
+        own, plan = budget.design.entries, budget.design.allocation or Allotment()
         tables = own.tables()
         limits = tables.get("limits", [])
         if limits != self._limits.rows:  # one of them may be why a contributor was refused
@@ -155,7 +155,7 @@ class Contributors(View):
     def _enter(self, key: str, table: object) -> InputError | None:
         """Put one of the tables of a design file in force."""
         try:
-            return self.session.change({}, own=read_own(self.session.design.own.tables() | {key: table}))
+            return self.session.change({}, entries=read_entries(self.session.design.entries.tables() | {key: table}))
         except InputError as error:
             return error
 

@@ -19,7 +19,7 @@ from nav_model.design.parts import INPUTS
 
 def audit_sections(review: Review) -> tuple[Section, ...]:
     """The sections behind the designs: owners where a design has its own, comments, decisions, the record."""
-    shares = any(revision.budget().design.own.tables() for revision in review.revisions)
+    shares = any(revision.budget().design.entries.tables() for revision in review.revisions)
     return (
         *((Section("audit-owners", "Allocation and owners", owner_tables(review)),) if shares else ()),
         Section("audit-log", "Comments and decisions in order", (comment_table(review), decision_table(review))),

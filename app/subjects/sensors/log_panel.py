@@ -219,8 +219,8 @@ class LogPanel(pn.viewable.Viewer):
     def _adopt(self, offer: Callable[[], Adoption]) -> None:
         try:
             adoption = offer()
-            own = frozen(self.session.design)  # so that a log does not move what it is judged by
-            problem = self.session.change(adoption.changes, adoption.written, adoption.origins, own)
+            entries = frozen(self.session.design)  # so that a log does not move what it is judged by
+            problem = self.session.change(adoption.changes, adoption.written, adoption.origins, entries)
         except InputError as error:
             problem = error
         if problem:

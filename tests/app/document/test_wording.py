@@ -10,7 +10,7 @@ from app.serving.server import first_design
 from app.subjects.budget.closing import ways
 from app.subjects.explore.charts import rank_chart
 from nav_model.budget import analyse
-from nav_model.design.own import read_own
+from nav_model.design.user_entries import read_entries
 
 
 def test_an_edited_preset_is_custom_in_every_place() -> None:
@@ -36,10 +36,10 @@ def test_no_line_ends_between_a_number_and_its_unit_or_within_the_unit() -> None
 
 
 def test_an_abbreviation_and_a_name_of_ones_own_stay_as_they_are_in_a_sentence() -> None:
-    own = read_own({"limits": [{"name": "lever arm, GNSS to IMU", "on": "tilt", "limit": "0.0001°"}]})
+    own = read_entries({"limits": [{"name": "lever arm, GNSS to IMU", "on": "tilt", "limit": "0.0001°"}]})
     design = first_design()
     changed = {
-        "lever arm, GNSS to IMU": design.replace({}, own=own),
+        "lever arm, GNSS to IMU": design.replace({}, entries=own),
         "CE90": design.replace({"requirements.ce90": 1e-3}),
     }
     for name, budget in ((name, analyse(one)) for name, one in changed.items()):

@@ -13,7 +13,7 @@ from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.timelines import position_knowledge
 from nav_model import analyse
 from nav_model.design.contributors import read_contributors
-from nav_model.design.own import Allotment, Own
+from nav_model.design.user_entries import Allotment, UserEntries
 
 _BASE = example("mems_x_band")
 _LEVER_ARM = {
@@ -27,7 +27,7 @@ _OMITTED = "Lever arm, timing, atmosphere"
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
 def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: str) -> None:
     alone = _BASE.replace({"processing.mode": mode})
-    design = alone.replace({}, own=Own(read_contributors([_LEVER_ARM]), allocation=Allotment()))
+    design = alone.replace({}, entries=UserEntries(read_contributors([_LEVER_ARM]), allocation=Allotment()))
     report, without = (report_of([analyse(one)]) for one in (design, alone))
     tables = [each for part in report.chapters[0].sections for each in part.blocks if isinstance(each, Table)]
     written = [column for each in tables for column in each.columns if column.title in ("Owner", "Source")]
@@ -46,7 +46,7 @@ def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: s
 def test_a_comparison_has_them_in_errors_while_fixes_come_in(mode: str) -> None:
     alone = _BASE.replace({"processing.mode": mode})
     monument = {"name": "monument", "value": "3 m", "enters": "horizontal_position", "kind": "systematic"}
-    budgets = [analyse(alone), analyse(alone.replace({}, own=Own(read_contributors([monument]))))]
+    budgets = [analyse(alone), analyse(alone.replace({}, entries=UserEntries(read_contributors([monument]))))]
     _, figures, _ = difference_tables(budgets, ("D1", "D2"))
     (row,) = (row for row in figures.rows if row[0].text == "Horizontal position")
     assert [cell.mark for cell in row[1:]] == ["best", ""]
@@ -57,7 +57,7 @@ def test_a_comparison_has_them_in_errors_while_fixes_come_in(mode: str) -> None:
 def test_a_tile_has_them_in_both_moments_and_a_chart_says_that_its_curves_do_not() -> None:
     own = [{"name": name, "value": "3 m", "enters": name, "kind": "systematic"} for name in _POSITIONS]
     alone = analyse(_BASE.replace({"requirements.steady_state": "prior"}))
-    with_own = analyse(alone.design.replace({}, own=Own(read_contributors(own))))
+    with_own = analyse(alone.design.replace({}, entries=UserEntries(read_contributors(own))))
     told = []
     for budget in (alone, with_own):
         (tile,) = (item for item in key_figures(budget).items if item.label == "Horizontal position")

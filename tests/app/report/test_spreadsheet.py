@@ -24,7 +24,7 @@ from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design.contributors import Contributor
 from nav_model.design.figures import REQUIRED, RESPONSE, STEADY, of_kind
-from nav_model.design.own import Own, read_limits
+from nav_model.design.user_entries import UserEntries, read_limits
 
 CHANGED = {
     "imu.angle_random_walk": (1e-6, 1e-4),
@@ -83,7 +83,7 @@ def expected(design: Design) -> dict[str, float]:
     return {f"real_time_{names[name]}": float(value) for name, value in found.items()}
 
 
-def own() -> Own:
+def own() -> UserEntries:
     """Contributors, and limits on values of each kind."""
     limits = [
         {"name": "heading", "on": "coast_heading", "limit": "0.02°", "at": "30 s", "confidence": 3},
@@ -96,7 +96,7 @@ def own() -> Own:
         {"name": "loss", "on": "peak_loss", "limit": "3 dB"},
         {"name": "second order", "on": "detrended_phase_2", "limit": "5°"},
     ]
-    return Own(contributors(), read_limits(limits, contributors()))
+    return UserEntries(contributors(), read_limits(limits, contributors()))
 
 
 def contributors() -> tuple[Contributor, ...]:
@@ -115,10 +115,10 @@ def contributors() -> tuple[Contributor, ...]:
     )
 
 
-@pytest.mark.parametrize("own", [Own(), own()], ids=["model", "own"])
+@pytest.mark.parametrize("own", [UserEntries(), own()], ids=["model", "own"])
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str, own: Own) -> None:
-    budget = analyse(example(name).replace({}, own=own))
+def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str, own: UserEntries) -> None:
+    budget = analyse(example(name).replace({}, entries=own))
     path = write(tmp_path / "budget.xlsx", budget.design)
     book = openpyxl.load_workbook(path, data_only=True)
     formulas_too = openpyxl.load_workbook(path)
@@ -160,7 +160,7 @@ def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
 @pytest.mark.long
 @designs
 def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path, count: int) -> None:
-    base = drawn(example("mems_x_band"), 0).replace({}, own=own())
+    base = drawn(example("mems_x_band"), 0).replace({}, entries=own())
     path = write(tmp_path / "budget.xlsx", base)
     book = openpyxl.load_workbook(path)
     model = formulas.ExcelModel().loads(str(path)).finish()
@@ -200,7 +200,7 @@ def convert(folder: Path, kind: str, *paths: Path) -> None:
 @designs
 def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int) -> None:
     """All workbooks in one start of the program."""
-    bases = [example(name).replace({}, own=own()) for name in EXAMPLES]
+    bases = [example(name).replace({}, entries=own()) for name in EXAMPLES]
     wanted: dict[str, Design] = {}
     for seed in range(3 + count):
         base = bases[seed % 3]
@@ -228,7 +228,7 @@ def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int)
 
 @pytest.mark.long
 def test_a_spreadsheet_program_shows_every_number_with_its_sign(tmp_path: Path) -> None:
-    path = write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, own=own()))
+    path = write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, entries=own()))
     convert(tmp_path, "pdf", path)
     shown = "".join(page.extract_text() for page in pypdf.PdfReader(path.with_suffix(".pdf")).pages)
     assert "###" not in shown

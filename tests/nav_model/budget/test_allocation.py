@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from nav_model import Budget, Design, InputError, analyse
 from nav_model.budget.allocation import Allocation, allocate
 from nav_model.design.contributors import Contributor
-from nav_model.design.own import SPLITS, Allotment, Lock, Own
+from nav_model.design.user_entries import SPLITS, Allotment, Lock, UserEntries
 
 _REQUIREMENTS = {
     "detrended_phase": 0.3, "quadratic_phase": 1.0, "ce90": 5.0, "horizontal_position": 1.0, "tilt": 1e-3,
@@ -39,7 +39,7 @@ def _budget(seed: int) -> Budget:
         Contributor("time tag", 10 ** draw.uniform(-2.5, -1), "detrended_phase", "angle", kind="systematic"),
         Contributor("datum", 10 ** draw.uniform(-2, 0), "ce90", "length", kind="systematic", allowance=0.2),
     )
-    return analyse(Design(changes, own=Own(own)))
+    return analyse(Design(changes, entries=UserEntries(own)))
 
 
 def _combined(values: dict[str, float]) -> float:

@@ -18,7 +18,7 @@ from nav_model.design.contributors import Contributor, read_contributors
 from nav_model.design.figures import FIGURES, REQUIRED, of_kind
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
-from nav_model.design.own import Own, read_limits, read_own
+from nav_model.design.user_entries import UserEntries, read_entries, read_limits
 from nav_model.explore.search import search
 
 _LIMITS = {
@@ -31,14 +31,16 @@ _OWN_LIMITS = read_limits(
      for name, figure in FIGURES.items() if name not in REQUIRED and figure.kind in ("outage", "phase")]
 )  # fmt: skip
 _NAMES = (*REQUIRED, *(limit.name for limit in _OWN_LIMITS))
-DESIGN = Design(_LIMITS, own=Own(limits=_OWN_LIMITS))
+DESIGN = Design(_LIMITS, entries=UserEntries(limits=_OWN_LIMITS))
 _SIZES = {"angle": "1 mrad", "length": "1 cm", "speed": "1 mm/s", "level": "-40 dB", "loss": "0.1 dB"}
 LEVER_ARM = {"name": "lever arm", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics"}
 _ALONE = {mode: analyse(DESIGN.replace({"processing.mode": mode})) for mode in ("real time", "post-processed")}
 
 
 def _with(*tables: dict[str, str], mode: str = "real time") -> Design:
-    return DESIGN.replace({"processing.mode": mode}, own=Own(read_contributors(list(tables)), _OWN_LIMITS))
+    return DESIGN.replace(
+        {"processing.mode": mode}, entries=UserEntries(read_contributors(list(tables)), _OWN_LIMITS)
+    )
 
 
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
@@ -107,7 +109,7 @@ def test_random_sets_agree_with_the_sum_written_out() -> None:
     for number in range(500):
         own = _random_set(draw)
         mode = ("real time", "post-processed")[number % 2]
-        design = DESIGN.replace({"processing.mode": mode}, own=Own(tuple(own), _OWN_LIMITS))
+        design = DESIGN.replace({"processing.mode": mode}, entries=UserEntries(tuple(own), _OWN_LIMITS))
         # The maps' way for all, the verdict's for some, since a budget takes longer.
         budget = analyse(design) if number % 25 < 2 else None
         found = {c.name: c.sigma for c in budget.verdict.checks} if budget else figures(inputs_of(design), _NAMES)
@@ -149,8 +151,8 @@ def test_file_link_pickle_and_replace_keep_them() -> None:
     assert from_query(to_query(design)) == design
     assert pickle.loads(pickle.dumps(design)) == design
     assert design.replace({"gnss.interval": 0.5}).contributors == design.contributors
-    assert design.replace({}, own=Own(limits=_OWN_LIMITS)) == DESIGN != design
-    assert hash(design.replace({}, own=Own(limits=_OWN_LIMITS))) == hash(DESIGN)
+    assert design.replace({}, entries=UserEntries(limits=_OWN_LIMITS)) == DESIGN != design
+    assert hash(design.replace({}, entries=UserEntries(limits=_OWN_LIMITS))) == hash(DESIGN)
 
 
 def test_the_content_hash_counts_them() -> None:
@@ -203,7 +205,7 @@ def test_what_is_wrong_is_refused_by_name(change: dict[str, Any], named: str) ->
 )
 def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> None:
     with pytest.raises(InputError) as refused:
-        read_own({"contributors": tables})
+        read_entries({"contributors": tables})
     assert refused.value.key == named
     if not isinstance(tables, dict):
         with pytest.raises(InputError):
@@ -213,7 +215,7 @@ def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> Non
 def test_a_search_judges_measures_of_the_response_by_the_quadratic_phase() -> None:
     own = read_contributors([LEVER_ARM | {"enters": "quadratic_phase", "value": "1 mm"}])
     limits = [{"name": f"my {name}", "on": name, "limit": "1 dB"} for name in ("peak_loss", "pslr")]
-    design = Design(own=Own(own, read_limits(limits)))
+    design = Design(entries=UserEntries(own, read_limits(limits)))
     rows = search(design, catalogue("imu"), {})
     assert {"lever arm", "gyro noise"} <= {row.dominant for row in rows}
     for row in rows:
@@ -225,7 +227,7 @@ def test_a_search_judges_measures_of_the_response_by_the_quadratic_phase() -> No
 @pytest.mark.parametrize("kind", ["random", "systematic"])
 def test_a_search_names_a_contributor_that_dominates_with_its_share(kind: str) -> None:
     own = read_contributors([LEVER_ARM | {"kind": kind, "value": "5 mm"}])
-    design = Design({"requirements.detrended_phase": 0.3, "requirements.tilt": 1.0}, own=Own(own))
+    design = Design({"requirements.detrended_phase": 0.3, "requirements.tilt": 1.0}, entries=UserEntries(own))
     rows = search(design, catalogue("imu"), catalogue("gnss"))
     dominated = [row for row in rows if row.dominant == "lever arm"]
     assert len(dominated) > 3

@@ -12,7 +12,7 @@ from nav_model.budget.allocation import allocate
 from nav_model.budget.json import to_json
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
-from nav_model.design.own import Allotment, read_own
+from nav_model.design.user_entries import Allotment, read_entries
 from nav_model.explore.margins import ratios
 from nav_model.explore.solve import solve
 from nav_model.explore.sweep import whole_sweep
@@ -27,7 +27,7 @@ _ARM = {"name": "lever arm", "value": "2 mm", "enters": "detrended_phase", "allo
 
 
 def _design(*limits: dict[str, Any], **more: Any) -> Design:
-    return Design(_SENSORS, own=read_own({"limits": list(limits), "contributors": [_ARM], **more}))
+    return Design(_SENSORS, entries=read_entries({"limits": list(limits), "contributors": [_ARM], **more}))
 
 
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
@@ -185,7 +185,7 @@ def test_file_link_pickle_and_hash_keep_them() -> None:
         _design(_HEADING, allocation=plan | {"locks": {"heading": {"gyro noise": "0.02°"}}}),
     ]  # fmt: skip
     assert len({one.content_hash for one in variants}) == len({*variants}) == 8
-    assert Design(_SENSORS, own=read_own({})).content_hash == Design(_SENSORS).content_hash
+    assert Design(_SENSORS, entries=read_entries({})).content_hash == Design(_SENSORS).content_hash
 
 
 def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None:
@@ -200,7 +200,7 @@ def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None
     assert max(free) == pytest.approx(min(free))
     assert math.sqrt(sum(entry.allocated**2 for entry in found.entries)) == pytest.approx(0.9 * 3.0)
     assert not any(entry.locked for entry in allocate(budget, plan=Allotment()).entries)
-    plain = analyse(design.replace({}, own=read_own({"contributors": [_ARM]})))
+    plain = analyse(design.replace({}, entries=read_entries({"contributors": [_ARM]})))
     assert allocate(budget, plan=Allotment(reserve=0.5)) == allocate(plain, plan=Allotment(reserve=0.5))
 
 
@@ -246,12 +246,12 @@ def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None
 )
 def test_what_is_wrong_is_refused_by_name(tables: dict[str, Any], named: str) -> None:
     with pytest.raises(InputError) as refused:
-        read_own(tables)
+        read_entries(tables)
     assert refused.value.key == named
 
 
 def test_what_is_still_used_is_not_removed_without_a_word() -> None:
-    own = _design({"name": "arm", "on": "lever arm", "limit": "2 mm"}).own.tables()
+    own = _design({"name": "arm", "on": "lever arm", "limit": "2 mm"}).entries.tables()
     locked = own | {"allocation": {"locks": {"arm": {"lever arm": "1 mm"}}}}
     renamed = {"contributors": [_ARM | {"name": "lever arms"}]}
     first = (
@@ -263,7 +263,7 @@ def test_what_is_still_used_is_not_removed_without_a_word() -> None:
         (own | {"contributors": []}, first), (own | renamed, first), (locked | {"limits": []}, then)
     ):  # fmt: skip
         with pytest.raises(InputError) as refused:
-            read_own(tables)
+            read_entries(tables)
         assert str(refused.value) == message
 
 

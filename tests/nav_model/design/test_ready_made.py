@@ -6,8 +6,8 @@ import pytest
 
 from nav_model import Design, InputError
 from nav_model.design.figures import FIGURES
-from nav_model.design.own import Own, read_own
 from nav_model.design.ready_made import READY_MADE, ready_made
+from nav_model.design.user_entries import UserEntries, read_entries
 
 _DESIGN = Design({"radar.slant_range": 7000.0, "radar.grazing_angle": 0.6, "flight.speed": 120.0})
 _CASES = {
@@ -30,8 +30,8 @@ def test_each_is_its_formula_and_an_ordinary_contributor(name: str) -> None:
     assert (one.name, one.enters) == (name, READY_MADE[name].enters)
     assert all(text in one.source for text in texts)
     assert "[P-16]" in one.source
-    assert read_own({"contributors": [one.record()]}).contributors == (one,)
-    again = ready_made(name, texts, _DESIGN.replace({}, own=Own((one,))))
+    assert read_entries({"contributors": [one.record()]}).contributors == (one,)
+    again = ready_made(name, texts, _DESIGN.replace({}, entries=UserEntries((one,))))
     assert again.name == f"{name} 2"
 
 

@@ -12,7 +12,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget.allocation import allocate
 from nav_model.design.figures import REQUIRED
 from nav_model.design.file import format_design, parse_design
-from nav_model.design.own import Own, read_own
+from nav_model.design.user_entries import UserEntries, read_entries
 from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, frozen, judge_log, required
 
 DESIGN = read_design("examples/tactical_x_band.toml")
@@ -30,26 +30,26 @@ def test_with_all_required_values_of_all_sheets_at_once_every_limit_is_met_and_o
 
 def test_frozen_values_do_not_move_with_the_design_and_go_through_its_file() -> None:
     before = {unit: required(DESIGN, unit) for unit in ("imu", "gnss")}
-    kept = DESIGN.replace({}, own=frozen(DESIGN))
+    kept = DESIGN.replace({}, entries=frozen(DESIGN))
     assert kept.allocation.frozen == DESIGN.content_hash[:12]
     better = kept.replace({"imu.velocity_random_walk": 0.2 * DESIGN.imu.velocity_random_walk})
     again = parse_design(format_design(better).encode(), "design")
     assert again == better
-    assert again.content_hash == better.content_hash != better.replace({}, own=Own()).content_hash
+    assert again.content_hash == better.content_hash != better.replace({}, entries=UserEntries()).content_hash
     for unit, lines in before.items():
         assert [line.value for line in required(again, unit)] == [line.value for line in lines]
-    assert required(better.replace({}, own=Own()), "imu")[1].value != before["imu"][1].value
-    assert frozen(better) == better.own  # once
+    assert required(better.replace({}, entries=UserEntries()), "imu")[1].value != before["imu"][1].value
+    assert frozen(better) == better.entries  # once
     with pytest.raises(InputError, match=r"allocation.required.radar.slant_range"):
-        read_own({"allocation": {"required": {"radar.slant_range": "7 km"}}})
+        read_entries({"allocation": {"required": {"radar.slant_range": "7 km"}}})
 
 
 @pytest.mark.parametrize("name", ["tactical_x_band", "l_band_jet", "mems_x_band"])
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
 @pytest.mark.parametrize("split", ["equal", "shares", "cheapest"])
 def test_values_from_the_allocation_meet_each_limit_less_its_reserve(name: str, mode: str, split: str) -> None:
-    plan = read_own({"allocation": {"split": split, "reserve": "20 %"}})
-    design = read_design(f"examples/{name}.toml").replace({"processing.mode": mode}, own=plan)
+    plan = read_entries({"allocation": {"split": split, "reserve": "20 %"}})
+    design = read_design(f"examples/{name}.toml").replace({"processing.mode": mode}, entries=plan)
     found = {line.key: line for unit in ("imu", "gnss") for line in required(design, unit)}
     new = analyse(design.replace({key: line.value for key, line in found.items()}))
     assert all(check.value <= 0.8 * check.limit * (1 + 1e-9) for check in new.verdict.checks), [
@@ -67,15 +67,15 @@ def test_values_from_the_allocation_meet_each_limit_less_its_reserve(name: str, 
 
 
 def test_an_allocation_that_does_not_close_has_no_sheet() -> None:
-    plan = read_own({"allocation": {"locks": {"detrended_phase": {"gyro noise": "1000°"}}}})
+    plan = read_entries({"allocation": {"locks": {"detrended_phase": {"gyro noise": "1000°"}}}})
     with pytest.raises(InputError, match="gyro noise locked too high"):
-        required(DESIGN.replace({}, own=plan), "imu")
+        required(DESIGN.replace({}, entries=plan), "imu")
 
 
 def test_a_limit_on_the_impulse_response_is_left_out_of_values_from_the_allocation() -> None:
     width = {"name": "width", "on": "response_width", "limit": "0.3 m"}
     plain, limited, alone = (
-        DESIGN.replace(changes, own=read_own({"allocation": {}, "limits": limits}))
+        DESIGN.replace(changes, entries=read_entries({"allocation": {}, "limits": limits}))
         for changes, limits in (({}, []), ({}, [width]), (_NO_LIMITS, [width]))
     )
     assert required(limited, "imu") == required(plain, "imu")

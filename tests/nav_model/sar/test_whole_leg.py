@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import chi2
 
 from nav_model.budget import analyse
-from nav_model.design.own import read_own
+from nav_model.design.user_entries import read_entries
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.design_case import design_case, judged, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map
@@ -141,7 +141,7 @@ def test_the_formula_is_the_budgets_post_processed_figure(open_design, closed_de
 
 @pytest.mark.parametrize("processing", ["real time", "post-processed"])
 def test_contributors_count_in_the_strategy_that_is_judged_as_on_budget(open_design, processing):
-    own = read_own(
+    own = read_entries(
         {
             "contributors": [
                 {"name": "lever arm", "value": "2 mm", "enters": "detrended_phase"},
@@ -152,7 +152,7 @@ def test_contributors_count_in_the_strategy_that_is_judged_as_on_budget(open_des
     )
     for coast in (0.0, 4.0):
         changes = {"processing.mode": processing, "coast.before_aperture": coast}
-        budget = analyse(open_design.replace(changes, own=own))
+        budget = analyse(open_design.replace(changes, entries=own))
         closed, to_phase = closed_forms(budget), 4 * math.pi / budget.sar.wavelength
         key = judged(budget.design)
         assert to_phase * closed.detrended[key] == pytest.approx(budget.figure("detrended_phase").sigma, rel=1e-9)

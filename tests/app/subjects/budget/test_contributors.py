@@ -13,7 +13,7 @@ from app.subjects.budget.contributors import Contributors
 from nav_model import Design, analyse
 from nav_model.budget.allocation import allocate
 from nav_model.design.contributors import read_contributors
-from nav_model.design.own import Own, read_allocation, read_limits
+from nav_model.design.user_entries import UserEntries, read_allocation, read_limits
 
 _ROW = {"name": "lever <arm>", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics"}
 _LIMIT = {"name": "heading", "on": "coast_heading", "limit": "1°", "at": "30 s"}
@@ -101,8 +101,8 @@ def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> N
 
 
 def test_the_report_has_an_allocation_of_each_requirement() -> None:
-    own = Own(read_contributors([_ROW]), read_limits([_LIMIT]), read_allocation({"reserve": "10 %"}))
-    budget = analyse(_DESIGN.replace({}, own=own))
+    own = UserEntries(read_contributors([_ROW]), read_limits([_LIMIT]), read_allocation({"reserve": "10 %"}))
+    budget = analyse(_DESIGN.replace({}, entries=own))
     said = to_html(report_of([budget]))
     assert "<arm>" not in said
     for label in ("Detrended phase", "Tilt", "heading"):
@@ -113,7 +113,7 @@ def test_the_report_has_an_allocation_of_each_requirement() -> None:
 
 def test_a_comparison_lists_contributors_that_differ() -> None:
     own, same = read_contributors([_ROW]), read_contributors([_ROW | {"name": "clock"}])
-    one, other = _DESIGN.replace({}, own=Own(own + same)), _DESIGN.replace({}, own=Own(same))
+    one, other = _DESIGN.replace({}, entries=UserEntries(own + same)), _DESIGN.replace({}, entries=UserEntries(same))
     said = to_html(report_of([analyse(one), analyse(other)]))
     row = re.search(r"<tr>(?:(?!</tr>).)*Contributor lever &lt;arm&gt;.*?</tr>", said, re.DOTALL)
     assert "1\xa0mm in Detrended phase, random, both" in row[0]

@@ -22,7 +22,7 @@ from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.tables import image_table, requirement_table, steady_table
-from app.subjects.budget.timelines import attitude_chart, position_chart, together, velocity_chart
+from app.subjects.budget.timelines import all_timelines, attitude_chart, position_chart, velocity_chart
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
@@ -220,7 +220,7 @@ def test_a_new_comparison_comes_with_one_feed_of_the_curves(monkeypatch: pytest.
     session.change({"processing.mode": "post-processed"})
     page.show(session.budget)
     assert page._compared is session.compared is not None
-    assert fed == [len(together(session.budget)[0].lines[0].x)]
+    assert fed == [len(all_timelines(session.budget)[0].lines[0].x)]
 
 
 def test_page_and_report_cite_the_steady_state_that_was_computed() -> None:
@@ -296,7 +296,7 @@ def test_while_a_slider_moves_the_switch_does_not_contradict_the_strip() -> None
 def test_post_processed_curves_bridge_the_outage() -> None:
     """From both sides, far below the outage in real time, which has curves of its own."""
     budget = changed(processing__mode="post-processed")
-    position, _, attitude = together(budget)
+    position, _, attitude = all_timelines(budget)
     smoothed, free = position.lines[:2]
     outage = smoothed.x > 0
     assert free.label == "horizontal, real time"
@@ -308,4 +308,4 @@ def test_post_processed_curves_bridge_the_outage() -> None:
     (aperture,) = position.spans
     assert aperture.stop <= 0
     assert attitude.lines[0].y.max() < attitude.lines[1].y[outage].max()
-    assert all(np.isnan(line.y).all() for line in together(changed())[0].lines if "real time" in line.label)
+    assert all(np.isnan(line.y).all() for line in all_timelines(changed())[0].lines if "real time" in line.label)

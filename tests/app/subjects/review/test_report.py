@@ -21,7 +21,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.allocation import allocate
 from nav_model.design import Design
-from nav_model.design.own import read_own
+from nav_model.design.user_entries import read_entries
 
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 HOSTILE = "<script>alert(1)</script> #panic() $x$ {{7*7}}"
@@ -112,7 +112,7 @@ def test_owners_and_what_changed_between_designs_can_be_seen(tmp_path: Path) -> 
         {"contributors": [arm | {"owner": "radar", "value": "2 mm"}], "limits": [heading],
          "allocation": {"reserve": "10 %"}},
     ]  # fmt: skip
-    designs = [base.replace({}, own=read_own(each)) for each in tables]
+    designs = [base.replace({}, entries=read_entries(each)) for each in tables]
     keys = [place.save(analyse(design), "Ann", "").key for design in designs]
     review = open_review(place, "Owners", "Ann", keys)
     assert (2, "heading") in review.open_points()

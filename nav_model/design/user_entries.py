@@ -10,17 +10,17 @@ from nav_model.base.units import format_quantity
 from nav_model.design.contributors import (
     MOST,
     Contributor,
-    Sized,
+    OneSigma,
     check_text,
-    given_tables,
     read_contributors,
+    read_records,
     read_size,
 )
 from nav_model.design.declaration import BaseQuantity, Quantity
 from nav_model.design.figures import FIGURES, label_of
 from nav_model.design.parts import INPUTS, Coast, Requirements
 
-OWN_KEYS = ("contributors", "limits", "allocation")
+ENTRY_KEYS = ("contributors", "limits", "allocation")
 """Their tables in a design file."""
 
 SPLITS = ("equal", "shares", "cheapest")
@@ -34,7 +34,7 @@ RESERVE = Quantity(
 
 
 @dataclass(frozen=True)
-class Limit(Sized):
+class Limit(OneSigma):
     """A requirement of the user's own.
 
     Attributes
@@ -67,7 +67,11 @@ class Limit(Sized):
         check_text(f"{self.where}.name", self.name)
         if not self.name[:1].isalnum():  # it heads columns of tables: "=1+1" would be a formula there
             raise InputError(f"{self.where}.name", "must begin with a letter or a digit.", self.name)
-        if self.name in FIGURES or self.name in ("requirements", "all requirements"):
+        # What only a flight judges is no check of a budget: files of before have limits of such a name.
+        if (self.name in FIGURES and FIGURES[self.name].kind != "flight") or self.name in (
+            "requirements",
+            "all requirements",
+        ):
             raise InputError(self.where, "is the name of a requirement already. Choose another name.", self.name)
         if not 0 < self.value < math.inf:
             raise InputError(f"{self.where}.limit", "must be more than zero.", self.value)
@@ -89,7 +93,7 @@ class Limit(Sized):
 
 
 @dataclass(frozen=True)
-class Lock(Sized):
+class Lock(OneSigma):
     """What a source may take of a requirement, set by hand: more than zero, at the confidence of the limit."""
 
     requirement: str
@@ -152,7 +156,7 @@ def _quantity(key: str) -> BaseQuantity[Any]:
 
 
 @dataclass(frozen=True)
-class Own:
+class UserEntries:
     """Contributors, limits and an allocation; no two of one kind and name, and at most `MOST` of a kind."""
 
     contributors: tuple[Contributor, ...] = ()
@@ -161,7 +165,7 @@ class Own:
 
     def __post_init__(self) -> None:
         for named in (self.contributors, self.limits):
-            found: dict[str, Sized] = {}
+            found: dict[str, OneSigma] = {}
             for one in named:
                 if found.setdefault(one.name.casefold(), one) is not one:
                     raise InputError(one.where, f"is the name of two {one.table}. Rename one.", one.name)
@@ -169,7 +173,7 @@ class Own:
                     raise InputError(one.table, f"are too many. Give at most {MOST}.")
 
     def tables(self) -> dict[str, Any]:
-        """What a design file has of it; `read_own` takes it back."""
+        """What a design file has of it; `read_entries` takes it back."""
         found: dict[str, Any] = {
             "contributors": [one.record() for one in self.contributors],
             "limits": [one.record() for one in self.limits],
@@ -187,8 +191,8 @@ class Own:
         return [*lines, repr([(key, value) for key, value, _ in frozen])] if frozen else lines
 
 
-def read_own(tables: Mapping[str, Any]) -> Own:
-    """What the tables of a design file under `OWN_KEYS` say; others are not looked at.
+def read_entries(tables: Mapping[str, Any]) -> UserEntries:
+    """What the tables of a design file under `ENTRY_KEYS` say; others are not looked at.
 
     Raises
     ------
@@ -198,7 +202,7 @@ def read_own(tables: Mapping[str, Any]) -> Own:
     contributors = read_contributors(tables.get("contributors", []))
     limits = read_limits(tables.get("limits", []), contributors)
     plan = read_allocation(tables["allocation"], limits) if "allocation" in tables else None
-    return Own(contributors, limits, plan)
+    return UserEntries(contributors, limits, plan)
 
 
 def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tuple[Limit, ...]:
@@ -207,12 +211,12 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
     Raises
     ------
     InputError
-        As `read_own`.
+        As `read_entries`.
     """
     dimensions = {one.name: one.dimension for one in contributors}
     dimensions |= {name: figure.dimension for name, figure in FIGURES.items()}
     found = []
-    for where, texts in given_tables("limits", tables, ("name", "on", "limit", "at", "confidence"), ("on", "limit")):
+    for where, texts in read_records("limits", tables, ("name", "on", "limit", "at", "confidence"), ("on", "limit")):
         on = texts["on"]
         if on not in dimensions:
             raise InputError(
@@ -236,7 +240,7 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
     Raises
     ------
     InputError
-        As `read_own`.
+        As `read_entries`.
     """
     if not isinstance(table, dict):
         raise InputError("allocation", "must be a section, [allocation]", table)
