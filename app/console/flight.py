@@ -85,13 +85,13 @@ def flight_study(
 def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
     from nav_model.simulation.design_study import NAMED_TRAJECTORIES
     from nav_model.trajectory.design_study import PLAN, plan_like
-    from nav_model.trajectory.files.reader import KINDS, read_flight
+    from nav_model.trajectory.files.reader import KINDS, read_file
 
     height, ground = (_length(options, name) for name in ("height", "ground"))
     if ground is None and design.trajectory.ground:
         ground = design.trajectory.ground
     try:
-        flight = read_flight(options.trajectory, plan_like(design), height, ground)
+        flight = read_file(options.trajectory, height, ground).flown(plan_like(design))
     except OSError as error:
         known = ", ".join((PLAN, *NAMED_TRAJECTORIES))
         reason = f"{options.trajectory!r} is no file that can be read. Name a {KINDS} file, or {known}."

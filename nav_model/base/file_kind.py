@@ -6,33 +6,20 @@ from collections.abc import Mapping
 from typing import Final
 
 _SIGNATURES: Final[Mapping[bytes, str]] = {
-    b"\x1f\x8b": "a gzip archive",
-    b"BZh": "a bzip2 archive",
-    b"7z\xbc\xaf\x27\x1c": "a 7-Zip archive",
-    b"\xfd7zXZ\x00": "an XZ archive",
-    b"Rar!": "a RAR archive",
-    b"\x89PNG": "a PNG image",
-    b"\xff\xd8\xff": "a JPEG image",
-    b"GIF8": "a GIF image",
-    b"II*\x00": "a TIFF image",
-    b"%PDF": "a PDF document",
-    b"\xd0\xcf\x11\xe0": "an Office document of before 2007",
-    b"ULog\x01\x12\x35": "a PX4 log (ULog)",
-    b"\xa3\x95\x80\x80": "an ArduPilot log (DataFlash)",
-    b"#ROSBAG V": "a ROS bag",
-    b"\x89MCAP": "an MCAP recording",
-    b"SQLite format 3": "an SQLite database",
-    b"\x89HDF": "an HDF5 file",
-    b"MATLAB 5.0 MAT-file": "a MATLAB file",
-    b"\x93NUMPY": "a single NumPy array",
-    b"PAR1": "a Parquet table",
+    b"\x1f\x8b": "a gzip archive", b"BZh": "a bzip2 archive", b"7z\xbc\xaf\x27\x1c": "a 7-Zip archive",
+    b"\xfd7zXZ\x00": "an XZ archive", b"Rar!": "a RAR archive", b"\x89PNG": "a PNG image",
+    b"\xff\xd8\xff": "a JPEG image", b"GIF8": "a GIF image", b"II*\x00": "a TIFF image", b"%PDF": "a PDF document",
+    b"\xd0\xcf\x11\xe0": "an Office document of before 2007", b"ULog\x01\x12\x35": "a PX4 log (ULog)",
+    b"\xa3\x95\x80\x80": "an ArduPilot log (DataFlash)", b"#ROSBAG V": "a ROS bag",
+    b"\x89MCAP": "an MCAP recording", b"SQLite format 3": "an SQLite database", b"\x89HDF": "an HDF5 file",
+    b"MATLAB 5.0 MAT-file": "a MATLAB file", b"\x93NUMPY": "a single NumPy array", b"PAR1": "a Parquet table",
     b"\xb5\x62": "a stream of u-blox messages",
-}
+}  # fmt: skip
 _TEXTS: Final = (
-    (rb"<(!doctype )?html", "an HTML page"),
-    (rb"<(\?xml|gpx|kml)\b", "XML"),
-    (rb"(\{\s*[\"}]|\[\s*[\[{\"\d-])", "JSON"),
-    (rb"\$[A-Z]{2,5},", "NMEA sentences"),
+    (r"<(!doctype )?html", "an HTML page"),
+    ("<", "XML"),
+    (r"(\{\s*[\"}]|\[\s*[\[{\"\d-])", "JSON"),
+    (r"\$[A-Z]{2,5},", "NMEA sentences"),
 )
 _START = 4096
 _ZIPPED: Final[Mapping[bytes, str]] = {
@@ -42,8 +29,6 @@ _ZIPPED: Final[Mapping[bytes, str]] = {
 
 def kind_of(content: bytes) -> str | None:
     """What a file is, with its article, such as "a PNG image"; None for plain text, such as a table.
-
-    Text in an encoding of 16 bits is plain text as well (`text_encoding`).
 
     >>> kind_of(b"%PDF-1.7"), kind_of(b'{"gyro": []}'), kind_of(b"time,gyro_x")
     ('a PDF document', 'JSON', None)
@@ -55,11 +40,11 @@ def kind_of(content: bytes) -> str | None:
     for signature, kind in _SIGNATURES.items():
         if start.startswith(signature):
             return kind
-    bare = start.removeprefix(codecs.BOM_UTF8).lstrip()
-    for pattern, kind in _TEXTS:
-        if re.match(pattern, bare, re.IGNORECASE):
-            return kind
-    return "not text" if text_encoding(content) is None else None
+    encoding = text_encoding(content)
+    if encoding is None:
+        return "not text"
+    bare = start.decode(encoding, "replace").lstrip("\ufeff \t\r\n")
+    return next((kind for pattern, kind in _TEXTS if re.match(pattern, bare, re.IGNORECASE)), None)
 
 
 def text_encoding(content: bytes) -> str | None:

@@ -50,7 +50,7 @@ from nav_model.design.trajectory import FLIGHT_FILES
 from nav_model.simulation.design_study import SimulationStudy, specification
 from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
 from nav_model.trajectory.design_study import plan_like, planned
-from nav_model.trajectory.files.reader import parse_flight
+from nav_model.trajectory.files.reader import parse_file
 
 _PLAN = "plan"
 _FLIGHTS = {
@@ -278,7 +278,8 @@ class SimulatePage(StudyPage[Flown]):
         try:
             design = self._session.design
             heights = design.flight.altitude, design.trajectory.ground or None
-            flight = await run_in_pool(parse_flight, content, name, plan_like(design), *heights)
+            file = await run_in_pool(parse_file, content, name, *heights)
+            flight = await run_in_pool(file.flown, plan_like(design))
         except InputError as error:
             self._refuse(error)
         else:

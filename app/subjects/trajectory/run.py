@@ -87,14 +87,14 @@ def follow(
     from nav_model.simulation.design_study import specification
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import covariance_specification, plan_like, planned
-    from nav_model.trajectory.files.reader import parse_flight
+    from nav_model.trajectory.files.reader import parse_file
 
     global _seconds_per_fix
     if file is None:
         flight = planned(design)
     else:
         heights = design.flight.altitude, design.trajectory.ground or None
-        flight = parse_flight(file.path.read_bytes(), file.name, plan_like(design), *heights)
+        flight = parse_file(file.path.read_bytes(), file.name, *heights).flown(plan_like(design))
     if flight.duration > _MOST_STEPS * design.gnss.interval:
         said = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
         raise InputError("Flight", said + "use the command `navbudget trajectory`")

@@ -13,7 +13,7 @@ from nav_model.trajectory.plan import Waypoint
 
 MOST_TEXT = 5_000_000  # bytes
 WAYPOINT_LIST = b"QGC WPL"
-_PASSED = {16: "waypoint", 17: "loiter", 18: "loiter", 19: "loiter", 31: "loiter", 82: "spline waypoint"}
+_PASSED = {16, 17, 18, 19, 31, 82}  # waypoints, places to loiter at
 _NOT_FLOWN = {20: "return", 21: "landing", 22: "take-off", 84: "take-off", 85: "landing", 177: "jump"}
 _CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP = 206, 2000, 2001
 _REFERENCES = {0: ABOVE_SEA, 5: ABOVE_SEA, 3: "home", 6: "home", 10: ABOVE_GROUND, 11: ABOVE_GROUND}
@@ -104,31 +104,24 @@ def _flown(items: Iterator[Item], home: Any, heights: Heights) -> tuple[Waypoint
     triggered, shooting = False, False
     places: list[tuple[Waypoint, bool]] = []
     names: dict[int, str] = {}
-
-    def waypoints() -> Iterator[Waypoint]:
-        nonlocal triggered, shooting
-        for where, command, frame, params, name in items:
-            if command in (_CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP):
-                distance = params[0] is not None and heights.number(params[0], where) > 0.0
-                shooting = command == _CAMERA_START or (command == _CAMERA_DISTANCE and distance)
-                triggered = triggered or shooting
-                if places:  # triggers follow the place where they are
-                    places[-1] = places[-1][0], shooting
-            elif command in _PASSED:
-                up, reference = params[6], _REFERENCES.get(frame, "")
-                if not reference:
-                    raise heights.refuse(f"{where}: frame {frame} of its height is not known")
-                if reference == "home":
-                    up, reference = _above_home(up, home, heights, where)
-                point = heights.waypoint(params[4], params[5], up, reference, where)
-                if isinstance(name, str):
-                    names[len(places)] = plain_name(name)
-                places.append((point, shooting))
-                yield point
-            else:
-                unused[_NOT_FLOWN.get(command, f"command {command}")] += 1
-
-    heights.bounded(waypoints())
+    for where, command, frame, params, name in items:
+        if command in (_CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP):
+            distance = params[0] is not None and heights.number(params[0], where) > 0.0
+            shooting = command == _CAMERA_START or (command == _CAMERA_DISTANCE and distance)
+            triggered = triggered or shooting
+            if places:  # triggers follow the place where they are
+                places[-1] = places[-1][0], shooting
+        elif command in _PASSED:
+            up, reference = params[6], _REFERENCES.get(frame, "")
+            if not reference:
+                raise heights.refuse(f"{where}: frame {frame} of its height is not known")
+            if reference == "home":
+                up, reference = _above_home(up, home, heights, where)
+            if isinstance(name, str):
+                names[len(places)] = plain_name(name)
+            places.append((heights.waypoint(params[4], params[5], up, reference, where), shooting))
+        else:
+            unused[_NOT_FLOWN.get(command, f"command {command}")] += 1
     if unused:
         heights.note("not used: " + ", ".join(counted(number, name) for name, number in unused.items()))
     count, named = 0, []

@@ -3,7 +3,7 @@
 import html
 import math
 import re
-from collections.abc import Iterator
+from datetime import UTC, datetime
 
 from nav_model.base.errors import InputError, shown
 from nav_model.trajectory.plan import Waypoint
@@ -29,6 +29,7 @@ class Heights:
     def __init__(self, file_name: str, height: float | None = None, ground: float | None = None) -> None:
         self.file_name, self.height, self.ground = file_name, height, ground
         self.notes: list[str] = []
+        self._waypoints = 0
 
     def note(self, text: str) -> None:
         """Say something once."""
@@ -63,7 +64,11 @@ class Heights:
     def waypoint(
         self, north: object, east: object, up: object, reference: str, where: str, line: str = ""
     ) -> Waypoint:
-        """A waypoint from its texts or numbers, in degrees and metres; None or an empty text: no height."""
+        """The next waypoint of a plan, from texts or numbers in degrees and metres; None or an empty text: no height.
+        Raises InputError for what is no place, and where a plan has too many."""
+        self._waypoints += 1
+        if self._waypoints > MOST_WAYPOINTS:
+            raise self.refuse(f"more than {MOST_WAYPOINTS} points are too many for a plan. Thin them out.")
         latitude, longitude, height = self.place(north, east, up, reference, where)
         return Waypoint(math.radians(latitude), math.radians(longitude), height, line)
 
@@ -87,14 +92,13 @@ class Heights:
             raise self.refuse(f"{where}: {shown(value)} must be a finite number")
         return number
 
-    def bounded(self, points: Iterator[Waypoint]) -> tuple[Waypoint, ...]:
-        """The waypoints of a plan, refused before they are more than a plan may have."""
-        waypoints: list[Waypoint] = []
-        for point in points:
-            if len(waypoints) == MOST_WAYPOINTS:
-                raise self.refuse(f"more than {MOST_WAYPOINTS} points are too many for a plan. Thin them out.")
-            waypoints.append(point)
-        return tuple(waypoints)
+    def seconds(self, text: str | None, where: str) -> float:
+        """Seconds of a date and time as XML has it; UTC unless it says otherwise."""
+        try:
+            moment = datetime.fromisoformat((text or "").strip())
+            return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+        except (ValueError, OverflowError) as error:
+            raise self.refuse(f"{where}: {shown(text)} is not a date and time") from error
 
 
 def plain_name(text: str | None) -> str:

@@ -5,8 +5,6 @@ from collections import Counter
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
-import numpy as np
-
 from nav_model.base.errors import shown
 from nav_model.trajectory.files.heights import (
     ABOVE_ELLIPSOID,
@@ -17,8 +15,8 @@ from nav_model.trajectory.files.heights import (
     counted,
     plain_name,
 )
-from nav_model.trajectory.files.markup import local_name, seconds_of
-from nav_model.trajectory.files.recorded import Segment
+from nav_model.trajectory.files.markup import local_name
+from nav_model.trajectory.files.recorded import Segment, segment
 from nav_model.trajectory.plan import Waypoint
 
 _NOUNS = {"Track": "track", "LineString": "path", "Point": "point", "Polygon": "area", "LinearRing": "area"}
@@ -33,7 +31,7 @@ Shape = tuple[Element, Element]
 """A placemark, and one geometry in it."""
 
 
-def read_kml(root: Element, heights: Heights) -> tuple[tuple[Waypoint, ...], list[Segment]]:
+def read_kml(root: Element, heights: Heights) -> tuple[Waypoint, ...] | list[Segment]:
     """The waypoints of the paths of a KML file, or the segments that its tracks recorded.
 
     Each leg of a path is a line of its placemark's name. Single points are flown where there is no path.
@@ -44,27 +42,26 @@ def read_kml(root: Element, heights: Heights) -> tuple[tuple[Waypoint, ...], lis
     chosen = next((noun for noun in ("track", "path", "point") if count[noun]), None)
     if chosen is None or (count["area"] and chosen == "point" and count["point"] < 2):
         if count["area"]:
-            reason = "holds an area and no path. Draw the lines to be flown as a path, or plan parallel lines."
-        else:
-            reason = "holds no placemark with coordinates"
-        raise heights.refuse(reason)
+            raise heights.refuse(
+                "holds an area and no path. Draw the lines to be flown as a path, or plan parallel lines."
+            )
+        raise heights.refuse("holds no placemark with coordinates")
     taken = [(mark, shape) for kind, mark, shape in shapes if _NOUNS[kind] == chosen]
-    waypoints: tuple[Waypoint, ...] = ()
-    segments: list[Segment] = []
+    content: tuple[Waypoint, ...] | list[Segment]
     if chosen == "track":
-        segments = [_track(mark, shape, heights) for mark, shape in taken]
-        heights.note(counted(len(segments), "recorded track"))
-    elif chosen == "point" and any(_has(mark, "executeHeight") for mark, _ in taken):
-        waypoints = heights.bounded(_mission(root, taken, heights))
-        heights.note(f"DJI mission, {counted(len(waypoints), 'waypoint')}")
+        content = [_track(mark, shape, heights) for mark, shape in taken]
+        heights.note(counted(len(content), "recorded track"))
+    elif chosen == "point" and any(mark.find("{*}executeHeight") is not None for mark, _ in taken):
+        content = tuple(_mission(root, taken, heights))
+        heights.note(f"DJI mission, {counted(len(content), 'waypoint')}")
     else:
-        waypoints = heights.bounded(_places(taken, heights))
+        content = tuple(_places(taken, heights))
         no_path = "no path, so single points in their order, " if chosen == "point" else ""
-        heights.note(f"{no_path}{counted(count[chosen], chosen)}, {counted(len(waypoints), 'waypoint')}")
+        heights.note(f"{no_path}{counted(count[chosen], chosen)}, {counted(len(content), 'waypoint')}")
     unused = [counted(number, noun) for noun, number in count.items() if noun != chosen]
     if unused:
         heights.note(f"not used: {', '.join(unused)}")
-    return waypoints, segments
+    return content
 
 
 def _shapes(root: Element, heights: Heights) -> Iterator[Shape]:
@@ -97,30 +94,25 @@ def _places(shapes: list[Shape], heights: Heights) -> Iterator[Waypoint]:
             yield _place(*before, reference, "", heights)
 
 
-def _place(text: str, where: str, reference: str, line: str, heights: Heights) -> Waypoint:
+def _place(text: str, where: str, reference: str, line: str, heights: Heights, up: str | None = None) -> Waypoint:
     parts = text.split(",")
     if len(parts) not in (2, 3):
         raise heights.refuse(f"{where}: {shown(text)} is not longitude,latitude,height")
-    return heights.waypoint(parts[1], parts[0], parts[2] if len(parts) == 3 else "", reference, where, line)
+    return heights.waypoint(parts[1], parts[0], up or "".join(parts[2:]), reference, where, line)
 
 
 def _track(mark: Element, shape: Element, heights: Heights) -> Segment:
     """A gx:Track: as many times as places."""
-    label, reference = plain_name(mark.findtext("{*}name")), _reference(shape)
-    times = [child.text for child in shape if local_name(child) == "when"]
-    places = [child.text or "" for child in shape if local_name(child) == "coord"]
-    where = shown(label or "track")
-    if len(times) != len(places):
-        raise heights.refuse(f"{where} has {len(times)} times and {len(places)} places")
-    rows = np.empty((len(times), 4))
-    for row, (time, place) in enumerate(zip(times, places, strict=True)):
-        at, parts = f"{where}, place {row + 1}", place.split()
-        if len(parts) not in (2, 3):
-            raise heights.refuse(f"{at}: {shown(place)} is not longitude latitude height")
-        up = parts[2] if len(parts) == 3 else None
-        rows[row, 0] = seconds_of(time, heights.file_name, at)
-        rows[row, 1:] = heights.place(parts[1], parts[0], up, reference, at)
-    return Segment(label, rows)
+    label = plain_name(mark.findtext("{*}name"))
+    times = [time.text for time in shape.iterfind("{*}when")]
+    places = [(place.text or "").split() for place in shape.iterfind("{*}coord")]
+    if len(times) != len(places) or any(len(place) not in (2, 3) for place in places):
+        raise heights.refuse(
+            f"{shown(label or 'track')} has {len(times)} times and {len(places)} places; each time needs a place of "
+            "longitude latitude height"
+        )
+    rows = [(time, place[1], place[0], "".join(place[2:])) for time, place in zip(times, places, strict=True)]
+    return segment(label, rows, _reference(shape), heights)
 
 
 def _mission(root: Element, shapes: list[Shape], heights: Heights) -> Iterator[Waypoint]:
@@ -135,15 +127,10 @@ def _mission(root: Element, shapes: list[Shape], heights: Heights) -> Iterator[W
             shooting.update(range(max(start, 0), min(stop, len(shapes))))
     legs = shooting or range(len(shapes) - 1)
     for number, (mark, shape) in enumerate(shapes):
-        where, place = f"waypoint {number + 1}", (shape.findtext("{*}coordinates") or "").strip().split(",")
-        if len(place) < 2:
-            raise heights.refuse(f"{where} has no longitude,latitude")
+        place = (shape.findtext("{*}coordinates") or "").strip()
         line = f"line {number + 1}" if number in legs else ""
-        yield heights.waypoint(place[1], place[0], mark.findtext("{*}executeHeight"), reference, where, line)
-
-
-def _has(mark: Element, name: str) -> bool:
-    return mark.find(f"{{*}}{name}") is not None
+        up = mark.findtext("{*}executeHeight")
+        yield _place(place, f"waypoint {number + 1}", reference, line, heights, up)
 
 
 def _reference(shape: Element) -> str:

@@ -3,7 +3,6 @@
 import io
 import zipfile
 import zlib
-from datetime import UTC, datetime
 from typing import Any
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
@@ -90,12 +89,3 @@ def unpack(content: bytes, file_name: str) -> tuple[str, bytes] | None:
 def local_name(element: Element) -> str:
     """The tag without its namespace."""
     return str(element.tag).rpartition("}")[2]
-
-
-def seconds_of(text: str | None, file_name: str, where: str) -> float:
-    """Seconds of a date and time as XML has it; UTC unless it says otherwise."""
-    try:
-        moment = datetime.fromisoformat((text or "").strip())
-        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-    except (ValueError, OverflowError) as error:
-        raise InputError(file_name, f"{where}: {shown(text)} is not a date and time") from error

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from nav_model.base.errors import InputError
-from nav_model.base.file_kind import kind_of, text_encoding
+from nav_model.base.file_kind import kind_of
 from nav_model.base.number_table import open_table
 from nav_model.simulation.trajectory import FILE_BOUNDS, file_duration
 from nav_model.trajectory.files.gpx import read_gpx
@@ -12,7 +12,7 @@ from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_plan, 
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.kml import read_kml
 from nav_model.trajectory.files.markup import local_name, read_xml, unpack
-from nav_model.trajectory.files.recorded import Segment, fly_recorded
+from nav_model.trajectory.files.recorded import Content, fly_recorded
 from nav_model.trajectory.files.sbet import is_accuracies, is_sbet, parse_sbet
 from nav_model.trajectory.files.table import read_columns
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
@@ -24,36 +24,23 @@ KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV or SBET"
 class FlightFile:
     """What a file holds: the waypoints of a plan, or a flight as it was flown; and what was read, in a sentence."""
 
+    name: str
     waypoints: tuple[Waypoint, ...]
     flight: PlannedFlight | None
     note: str
 
-    def flown(self, like: Plan, name: str) -> PlannedFlight:
-        """The flight; waypoints at speed, bank, climb and ground of `like`. Raises InputError under the name."""
+    def flown(self, like: Plan) -> PlannedFlight:
+        """The flight; waypoints at speed, bank, climb, ground of `like`. Raises InputError under the file's name."""
         try:
             return replace(self.flight or fly(replace(like, waypoints=self.waypoints)), note=self.note)
         except InputError as error:
-            raise InputError(name, str(error)) from error
-
-
-def read_flight(
-    path: str | Path, like: Plan, height: float | None = None, ground: float | None = None
-) -> PlannedFlight:
-    """`parse_flight` of a file; OSError where it cannot be read."""
-    return read_file(path, height, ground).flown(like, Path(path).name)
+            raise InputError(self.name, str(error)) from error
 
 
 def read_file(path: str | Path, height: float | None = None, ground: float | None = None) -> FlightFile:
     """`parse_file` of a file; OSError where it cannot be read."""
     with Path(path).open("rb") as file:
         return parse_file(file.read(FILE_BOUNDS.most_bytes + 1), Path(path).name, height, ground)
-
-
-def parse_flight(
-    content: bytes, name: str, like: Plan, height: float | None = None, ground: float | None = None
-) -> PlannedFlight:
-    """The flight of a file's content; like: speed, bank, climb and ground for waypoints; the rest as `parse_file`."""
-    return parse_file(content, name, height, ground).flown(like, name)
 
 
 def parse_file(content: bytes, name: str, height: float | None = None, ground: float | None = None) -> FlightFile:
@@ -74,16 +61,12 @@ def parse_file(content: bytes, name: str, height: float | None = None, ground: f
         Under the file's name: what is wrong and where, or what the file is when it is no flight.
     """
     heights = Heights(name, height, ground)
-    waypoints, segments, flight = _read(content, name, heights)
-    if segments:
-        flight = fly_recorded(segments, heights)
-    return FlightFile(waypoints, flight, "; ".join(heights.notes))
+    read = _read(content, name, heights)
+    flight = fly_recorded(read, heights) if isinstance(read, list) else None if isinstance(read, tuple) else read
+    return FlightFile(name, read if isinstance(read, tuple) else (), flight, "; ".join(heights.notes))
 
 
-def _read(
-    content: bytes, name: str, heights: Heights
-) -> tuple[tuple[Waypoint, ...], list[Segment], PlannedFlight | None]:
-    """Waypoints, recorded segments, or a flight: one of the three."""
+def _read(content: bytes, name: str, heights: Heights) -> Content:
     if len(content) > FILE_BOUNDS.most_bytes:
         raise heights.refuse(f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
     if not content.strip():
@@ -99,30 +82,23 @@ def _read(
     if is_sbet(content):
         spec, notes = parse_sbet(content, name)
         heights.notes += notes
-        return (), [], PlannedFlight(spec, file_duration(spec), ())
+        return PlannedFlight(spec, file_duration(spec), ())
     kind = kind_of(content)
-    if kind == "XML" or (kind is None and _is_markup(content)):
+    if kind == "XML":
         root = read_xml(content, name)
         read = {"gpx": read_gpx, "kml": read_kml}.get(local_name(root))
         if read is None:
             raise heights.refuse(f"is XML of the kind {local_name(root)!r}. Give a {KINDS} file.")
-        return *read(root, heights), None
+        return read(root, heights)
     if kind == "JSON":
-        return read_plan(content, heights), [], None
+        return read_plan(content, heights)
     if content.startswith(WAYPOINT_LIST):
-        return read_waypoint_list(content, heights), [], None
+        return read_waypoint_list(content, heights)
     if kind is None:
         try:
             table = open_table(content, name)
         except InputError as error:
             raise heights.refuse(f"{error.reason} Give a {KINDS} file.") from error
-        flown = read_columns(table, heights)
-        return ((), [flown], None) if isinstance(flown, Segment) else ((), [], flown)
+        return read_columns(table, heights)
     reason = "is no text and no SBET" if kind == "not text" else f"is {kind}"
     raise heights.refuse(f"{reason}. Give a {KINDS} file.")
-
-
-def _is_markup(content: bytes) -> bool:
-    """Whether a text in any encoding begins as XML does."""
-    start = content[:200].decode(text_encoding(content[:200]) or "ascii", "replace")
-    return start.lstrip("\ufeff \t\r\n").startswith("<")

@@ -16,7 +16,7 @@ from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import HIGHEST_LATITUDE
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, counted
-from nav_model.trajectory.plan import PlannedFlight
+from nav_model.trajectory.plan import PlannedFlight, Waypoint
 from nav_model.trajectory.specification import Line
 
 _STEP = 0.5  # s between samples of the flight, where knots are not closer
@@ -39,6 +39,19 @@ class Segment:
 
     name: str
     rows: Array
+
+
+Content = tuple[Waypoint, ...] | list[Segment] | PlannedFlight
+"""Of a file: a plan, what was recorded, or a flight that needs nothing more."""
+
+
+def segment(label: str, places: Sequence[tuple[str | None, ...]], reference: str, heights: Heights) -> Segment:
+    """A segment from the texts of its places: time, latitude, longitude, height above `reference`."""
+    rows = np.empty((len(places), 4))
+    for row, (time, north, east, up) in enumerate(places):
+        where = f"{label or 'track'}, place {row + 1}"
+        rows[row] = heights.seconds(time, where), *heights.place(north, east, up, reference, where)
+    return Segment(label, rows)
 
 
 def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight:

@@ -16,6 +16,7 @@ _DOUBLES = 17  # in a record
 _ACCURACIES = 10  # in a record of smrmsg
 _LOOKED_AT = 2000  # records
 _MOVING = 1.0  # m/s
+_LARGEST_ANGLE = 4.0 * math.pi  # rad, of a heading that counts its turns, less a wander angle
 
 
 def is_sbet(content: bytes) -> bool:
@@ -56,13 +57,12 @@ def parse_sbet(content: bytes, name: str) -> tuple[TrajectorySpec, list[str]]:
     if len(back := np.flatnonzero(np.diff(time) <= 0.0)):
         raise InputError(name, f"record {back[0] + 2}: time runs backwards")
     samples = np.column_stack([time - time[0], records[:, [1, 2, 3, 7, 8]], records[:, 9] - records[:, 10]])
-    in_degrees = _places_in_degrees(samples, np.hypot(records[:, 4], records[:, 5]))
-    if in_degrees:
+    if _in_degrees(samples, np.hypot(records[:, 4], records[:, 5])):
         samples[:, 1:3] = np.radians(samples[:, 1:3])
         notes.append("positions in degrees, as the velocities say")
-    if _attitude_in_degrees(samples, in_degrees):
-        samples[:, 4:] = np.radians(samples[:, 4:])
-        notes.append("angles in degrees")
+        if degrees := np.abs(samples[:, 4:]).max() > _LARGEST_ANGLE:
+            samples[:, 4:] = np.radians(samples[:, 4:])
+        notes.append(f"attitude in {'degrees' if degrees else 'radians'}, by its size")
     rows = list(range(1, len(samples) + 1))
     check_samples(samples, rows, name, FILE_BOUNDS, "record")
     return flight_through(samples, rows, name), notes
@@ -81,7 +81,7 @@ def _goes_on(time: Array) -> bool:
         return bool((np.abs(time) < 1e7).all() and np.median(steps) > 1e-6 and likely.mean() > 0.9)
 
 
-def _places_in_degrees(samples: Array, speed: Array) -> bool:
+def _in_degrees(samples: Array, speed: Array) -> bool:
     """Whether latitudes and longitudes are degrees: beyond the poles in radians, or the way between places is that of
     the velocities only so. Without motion they are radians, as the format says."""
     if np.abs(samples[:, 1]).max() > 0.5 * math.pi or np.abs(samples[:, 2]).max() > 2.0 * math.pi:
@@ -97,18 +97,3 @@ def _places_in_degrees(samples: Array, speed: Array) -> bool:
         ways.append(float(np.hypot(steps[:, 0] * north[1:], steps[:, 1] * east[1:]).sum()))
     as_radians, as_degrees = (abs(math.log(max(way, 1e-9) / flown)) for way in ways)
     return as_degrees < as_radians
-
-
-def _attitude_in_degrees(samples: Array, places: bool) -> bool:
-    """Whether roll, pitch and heading are degrees: too large for radians, or, where places are, by the course."""
-    if np.abs(samples[:, 4:]).max() > 4.0 * math.pi:
-        return True
-    if not places:
-        return False
-    north, east = metres_per_radian(samples[:, 1], 0.0)
-    way = np.diff(samples[:, 1:3], axis=0) * np.column_stack([north, east])[1:]
-    moving = np.linalg.norm(way, axis=1) > _MOVING * np.diff(samples[:, 0])
-    if not moving.any():
-        return False
-    course, heading = np.arctan2(way[:, 1], way[:, 0])[moving], samples[1:, 6][moving]
-    return float(np.cos(course - np.radians(heading)).mean()) > float(np.cos(course - heading).mean())

@@ -31,14 +31,7 @@ _NAMES = {
     "yaw": "yaw heading hdg azimuth trueheading compassheading",
 }
 """In the order in which they are taken; without unit, prefix, blanks and marks."""
-_DIMENSIONS = {
-    "time": "time",
-    "latitude": "angle",
-    "longitude": "angle",
-    "roll": "angle",
-    "pitch": "angle",
-    "yaw": "angle",
-}
+_DIMENSIONS = {"time": "time", **dict.fromkeys(("latitude", "longitude", "roll", "pitch", "yaw"), "angle")}
 _USUAL = {"time": "s", "angle": "°", "length": "m"}
 _UNIT = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*|(.*)_(degrees|deg|radians|rad|meters|m|feet|ft|sec|s|ms|us|ns)")
 _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
@@ -55,7 +48,7 @@ class _Column(NamedTuple):
     stated: bool
 
 
-def read_columns(table: NumberTable, heights: Heights) -> Segment | PlannedFlight:
+def read_columns(table: NumberTable, heights: Heights) -> list[Segment] | PlannedFlight:
     """The flight of a table: with the names of `COLUMNS` as it is, else places that were recorded.
 
     Raises InputError under the file's name: a column that is missing, a unit that is not known, what is no number.
@@ -65,7 +58,7 @@ def read_columns(table: NumberTable, heights: Heights) -> Segment | PlannedFligh
         heights.note(f"trajectory file, {counted(len(trajectory.samples), 'row')}")
         flight = flight_through(trajectory.samples, trajectory.lines, heights.file_name)
         return PlannedFlight(flight, float(trajectory.samples[-1, 0]), ())
-    return _recorded(table, heights)
+    return [_recorded(table, heights)]
 
 
 def _recorded(table: NumberTable, heights: Heights) -> Segment:

@@ -13,7 +13,7 @@ import pytest
 
 from nav_model.base.errors import InputError
 from nav_model.simulation.trajectory import plan_trajectory
-from nav_model.trajectory.files.reader import FlightFile, parse_file, parse_flight
+from nav_model.trajectory.files.reader import FlightFile, parse_file
 from nav_model.trajectory.plan import Plan, PlannedFlight
 
 BROUGHT = Path("/work/shared/data/brought")
@@ -430,6 +430,6 @@ def test_files_that_people_brought_are_flown(
     file = parse_file(content, name, **given)
     assert len(file.waypoints) == count
     assert message in file.note
-    flight = parse_flight(content, name, LIKE, **given)
+    flight = file.flown(LIKE)
     assert np.mean(states(flight)[:, 3]) == pytest.approx(height, abs=2.0)
     assert all(a.stop <= b.start for a, b in pairwise(flight.lines))

@@ -10,7 +10,7 @@ from nav_model.base.errors import InputError
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
-from nav_model.trajectory.files.reader import parse_file, parse_flight
+from nav_model.trajectory.files.reader import parse_file
 from nav_model.trajectory.files.sbet import parse_sbet
 from nav_model.trajectory.plan import Plan, Waypoint, _dubins, fly, strip
 
@@ -168,7 +168,7 @@ GPX = (
 
 def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
     files = {"a.kml": KML, "a.gpx": GPX}
-    kml, gpx = (parse_flight(text.encode(), name, Plan((), 90.0)) for name, text in files.items())
+    kml, gpx = (parse_file(text.encode(), name).flown(Plan((), 90.0)) for name, text in files.items())
     assert kml.trajectory == gpx.trajectory
     assert [line.name for line in kml.lines] == [line.name for line in gpx.lines] == ["North & back"]
 
