@@ -202,10 +202,11 @@ class RealTime:
     def coast_tilt(self, time: Array) -> Array:
         x = self.x
         free = growth.horizontal_growth(self.closed.horizontal, x.sigma_a, x.sigma_w, x.g, time)
-        return np.sqrt(free.tilt + (x.bias_w * time) ** 2)
+        return np.sqrt(free.tilt + (x.bias / x.g) ** 2 + (x.bias_w * time) ** 2)  # b/g as before the outage
 
     def coast_heading(self, time: Array) -> Array:
-        return np.sqrt(steady.yaw_variance(self.x.sigma_w, time))
+        x = self.x
+        return np.sqrt(steady.yaw_variance(x.sigma_w, time) + (x.bias_w * time) ** 2)
 
     # The phase over the aperture.
 

@@ -179,7 +179,7 @@ def judge(
             Check(
                 name=name,
                 on=requirement.on,
-                label=name if name in limits else label_of(name),
+                label=label_of(name),
                 dimension=requirement.dimension,
                 confidence=requirement.confidence,
                 value=value,

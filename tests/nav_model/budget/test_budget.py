@@ -44,10 +44,10 @@ def test_biases_add_in_quadrature():
         ("refined_vertical", upright),
         ("velocity_horizontal", (b * t) ** 2 + (g * d * t**2 / 2) ** 2),
         ("velocity_vertical", (b * t) ** 2),
-        ("tilt", (d * t) ** 2),
+        ("tilt", (b / g) ** 2 + (d * t) ** 2),
         ("perfect_start_horizontal", 0 * t),
         ("initial_tilt", 0 * t),
-        ("yaw_growth", 0 * t),
+        ("yaw_growth", (d * t) ** 2),
     ):
         np.testing.assert_allclose(
             getattr(biased, name) ** 2, getattr(plain, name) ** 2 + extra, rtol=1e-12, err_msg=name

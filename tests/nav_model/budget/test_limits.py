@@ -52,7 +52,7 @@ def test_values_in_the_outage_agree_with_the_curves_at_that_time(mode: str) -> N
             assert check.sigma == pytest.approx(float(value), rel=1e-9, abs=1e-18)
             assert check.value == 2 * check.sigma
             assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
-    assert found["coast_heading 30 s"].sigma == pytest.approx(1e-5 * math.sqrt(30), rel=1e-12)
+    assert found["coast_heading 30 s"].sigma == pytest.approx(math.hypot(1e-5 * math.sqrt(30), 30e-6), rel=1e-12)
     across = ratios(budget.design)
     assert {name: float(value) for name, value in across.items()} == {
         name: pytest.approx(check.value / check.limit, rel=1e-9, abs=1e-15) for name, check in found.items()
@@ -67,7 +67,7 @@ def test_own_confidence_and_contributors_count_and_a_contributor_can_be_limited(
     arm = {"name": "arm", "on": "lever arm", "limit": "5 mm"}
     budget = analyse(_design(_HEADING, arm, contributors=own))
     heading, held = budget.verdict.checks
-    assert heading.sigma == pytest.approx(math.hypot(1e-5 * math.sqrt(30), 2e-3) + 1e-3, rel=1e-12)
+    assert heading.sigma == pytest.approx(math.hypot(1e-5 * math.sqrt(30), 30e-6, 2e-3) + 1e-3, rel=1e-12)
     assert (heading.value, heading.confidence) == (3 * heading.sigma, 3)
     assert math.fsum(heading.shares.values()) == pytest.approx(1, rel=1e-12)
     assert heading.dominant == "mount"
@@ -79,7 +79,8 @@ def test_own_confidence_and_contributors_count_and_a_contributor_can_be_limited(
         ("heading", "coast_heading", 3), ("arm", "lever arm", 2),
     ]  # fmt: skip
     assert [entry.source for entry in allocate(budget, "arm").entries] == ["lever arm"]
-    assert {entry.source for entry in allocate(budget, "heading").entries} == {"gyro noise", "drift", "mount"}
+    sources = {entry.source for entry in allocate(budget, "heading").entries}
+    assert sources == {"gyro noise", "gyro bias", "drift", "mount"}
 
 
 _RESPONSE = [
@@ -164,7 +165,7 @@ def test_a_limit_on_a_phase_takes_any_unit_of_an_angle(limit: str) -> None:
 
 def test_what_would_close_it_solves_for_them() -> None:
     limit = {"name": "heading", "on": "coast_heading", "limit": "1e-5 rad", "at": "30 s"}
-    solutions = solve(_design(limit))
+    solutions = solve(_design(limit).replace({"imu.gyro_bias": 0.0}))
     solved = next(one for one in solutions if one.key == "imu.angle_random_walk")
     assert solved.together.value == pytest.approx(1e-5 / 2 / math.sqrt(30), rel=1e-6)
 
@@ -274,6 +275,7 @@ def test_a_sweep_has_their_margins_and_closes_by_them(tmp_path: Path) -> None:
         'design = "design.toml"\n[vary]\nimu.angle_random_walk = ["0.1 °/√h", "1 °/√h"]\n', encoding="utf-8"
     )
     columns = whole_sweep(read_plan(tmp_path / "plan.toml"))
-    margins = [1 - 3 * math.radians(walk / 60) * math.sqrt(30) / math.radians(0.1) for walk in (0.1, 1.0)]
+    walks = (math.radians(walk / 60) * math.sqrt(30) for walk in (0.1, 1.0))
+    margins = [1 - 3 * math.hypot(walk, 30e-6) / math.radians(0.1) for walk in walks]
     assert list(columns["heading_margin"]) == pytest.approx(margins)
     assert list(columns["closes"]) == [True, False]

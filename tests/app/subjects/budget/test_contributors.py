@@ -105,7 +105,7 @@ def test_the_report_has_an_allocation_of_each_requirement() -> None:
     budget = analyse(_DESIGN.replace({}, entries=own))
     said = to_html(report_of([budget]))
     assert "<arm>" not in said
-    for label in ("Detrended phase", "Tilt", "heading"):
+    for label in ("Detrended phase", "Tilt", "Heading"):
         assert f"Allocation of {label}" in said
     assert "reserve 10\xa0%" in said
     assert "Allocation of" not in to_html(report_of([analyse(_DESIGN)]))
