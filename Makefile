@@ -4,7 +4,7 @@ PORT ?= 5006
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 
-.PHONY: run lock lint test check test-slow tests browser simulator validation bench load soak sbom system clean
+.PHONY: run lock lint test check test-slow tests durations simulator validation bench load soak sbom system clean
 .DEFAULT_GOAL := run
 
 # Installs what a lock file names, each file checked against its digest. uv does so in a fraction of pip's time; where
@@ -56,34 +56,37 @@ lint: .venv/.test
 	@failed=; for one in "ruff check ." "ruff format --check ." mypy lint-imports "hadolint Dockerfile"; do \
 	  $(BIN)/$$one || failed=1; done; test -z "$$failed"
 
-# Lint and both halves of the tests run beside each other, as much of a test is waiting for a server or a page: each to
-# its end, and what it has to say then. ORDER=random runs the files, and what is in each, in random order; ORDER=12345 is
-# an order that was random again.
+# Lint and tests run beside each other, each to its end, and what it has to say then. ORDER=random runs the files, and what
+# is in each, in random order; ORDER=12345 is an order that was random again.
 BESIDE = $(MAKE) --no-print-directory --jobs --output-sync --keep-going
-WORKERS := $(shell cores=$$(nproc 2>/dev/null || echo 2); echo $$((cores > 5 ? cores / 2 : 2)))
+# Two more than cores, as much of a test is waiting for a server or a page.
+WORKERS := $(shell cores=$$(nproc 2>/dev/null || echo 2); echo $$((cores + 2)))
 RANDOM_ORDER = --random-order-bucket=module $(patsubst %,--random-order-seed=%,$(filter-out random,$(ORDER)))
-# As a module: processes that a test starts find its file then.
+# As a module: processes that a test starts find its file then. A worker takes file after file, the longest first.
 PYTEST = $(BIN)/python -m pytest -p no:benchmark -n $(WORKERS) --dist loadfile --no-loadscope-reorder \
-  $(if $(ORDER),$(RANDOM_ORDER)) $(KIND)
+  $(if $(ORDER),$(RANDOM_ORDER))
+KIND = --skip-unchanged
 # A hundred processes that each compile every source anew are a third of the whole time.
 unexport PYTHONDONTWRITEBYTECODE
 
 test: .venv/.test system
-	+$(BESIDE) lint tests browser
+	+$(BESIDE) lint tests
 
 # A minute at most, for while one works: lint and what is quick of the tests without a browser.
 check: .venv/.test
-	+$(BESIDE) lint tests KIND="-m 'not slow and not long'"
+	+$(BESIDE) lint tests KIND="-m 'not slow and not long' --ignore tests/browser"
 
-# What is too long for every time: many runs, and the longer ways through the browser.
+# What is too long for every time: many runs, the longer ways through the browser, and what `make test` leaves out while
+# the files that it watches stay as they are.
 test-slow: .venv/.test system
-	+$(BESIDE) tests browser KIND="-m slow --hypothesis-profile searching"
+	+$(BESIDE) tests KIND="-m 'slow or watches' --hypothesis-profile searching"
 
 tests: simulator
-	$(PYTEST) --ignore tests/browser
+	$(PYTEST) $(KIND)
 
-browser: simulator
-	$(PYTEST) tests/browser
+# How long each file of tests takes: the order of `make test`.
+durations: .venv/.test system
+	+$(BESIDE) tests KIND=--write-durations
 
 # Compiled before the tests: two workers that find nothing compiled would each do it.
 simulator: .venv/.test

@@ -1,10 +1,15 @@
 """One BLAS thread: the matrices here are small, and the test workers already take every core.
 
-And the record of what results were compared with: `make validation` writes it, the Theory page shows it.
+And the record of what results were compared with: `make validation` writes it, the Theory page shows it. And which
+tests are run, in which order: the longest file first, and none that is marked `watches` and passed on the same files.
 """
 
+import asyncio
+import collections
 import datetime
+import functools
 import gc
+import hashlib
 import importlib.metadata
 import json
 import os
@@ -27,9 +32,13 @@ settings.load_profile("steady")
 # Among them would be numbers from whatever modules other tests have imported by then.
 providers._get_local_constants = providers.Constants
 
-RECORD = Path(__file__).parents[1] / "app" / "subjects" / "theory" / "validation.json"
+ROOT = Path(__file__).parents[1]
+RECORD = ROOT / "app" / "subjects" / "theory" / "validation.json"
+DURATIONS = ROOT / "tests" / "durations.json"
 _rows = {}
 _differences = {}
+_seconds = collections.Counter()  # by file
+_green = {}  # tests that watch files -> digest of these, or None after a failure
 
 
 def pytest_collection_finish(session):
@@ -42,13 +51,83 @@ def pytest_addoption(parser):
     parser.addoption(
         "--write-validation", action="store_true", help="write app/subjects/theory/validation.json from this run"
     )
+    parser.addoption("--write-durations", action="store_true", help="write tests/durations.json from this run")
+    parser.addoption(
+        "--skip-unchanged", action="store_true", help="leave out tests that passed on the files that they watch"
+    )
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
+    passed = config.cache.get("watched/passed", {}) if config.getoption("--skip-unchanged") else {}
+    unchanged = []
+    for item in items:
+        if marker := item.get_closest_marker("watches"):
+            digest = _digest(item.path, marker.args)
+            item.user_properties.append(("watched", digest))
+            if passed.get(item.nodeid) == digest:
+                unchanged.append(item)
+    if unchanged:
+        config.hook.pytest_deselected(items=unchanged)
+        items[:] = [item for item in items if item not in set(unchanged)]
+    if hasattr(config, "workerinput"):  # files are handed to the workers in this order
+        seconds = json.loads(DURATIONS.read_text())
+        items.sort(key=lambda item: -seconds.get(_file_of(item.nodeid), 0.0))
     if config.getoption("--write-validation"):
         recording = [item for item in items if {"compared", "differs"} & set(getattr(item, "fixturenames", ()))]
         config.hook.pytest_deselected(items=[item for item in items if item not in recording])
         items[:] = recording
+
+
+@functools.cache
+def _digest(test, watched):
+    """Of all that a test watches: the files named, its own, what tests share, and every version installed."""
+    paths = [ROOT / name for name in (*watched, "requirements", "tests/conftest.py", "tests/support")]
+    paths += [test, test.with_name("conftest.py")]
+    files = {file for path in paths for file in (path.rglob("*") if path.is_dir() else [path])}
+    assert all(path.exists() for path in paths[: len(watched)]), f"{test}: nothing to watch in {watched}"
+    digest = hashlib.sha256()
+    for file in sorted(file for file in files if file.is_file() and file.suffix != ".pyc"):
+        digest.update(f"{file.relative_to(ROOT)} {hashlib.sha256(file.read_bytes()).hexdigest()}\n".encode())
+    return digest.hexdigest()
+
+
+def _file_of(nodeid):
+    return nodeid.partition("::")[0]
+
+
+def pytest_runtest_logreport(report):
+    _seconds[_file_of(report.nodeid)] += report.duration
+    digest = dict(report.user_properties).get("watched")
+    if digest and (report.failed or report.when == "call"):
+        _green[report.nodeid] = digest if report.passed else None
+
+
+def _loop_put_aside(item, *, putting=True):
+    """Playwright's loop counts as running between its calls; a test that does not use it has loops of its own."""
+    loop = asyncio._get_running_loop()
+    if loop is None or not putting or "playwright" in item.fixturenames:
+        return (yield)
+    asyncio._set_running_loop(None)
+    try:
+        return (yield)
+    finally:
+        asyncio._set_running_loop(loop)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item):
+    return (yield from _loop_put_aside(item))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    return (yield from _loop_put_aside(item))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item, nextitem):
+    return (yield from _loop_put_aside(item, putting=nextitem is not None))  # after the last one, browsers close
 
 
 @pytest.fixture
@@ -118,6 +197,11 @@ def ratio_off():
 
 
 def pytest_sessionfinish(session, exitstatus):
+    if not hasattr(session.config, "workerinput"):
+        session.config.cache.set("watched/passed", {**session.config.cache.get("watched/passed", {}), **_green})
+        if session.config.getoption("--write-durations"):
+            seconds = {file: round(time, 1) for file, time in sorted(_seconds.items()) if time >= 1}
+            DURATIONS.write_text(json.dumps(seconds, indent=0) + "\n")
     if not session.config.getoption("--write-validation") or exitstatus != 0:
         return
     if session.config.pluginmanager.get_plugin("terminalreporter").stats.get("skipped"):

@@ -13,6 +13,8 @@ from on_page import IDLE
 from playwright.sync_api import Browser, Page
 from waiting import PATIENCE
 
+pytestmark = pytest.mark.watches("app/upstream", "app/ui")
+
 _TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 _PASSES = """() => {
   const [root] = Bokeh.index.roots, measure = root.measure_layout.bind(root)

@@ -22,7 +22,7 @@ from app.library.store import Conflict, Library
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app/library")]
 
 _TABLES = (
     "offers", "review_decisions", "review_comments", "review_items", "reviews",

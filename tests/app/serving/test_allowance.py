@@ -21,7 +21,7 @@ from waiting import PATIENCE
 from app.serving.allowance import Allowance
 from app.serving.handlers import LimitedWSHandler
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "app/upstream")]
 
 _MOST = 1_000_000  # bytes of a message, as the server below is told
 _SENT = 60_000_000  # by a flood that nobody stops

@@ -10,7 +10,7 @@ from waiting import PATIENCE
 
 from app.serving.collector import Collector
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving")]
 
 
 class Clock:

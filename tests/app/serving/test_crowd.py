@@ -14,7 +14,7 @@ from waiting import PATIENCE, until
 from app.serving.address import SharedSocket
 from app.serving.board import Row, SharedMetrics
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "app/upstream")]
 
 _CODE = """
 import resource, sys

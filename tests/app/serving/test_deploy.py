@@ -24,7 +24,7 @@ from waiting import PATIENCE
 
 from app.cli import main
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("deploy", "Dockerfile", "app/serving", "app/cli.py")]
 
 _NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
 

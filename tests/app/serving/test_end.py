@@ -16,7 +16,7 @@ from waiting import PATIENCE, soon, until
 
 from app.work import pool as workers
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "app/work")]
 
 
 def children_of(pid: int) -> set[int]:

@@ -20,7 +20,7 @@ from app.library.store import Library
 from app.serving import handlers
 from nav_model.base.errors import InputError
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app")]
 
 PASSWORD = "correct horse battery"
 _SLIDER = "imu.angle_random_walk"

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from soak import STAGES, USED, counted_server, lose, visit
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app")]
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ from app.serving.address import SharedSocket
 from app.serving.board import Row, SharedMetrics
 from app.serving.rules import Rules
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "nav_model/base/processes.py")]
 
 
 def _page_processes(parent: int) -> set[int]:

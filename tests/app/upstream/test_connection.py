@@ -33,6 +33,8 @@ from waiting import PATIENCE
 from app.upstream import connection as ours
 from app.upstream.connection import LostConnection, NoTracebacks
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 
 @dataclass
 class _Hands:

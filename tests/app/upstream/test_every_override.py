@@ -15,6 +15,8 @@ import nav_model.base.compiled
 import nav_model.base.numba_typing
 from app.upstream.browser import Repairs
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 ROOM = Path(app.upstream.__file__).parent
 SCRIPTS = sorted(ROOM.glob("*.js"))
 IN_PYTHON = [path for path in sorted(ROOM.glob("*.py")) if path.stem not in ("__init__", "browser")]

@@ -10,6 +10,8 @@ from panel.io.state import set_curdoc
 
 from app.upstream.file_input import LimitedFileInput
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 
 def _send(widget: pmui.FileInput, *chunks: bytes, whole: bool = True) -> None:
     """As a browser that does not check, or does not end."""

@@ -16,7 +16,7 @@ from bokeh.themes import Theme
 
 from app.upstream.rendering import check_given_values
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.watches("app/upstream", "docs/upstream")]
 
 _PLACES = (
     (HasProps, "__init__"), (HasProps, "themed_values"), (HasProps, "query_properties_with_values"),

@@ -12,6 +12,8 @@ from tornado.web import create_signed_value
 
 from app.upstream.late_session import connecting_cookies, visitor
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 
 def test_the_cookies_of_the_connection_are_seen() -> None:
     connecting = SimpleNamespace(cookies=SimpleCookie("theme=dark; opening=dark.wide.sar"), arguments={}, headers={})

@@ -9,6 +9,8 @@ from tornado.web import Application
 
 from app.upstream.login import CookieForThisSite, encrypt_tokens
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 
 class _Connection:
     """What a handler asks of one."""

@@ -10,6 +10,8 @@ import pytest
 
 from app.upstream.neighbours import follow_own_work, leave_collecting
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 
 class _Session(param.Parameterized):
     running = param.Boolean(False)

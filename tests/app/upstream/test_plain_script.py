@@ -1,7 +1,11 @@
 """Scripts of ours go to the browser as they are."""
 
+import pytest
+
 from app.ui.anchored_text import AnchoredText
 from app.ui.tour import Tour
+
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
 
 
 def test_ours_are_bundles_with_different_names() -> None:

@@ -13,6 +13,8 @@ from panel.reactive import Syncable
 from app.ui.html_pane import html_pane
 from app.upstream.rendering import TextPane, skip_event_copies
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 _PLACES = ((ReactiveESM, "_get_properties"), (ReactiveESM, "_get_children"), (Syncable, "_init_params"))
 _AS_SHIPPED = [getattr(*place) for place in _PLACES]
 

@@ -17,6 +17,8 @@ from tornado.httputil import HTTPHeaders
 
 from app.upstream import requests
 
+pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
+
 _SHIPPED = location._get_location_params
 
 
