@@ -9,6 +9,7 @@ from app.console.arguments import design_arguments, paths_of, put_json, read_des
 from app.console.ending import one_line, refuse
 from app.document.sicd import sicd_xml
 from app.document.verdict import SAID, check_words
+from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.allocation import allocate, check_of
@@ -16,7 +17,9 @@ from nav_model.budget.json import allocation_json, to_json
 from nav_model.budget.provenance import cautions
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
+from nav_model.design.figures import FIGURES
 from nav_model.design.user_entries import SPLITS, Allotment, read_allocation
+from nav_model.explore.vendor_table import COLUMNS, vendor_table, with_unit
 
 
 def add_to(commands: Any) -> None:
@@ -54,6 +57,12 @@ def add_to(commands: Any) -> None:
         '"gyro noise=5 deg"; in place of those of the design',
     )  # fmt: skip
     share_out.set_defaults(run=_allocate)
+
+    vendor = commands.add_parser("table", help="print the errors that data sheets print: no outage, 10 s and 60 s")
+    design_arguments(vendor, one=True)
+    vendor.add_argument("--imu", metavar="NAME", help="an IMU of the catalogue in place of the design's")
+    vendor.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
+    vendor.set_defaults(run=_table)
 
     presets = commands.add_parser("presets", help="list the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar", "gnss"))
@@ -155,6 +164,25 @@ def _locks(texts: list[str]) -> dict[str, str]:
             raise InputError("lock", f"{source!r} is locked twice.", text)
         locks[source] = value
     return locks
+
+
+def _table(options: argparse.Namespace) -> int:
+    (path,) = paths_of(options)
+    design = read_design(path, options.changes)
+    if options.imu is not None:
+        try:
+            design = with_unit(design, options.imu)
+        except InputError as error:
+            raise error.under("--imu") from error
+    rows = [
+        {"processing": row.processing, "outage_s": row.outage}
+        | {FIGURES[COLUMNS[name].outage].column.removeprefix("coast_"): value for name, value in row.values.items()}
+        for row in vendor_table(design)
+    ]
+    if options.csv:
+        sys.stdout.write(csv_of(rows))
+        return 0
+    return put_json(lambda: {"imu": options.imu or design.imu.preset, "rows": rows})
 
 
 def _presets(options: argparse.Namespace) -> int:

@@ -26,6 +26,7 @@ from app.subjects.budget import charts, timelines
 from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table
+from app.subjects.budget.vendor import VendorPanel
 from app.ui.answer_strip import AnswerStrip
 from app.ui.chart_pane import ChartPane, described, download_buttons, head_html
 from app.ui.downloads import download
@@ -239,9 +240,15 @@ class BudgetPage(View):
                     lambda: details.chart(charts.regime_chart, 340),
                 ),
                 ("Growth of the position error by cause", lambda: details.chart(timelines.position_chart, 340)),
+                ("Errors as data sheets print them, and what a vendor's table implies", self._vendor),
                 ("Exports", self._exports),
             )
         )
+
+    def _vendor(self) -> VendorPanel:
+        panel = VendorPanel(self.session)
+        self._details.add(panel.show)
+        return panel
 
     def _exports(self) -> Any:
         now = self._details.known

@@ -15,6 +15,7 @@ from app.subjects.budget.tables import (
     requirement_table,
     steady_table,
 )
+from app.subjects.budget.vendor import vendor_block
 from nav_model.budget import Budget
 
 
@@ -42,7 +43,11 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
         *split,
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),
         Section(f"{key}-steady", "Steady state", (steady_table(budget, key, display),)),
-        Section(f"{key}-growth", "Errors against time", (position, outage_table(budget, key), velocity, attitude)),
+        Section(
+            f"{key}-growth",
+            "Errors against time",
+            (position, outage_table(budget, key), velocity, attitude, vendor_block(budget.design, key)),
+        ),
         Section(
             f"{key}-phase",
             "Phase and image",

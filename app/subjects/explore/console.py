@@ -1,6 +1,7 @@
 """`navbudget explore` and `navbudget sweep`: inverse questions, answered as JSON or CSV. SI throughout."""
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -15,6 +16,7 @@ from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
 from nav_model.design.figures import FIGURES
 from nav_model.design.file import read_bytes
 from nav_model.design.offers import not_of_the_product
+from nav_model.design.processing import REAL_TIME
 from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import rank, sentence, silent
 from nav_model.explore.search import Candidate, left_out, search
@@ -23,6 +25,7 @@ from nav_model.explore.sweep import run_sweep
 from nav_model.explore.sweep_plan import read_plan
 from nav_model.explore.trade_map import trade_map
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
+from nav_model.explore.vendor_table import invert
 
 _CANDIDATE = ("imu", "gnss", "closes", "margin", "tightest", "dominant", "share")
 Rows = Iterable[Mapping[str, Any]]
@@ -70,7 +73,7 @@ def ranked(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
 
 
 def _finite(value: float) -> float | None:
-    return value if value == value else None
+    return value if math.isfinite(value) else None
 
 
 def mapped(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
@@ -154,25 +157,46 @@ def with_uncertainty(design: Design, options: argparse.Namespace) -> tuple[Any, 
     return whole, rows
 
 
+def inverted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """The noise that rows of a vendor's table imply."""
+    try:
+        inversion = invert(design, options.rows)
+    except InputError as error:
+        raise (error.under("--row") if error.key == "row" else error) from error
+    rows = [
+        {"input": item.key, "value": item.value, "factor": _finite(item.factor), "determined": item.determined}
+        for item in inversion.implied
+    ]
+    contradictions = [
+        {"outage_s": item.entry.outage, "entry": item.entry.column, "given": item.entry.value,
+         "implied": item.implied, "factor": item.factor}
+        for item in inversion.contradictions
+    ]  # fmt: skip
+    whole = {"processing": {"mode": REAL_TIME}, "agree": inversion.agree, "implied": rows}
+    return {**whole, "contradictions": contradictions}, [{**row, "agree": inversion.agree} for row in rows]
+
+
 QUESTIONS: Mapping[str, Callable[[Design, argparse.Namespace], tuple[Any, Rows]]] = {
     "solve": solved,
     "rank": ranked,
     "map": mapped,
     "search": searched,
     "uncertainty": with_uncertainty,
+    "invert": inverted,
 }
 
 
 def explore(design: Design, options: argparse.Namespace) -> int:
-    """Answer one question on standard output."""
+    """Answer one question on standard output; 1 where rows of a vendor's table contradict each other."""
     if options.question == "rank" and options.result is None:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
-    mode = design.processing.mode
+    whole = {"processing": {"mode": design.processing.mode}, **whole}
+    contradicted = int(not whole.get("agree", True))
     if not options.csv:
-        return put_json(lambda: {"processing": {"mode": mode}, **whole})
-    sys.stdout.write(csv_of({**row, "processing.mode": mode} for row in rows))
-    return 0
+        return put_json(lambda: whole) or contradicted
+    sys.stdout.write(csv_of({**row, "processing.mode": whole["processing"]["mode"]} for row in rows))
+    return contradicted
 
 
 def sweep(options: argparse.Namespace) -> int:

@@ -1,15 +1,19 @@
 """Page, report and command show the same figures, those of the budget."""
 
+import asyncio
 import math
 import re
 
 import numpy as np
 import pytest
-from known_designs import changed
+from commanded import told
+from known_designs import MEMS, changed
 
+from app.cli import main
 from app.document.bars import bars_html
 from app.document.blocks import Text
 from app.document.display import Display
+from app.document.numbers import NONE, show
 from app.document.tiles import tiles_html
 from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.examples import example
@@ -21,8 +25,10 @@ from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage, requirements
+from app.subjects.budget.report import sections
 from app.subjects.budget.tables import image_table, requirement_table, steady_table
 from app.subjects.budget.timelines import all_timelines, attitude_chart, position_chart, velocity_chart
+from app.subjects.budget.vendor import VendorPanel, vendor_block
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
@@ -309,3 +315,34 @@ def test_post_processed_curves_bridge_the_outage() -> None:
     assert aperture.stop <= 0
     assert attitude.lines[0].y.max() < attitude.lines[1].y[outage].max()
     assert all(np.isnan(line.y).all() for line in all_timelines(changed())[0].lines if "real time" in line.label)
+
+
+def test_vendor_table_on_page_report_and_console_is_one(capsys):
+    design = example("mems_x_band")
+    rows = told(capsys, "table", MEMS, "--imu", "ADIS16495-1")["rows"]
+    block = vendor_block(design, "d", "ADIS16495-1")
+    assert [row[1].text for row in block.rows] == [row["processing"] for row in rows]
+    assert block.rows[2][2].text == show(rows[2]["horizontal_position_sigma_m"], "length")
+    assert rows[0]["heading_sigma_rad"] is None
+    assert block.rows[0][6].text == NONE
+    report = sections(analyse(design), "d")
+    growth = next(section for section in report if section.key == "d-growth")
+    assert vendor_block(design, "d") in growth.blocks
+    assert main(["table", MEMS, "--imu", "none such"]) == 2
+    assert "--imu" in capsys.readouterr().err
+
+
+def test_panel_takes_the_implied_noise_into_the_design() -> None:
+    session = Session(example("mems_x_band"))
+    panel = VendorPanel(session)
+    panel.rows.value = "60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.0233°"
+    asyncio.run(panel._invert(None))
+    assert panel.take.visible, panel.answer.object
+    panel._take(None)
+    assert session.design.origins["imu.angle_random_walk"].startswith(
+        "implied by the vendor's table: horizontal 6.59 m"
+    )
+    panel.rows.value = "60 s: depth 3 m"
+    asyncio.run(panel._invert(None))
+    assert "Not solved." in panel.answer.object
+    assert not panel.take.visible

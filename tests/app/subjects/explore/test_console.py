@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 
 import pytest
 from commanded import told
@@ -9,6 +10,7 @@ from known_designs import MEMS
 
 from app.cli import main
 from nav_model.base.csv_text import csv_text
+from nav_model.design.file import read_design
 
 
 @pytest.mark.parametrize("question", ["solve", "rank", "map", "search", "uncertainty"])
@@ -52,3 +54,17 @@ def test_every_csv_of_ours_marks_what_a_spreadsheet_would_compute():
     assert marked == ["'=1", "'+a", "'-a", "'@a", "'\ta", "a =1", "a=1", ""]
     assert hidden == ["' =1", "'\n=1", "' =1", "'\u00a0+a", "'\uff1d1", "' \uff20a", " a", "\uff41"]
     assert kept == ["-1.5", "+2", "-inf", "-3.0", "4", "", "True", "nan"]
+
+
+def test_rows_of_a_vendors_table_are_inverted_or_contradicted(capsys):
+    good = "60 s: horizontal 6.59 m, vertical 0.628 m, velocity 0.1997 m/s, roll and pitch 0.02327°, heading 0.01937°"
+    found = told(capsys, "explore", "invert", MEMS, "--row", good)
+    assert (found["agree"], found["contradictions"], found["processing"]) == (True, [], {"mode": "real time"})
+    walk = next(row for row in found["implied"] if row["input"] == "imu.angle_random_walk")
+    design = read_design(MEMS)
+    assert walk["value"] == pytest.approx(design.imu.angle_random_walk * design.imu.vibration_factor, rel=0.05)
+    assert main(["explore", "invert", MEMS, "--row", good.replace("0.02327", "0.2327")]) == 1
+    (wrong, *_) = json.loads(capsys.readouterr().out)["contradictions"]
+    assert (wrong["entry"], wrong["outage_s"]) == ("roll and pitch", 60.0)
+    assert main(["explore", "invert", MEMS]) == 2
+    assert "--row: Give from one to 10 rows" in capsys.readouterr().err

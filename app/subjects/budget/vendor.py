@@ -1,0 +1,130 @@
+"""The table that vendors of inertial systems print, of the design or another unit, and what a printed one implies."""
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+
+from app.declared import declared, required
+from app.document.blocks import Block, Bullets, Row, Table, Text, numbers, table
+from app.document.numbers import NONE, number, show
+from app.document.pane import html_of
+from app.document.wording import input_in_words
+from app.session import Session
+from app.ui.html_pane import html_pane
+from app.ui.theme import PRINT_NOTHING
+from app.ui.view import View
+from app.work.pool import run_in_pool
+from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.design.catalogue import catalogue
+from nav_model.design.figures import FIGURES
+from nav_model.design.parts import declaration_of
+from nav_model.explore.vendor_table import COLUMNS, Inversion, invert, vendor_table, with_unit
+
+_OWN = "IMU of the design"
+_EXAMPLE = "60 s: horizontal 17 m, vertical 0.56 m, velocity 0.57 m/s, roll and pitch 0.073°, heading 0.065°"
+_NOTE = (
+    "1σ per axis; a sheet's horizontal rms over both axes is √2 times as much. IMU and receiver alone, without "
+    "contributors. Real time: before a fix, and at the end of the outage [T-17], [T-9]. Post-processed: the "
+    "largest error while a smoother bridges the outage [P-3]. Heading: what it gains; no fix of a straight leg "
+    "shows it [T-5]."
+)
+
+
+def vendor_block(design: Design, key: str, unit: str = "") -> Table:
+    """The table of the design, or with another IMU of the catalogue."""
+
+    def value(name: str, sigma: float | None) -> str:
+        return NONE if sigma is None else show(sigma, FIGURES[COLUMNS[name].outage].dimension)
+
+    rows: list[Row] = []
+    for row in vendor_table(with_unit(design, unit) if unit else design):
+        values = (value(*item) for item in row.values.items())
+        rows.append((f"{row.outage:g} s" if row.outage else "None", row.processing, *values))
+    heads = numbers(*(column.label for column in COLUMNS.values()), width=1)
+    title = f"Errors {f'with {unit} ' if unit else ''}as data sheets print them, 1σ"
+    return table(f"{key}-vendor", title, (("Outage", 0.7), ("Processing", 1), *heads), rows, _NOTE)
+
+
+def implied_blocks(design: Design, inversion: Inversion) -> list[Block]:
+    """What rows imply, and what contradicts what."""
+    blocks: list[Block] = []
+    if inversion.contradictions:
+        said = tuple(
+            f"{item.entry.label} is {number(max(item.factor, 1 / item.factor))} times too "
+            f"{'large' if item.factor > 1 else 'small'}: the other entries imply "
+            f"{show(item.implied, FIGURES[COLUMNS[item.entry.column].outage].dimension)}."
+            for item in inversion.contradictions
+        )
+        blocks.append(Bullets(said, "The entries contradict each other in real time with this receiver"))
+    rows = (
+        (
+            str(declaration_of(item.key).label),
+            input_in_words(design, item.key, item.value, given=False),
+            f"a factor of {number(item.factor)}" if item.determined else "not determined by these entries",
+        )
+        for item in inversion.implied
+    )
+    closest = "Closest noise" if inversion.contradictions else "Implied noise"
+    blocks.append(table("implied", closest, ("Input", *numbers("Value, 1σ"), "To within"), rows))
+    return blocks
+
+
+class VendorPanel(View):
+    """A choice of the IMU and its table; a box for printed rows, and what they imply for the design."""
+
+    session = required(Session)
+    unit: str = declared(param.Selector(default=_OWN, objects=[_OWN], label="IMU"))
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session=session)
+        walks = {"angle_random_walk", "velocity_random_walk"}
+        whole = [name for name, entry in catalogue("imu").items() if walks <= entry.values.keys()]
+        self.param.unit.objects = [_OWN, *whole]
+        self.table = html_pane("")
+        self.rows = pmui.TextAreaInput(
+            label="A vendor's table in real time, a row a line", placeholder=_EXAMPLE, rows=3, max_length=3000,
+            sizing_mode="stretch_width", margin=(12, 10, 4, 10),
+        )  # fmt: skip
+        self.ask = pmui.Button(label="Which noise does it imply?", variant="outlined", margin=(4, 10))
+        self.take = pmui.Button(label="Take into the design", variant="contained", visible=False, margin=(4, 10))
+        self.answer = html_pane("")
+        self._inversion: Inversion | None = None
+        self.ask.on_click(self._invert)
+        self.take.on_click(self._take)
+        chosen = pmui.Select.from_param(self.param.unit, width=260, margin=(8, 10))
+        tools = pn.Column(self.rows, pn.Row(self.ask, self.take), stylesheets=[PRINT_NOTHING])
+        self._view = pn.Column(chosen, self.table, tools, self.answer)
+        self.show()
+
+    @param.depends("unit", watch=True)
+    def show(self, *_: Any) -> None:
+        """Show the table of the current design."""
+        unit = "" if self.unit == _OWN else self.unit
+        try:
+            self.table.say(html_of(vendor_block(self.session.design, "d", unit)))
+        except InputError as error:
+            self.table.say(html_of(Text(str(error))))
+
+    async def _invert(self, _: Any) -> None:
+        design = self.session.design
+        rows = [line for line in (self.rows.value_input or self.rows.value or "").splitlines() if line.strip()]
+        self.answer.object, self._inversion, self.take.visible = "<p role='status'>Solving …</p>", None, False
+        try:
+            self._inversion = await run_in_pool(invert, design, rows)
+        except InputError as error:
+            self.answer.object = html_of(Text(f"Not solved. {error}"))
+            return
+        self.answer.object = html_of(*implied_blocks(design, self._inversion))
+        self.take.visible = self._inversion.agree
+
+    def _take(self, _: Any) -> None:
+        assert self._inversion is not None
+        problem = self.session.change(*self._inversion.changes(self.session.design))
+        said = (
+            f"Not taken. {problem}" if problem else "The design has the implied noise, with its origin. You can undo."
+        )
+        self.answer.object = html_of(Text(said))
+        self.take.visible = bool(problem)

@@ -1,0 +1,365 @@
+"""The table that vendors of inertial systems print, of a design, and the sensor noise that such a table implies.
+
+Rows are times since the last fix, columns horizontal and vertical position, velocity, roll and pitch, heading. All
+are one sigma, per axis, of IMU and receiver alone. The closed forms are those of `nav_model.budget.real_time` and
+`nav_model.budget.navigation`; the way back fits them by least squares in logarithms.
+"""
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
+from typing import NamedTuple, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError, under
+from nav_model.base.units import parse_quantity
+from nav_model.budget.inputs import inputs_of
+from nav_model.budget.navigation import smoothed_outage
+from nav_model.budget.real_time import RealTime
+from nav_model.budget.refusals import refused
+from nav_model.budget.smoothed import Smoothed
+from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import declaration_of
+from nav_model.design.presets import preset_fill
+from nav_model.design.processing import REAL_TIME
+from nav_model.explore.solve import rounded_offer
+
+OUTAGES = (0.0, 10.0, 60.0)
+"""Seconds since the last fix that data sheets print."""
+
+
+class Column(NamedTuple):
+    """A column: its figure while fixes come in (none for heading), that of the outage, and the input whose
+    declaration reads a value as data sheets write it."""
+
+    label: str
+    settled: str
+    outage: str
+    reads: str
+
+
+COLUMNS: Mapping[str, Column] = MappingProxyType(
+    {
+        "horizontal": Column(
+            "Horizontal position", "horizontal_position", "coast_horizontal_position", "gnss.position_noise"
+        ),
+        "vertical": Column(
+            "Vertical position", "vertical_position", "coast_vertical_position", "gnss.vertical_position_noise"
+        ),
+        "velocity": Column(
+            "Horizontal velocity", "horizontal_velocity", "coast_horizontal_velocity", "gnss.velocity_noise"
+        ),
+        "roll and pitch": Column("Roll and pitch", "tilt", "coast_tilt", "requirements.tilt"),
+        "heading": Column("Heading growth", "", "coast_heading", "requirements.tilt"),
+    }
+)
+"""Name in a row -> the column."""
+
+
+class Row(NamedTuple):
+    """A row: processing, seconds since the last fix, and by column one sigma in SI; None where nothing is known."""
+
+    processing: str
+    outage: float
+    values: Mapping[str, float | None]
+
+
+def vendor_table(design: Design) -> tuple[Row, ...]:
+    """The rows of `OUTAGES` in both processings, without contributors.
+
+    In real time an outage is judged at its end. Post-processed it is bridged from both sides, and the largest error
+    within it counts. Heading has only what it gains in real time: no fix of a straight leg shows it.
+
+    Raises
+    ------
+    InputError
+        If double precision cannot hold the design's values together.
+    """
+    x = inputs_of(design)
+    with refused(design):
+        models: tuple[RealTime, ...] = (RealTime(x), Smoothed(x))
+        return tuple(Row(model.processing, outage, _row(model, outage)) for model in models for outage in OUTAGES)
+
+
+def _row(model: RealTime, outage: float) -> dict[str, float | None]:
+    if outage == 0:
+        return {name: float(model.value(of.settled)) if of.settled else None for name, of in COLUMNS.items()}
+    if model.processing == REAL_TIME:
+        return {name: float(model.value(of.outage, outage)) for name, of in COLUMNS.items()}
+    inside = np.linspace(0.0, outage, 61)[1:]
+    bridged = smoothed_outage(replace(model.x, duration=np.asarray(outage)), inside)
+    return {name: float(bridged[of.settled].max()) if of.settled else None for name, of in COLUMNS.items()}
+
+
+def with_unit(design: Design, imu: str) -> Design:
+    """The design with an IMU of the catalogue; residual biases and vibration factor stay, as no sheet prints them.
+
+    Raises
+    ------
+    InputError
+        If the catalogue has no such IMU, or one without both random walks.
+    """
+    values, written = preset_fill("imu", imu)
+    if missing := [str(_quantity(key).label) for key in _UNKNOWNS[:2] if key not in values]:
+        raise InputError("imu", f"{imu} has no {' and no '.join(missing).lower()} in the catalogue.", imu)
+    return design.replace(values, written)
+
+
+# The way back.
+
+
+class Given(NamedTuple):
+    """An entry of a row as typed: seconds since the last fix, column, value in SI, the text, and by what part of it
+    the value may be off, as its digits say."""
+
+    outage: float
+    column: str
+    value: float
+    text: str
+    rounding: float
+
+    @property
+    def label(self) -> str:
+        """What the entry is called in a message."""
+        return f"{self.column} {self.text} {f'after {self.outage:g} s' if self.outage else 'without an outage'}"
+
+
+class Implied(NamedTuple):
+    """An input that the rows imply, SI, and the factor that the digits leave open to both sides; infinite where the
+    rows do not show it."""
+
+    key: str
+    value: float
+    factor: float
+
+    @property
+    def determined(self) -> bool:
+        """Whether the rows say the value, to a factor of three."""
+        return self.factor < 3
+
+
+class Contradiction(NamedTuple):
+    """An entry without which the others agree, and the value [SI] that they imply for it."""
+
+    entry: Given
+    implied: float
+
+    @property
+    def factor(self) -> float:
+        """Given over implied."""
+        return self.entry.value / self.implied
+
+
+@dataclass(frozen=True)
+class Inversion:
+    """What rows of a table imply.
+
+    Attributes
+    ----------
+    entries : tuple of Given
+    agree : bool
+        Whether some noise gives every entry to its digits.
+    implied : tuple of Implied
+        The noise that comes closest.
+    contradictions : tuple of Contradiction
+        Empty where the rows agree. Otherwise every entry that contradicts the rest alone; if there is none, since
+        several are wrong at once, the two that the noise misses most, each with what it gives.
+    """
+
+    entries: tuple[Given, ...]
+    agree: bool
+    implied: tuple[Implied, ...]
+    contradictions: tuple[Contradiction, ...]
+
+    def changes(self, design: Design) -> tuple[dict[str, float], dict[str, str], dict[str, str]]:
+        """Values, units and origins that `Design.replace` takes."""
+        said = "; ".join(entry.label for entry in self.entries)
+        origin = f"implied by the vendor's table: {said}"
+        values = {item.key: rounded_offer(design, item.key, item.value).value for item in self.implied}
+        written = {key: design.unit(key) for key in values}
+        return values, written, dict.fromkeys(values, origin if len(origin) <= _ORIGIN else f"{origin[:_ORIGIN]}…")
+
+
+_UNKNOWNS = ("imu.angle_random_walk", "imu.velocity_random_walk", "imu.gyro_bias", "imu.accelerometer_bias")
+_MOST_ROWS, _LONGEST, _ORIGIN = 10, 300, 180
+_LEAST_ROUNDING, _MOST_ROUNDING = 0.01, 0.1
+_STARTS, _FITS, _EVALUATIONS = 2048, 3, 40
+_EXACT = 1e-4  # sum of squares, of roundings, from which no other start is tried
+_STEP = 1e-20
+_NAMES = {"roll/pitch": "roll and pitch", "roll": "roll and pitch", "pitch": "roll and pitch"} | {
+    f"{axis} position": axis for axis in ("horizontal", "vertical")
+}
+_ENTRY = re.compile(r"\s*([a-z][a-z /]*?)\s*[:=]?\s+(?=[±<≤~\d.])(.+?)\s*", re.I)
+
+
+def read_row(text: str) -> tuple[Given, ...]:
+    """A row such as "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°".
+
+    The time may also be "no outage". Values are one sigma per axis, or say what they are: "0.10 m CEP".
+
+    Raises
+    ------
+    InputError
+        Naming what is not understood.
+    """
+    time, colon, rest = text.partition(":")
+    if not colon or len(text) > _LONGEST:
+        said = 'Write for example "60 s: horizontal 0.10 m, heading 0.010°".'
+        raise InputError("row", f"{text[:80]!r} is not a row of a table. {said}", text)
+    with under("row"):
+        settled = time.strip().lower() in {"no outage", "0"}
+        outage = 0.0 if settled else parse_quantity(time, "time").value
+    _, longest = cast("tuple[float, float]", _quantity("coast.duration").bounds)
+    if not 0 <= outage <= longest:
+        raise InputError("row", f"{time.strip()} is not allowed. Give from 0 s to {longest:g} s.", text)
+    found = []
+    for part in re.split(r"[,;]\s*(?=[A-Za-z])", rest.strip()):
+        match = _ENTRY.fullmatch(part)
+        name = " ".join(match[1].lower().split()) if match else ""
+        column = _NAMES.get(name, name)
+        if match is None or column not in COLUMNS:
+            raise InputError("row", f"{part[:80]!r} is none of {', '.join(COLUMNS)} with a value.", text)
+        with under("row"):
+            value = _quantity(COLUMNS[column].reads).read(match[2]).value
+        found.append(Given(outage, column, value, match[2], _rounding(match[2])))
+    return tuple(found)
+
+
+def _rounding(text: str) -> float:
+    """Half of the last digit, as a part of the value, within bounds that a measurement has."""
+    number = re.search(r"\d*[.,]?\d+", text)
+    digits = number[0].replace(",", ".") if number else "1"
+    half = 0.5 * 10.0 ** -len(digits.partition(".")[2])
+    return min(max(half / (float(digits) or 1.0), _LEAST_ROUNDING), _MOST_ROUNDING)
+
+
+def invert(design: Design, rows: Iterable[str]) -> Inversion:
+    """Noise and residual biases of the IMU that rows in real time imply with the design's receiver and flight.
+
+    A sheet's heading contains what it was before the outage, so its growth is fitted with an unknown start. The
+    design's vibration factor multiplies the random walks that are implied, as it does in the table.
+
+    Raises
+    ------
+    InputError
+        If a row cannot be read, or an entry is there twice.
+    """
+    texts = tuple(rows)
+    entries = tuple(entry for text in texts[: _MOST_ROWS + 1] for entry in read_row(text))
+    if not entries or len(texts) > _MOST_ROWS:
+        raise InputError("row", f"Give from one to {_MOST_ROWS} rows.")
+    if len({(entry.outage, entry.column) for entry in entries}) < len(entries):
+        raise InputError("row", "The same entry is there twice. Keep the one that holds.")
+    with refused(design):
+        fit = _Fit(design, entries)
+        everything = np.ones(len(entries), bool)
+        point, cost = fit.best(everything)
+        # Values that agree to their digits cost at most one each, so more is a proof that none do.
+        agree = bool(cost <= len(entries))
+        implied = tuple(map(Implied, _UNKNOWNS, np.exp(point[:4]).tolist(), fit.factors(point)))
+        return Inversion(entries, agree, implied, () if agree else fit.contradictions(point))
+
+
+class _Fit:
+    """Logarithms of the unknowns, and of the heading before an outage, against the entries."""
+
+    def __init__(self, design: Design, entries: Sequence[Given]) -> None:
+        self.design, self.entries = design, entries
+        self.given = np.log([entry.value for entry in entries])
+        self.weights = 1 / np.array([entry.rounding for entry in entries])
+        heading = [entry.value for entry in entries if entry.column == "heading"]
+        ranges = [_span(key) for key in _UNKNOWNS]
+        if heading:
+            ranges.append((1e-4 * min(heading), 1.2 * min(heading)))
+        self.low, self.high = np.log(np.array(ranges)).T
+        # Even in logarithms, the same each time; the residuals of all serve every fit.
+        self.starts = np.random.default_rng(1).uniform(self.low, self.high, (_STARTS, len(ranges)))
+        with np.errstate(all="ignore"):
+            misses = self.residuals(self.starts.T)
+        self.misses = np.nan_to_num(misses, nan=1e3, posinf=1e3, neginf=-1e3)
+
+    def model(self, point: Array) -> Array:
+        """Values of the entries [SI], (entries, n), of unknowns (unknowns, n)."""
+        unknowns = np.exp(point)
+        model = RealTime(inputs_of(self.design, dict(zip(_UNKNOWNS, unknowns[:4], strict=True))))
+        rows = []
+        for entry in self.entries:
+            column = COLUMNS[entry.column]
+            value: ArrayLike = 0.0
+            if entry.outage:
+                value = model.value(column.outage, np.asarray(entry.outage))
+            elif column.settled:
+                value = model.value(column.settled)
+            if entry.column == "heading":
+                value = np.sqrt(np.asarray(value) ** 2 + unknowns[4] ** 2)
+            rows.append(np.broadcast_to(value, unknowns.shape[1:]))
+        return np.array(rows)
+
+    def residuals(self, point: Array) -> Array:
+        """Logarithm of model over given, in roundings: (entries, n)."""
+        return np.asarray((np.log(self.model(point)) - self.given[:, None]) * self.weights[:, None])
+
+    def slopes(self, point: Array) -> tuple[Array, Array]:
+        """Residuals (entries,) and their derivatives (entries, unknowns), by a complex step of each unknown."""
+        stepped = self.residuals(point[:, None] + 1j * _STEP * np.eye(len(point)))
+        return stepped[:, 0].real, stepped.imag / _STEP
+
+    def best(self, counted: Array, *before: Array) -> tuple[Array, float]:
+        """The unknowns that fit the entries counted best, and their sum of squares."""
+        from scipy.optimize import least_squares
+
+        order = np.argsort((self.misses[counted] ** 2).sum(axis=0))[: _FITS - len(before)]
+        found, cost = self.starts[order[0]], math.inf
+        for start in (*before, *self.starts[order]):
+            at = lru_cache(maxsize=2)(lambda point: self.slopes(np.frombuffer(point)))
+            fit = least_squares(
+                lambda point, at=at: at(point.tobytes())[0][counted],
+                np.clip(start, self.low + 1e-9, self.high - 1e-9),
+                jac=lambda point, at=at: at(point.tobytes())[1][counted],
+                bounds=(self.low, self.high), max_nfev=_EVALUATIONS,
+            )  # fmt: skip
+            if 2 * fit.cost < cost:
+                found, cost = fit.x, 2 * fit.cost
+            if cost < _EXACT or (before and cost <= counted.sum()):
+                break
+        return found, cost
+
+    def factors(self, point: Array) -> list[float]:
+        """What the digits leave open of each unknown: two sigmas of even errors within the roundings."""
+        _, sizes, axes = np.linalg.svd(self.slopes(point)[1])
+        sizes = np.pad(sizes, (0, len(axes) - len(sizes)))
+        spread = np.sqrt((axes**2 / np.maximum(sizes, 1e-6)[:, None] ** 2).sum(axis=0) / 3)
+        return [math.exp(value) if value < 20 else math.inf for value in 2 * spread[:4]]
+
+    def contradictions(self, point: Array) -> tuple[Contradiction, ...]:
+        """Each entry without which the others agree; without one, the two that are missed most."""
+        found = []
+        for index, entry in enumerate(self.entries):
+            others = np.arange(len(self.entries)) != index
+            rest, cost = self.best(others, point)
+            if cost <= others.sum():
+                found.append(Contradiction(entry, float(self.model(rest[:, None])[index, 0])))
+        if not found:
+            values, misses = self.model(point[:, None])[:, 0], self.residuals(point[:, None])[:, 0]
+            pair = int(misses.argmin()), int(misses.argmax())
+            found = [Contradiction(self.entries[i], float(values[i])) for i in pair]
+        return tuple(found)
+
+
+def _quantity(key: str) -> BaseQuantity[float]:
+    declaration = declaration_of(key)
+    assert isinstance(declaration, BaseQuantity)
+    return declaration
+
+
+def _span(key: str) -> tuple[float, float]:
+    """Values that are tried: those of a slider and a hundred times more to each side."""
+    low, high = cast("tuple[float, float]", _quantity(key).softbounds)
+    return low / 100, high * 100

@@ -1,0 +1,164 @@
+"""The vendor's table, out and in."""
+
+import math
+
+import numpy as np
+import pytest
+
+from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
+from nav_model.base.errors import InputError
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.explore.vendor_table import COLUMNS, Row, invert, read_row, vendor_table, with_unit
+
+_UNITS = {"horizontal": "m", "vertical": "m", "velocity": "m/s", "roll and pitch": "°", "heading": "°"}
+_WALKS = ("imu.angle_random_walk", "imu.velocity_random_walk")
+_RECEIVERS = (
+    {"gnss.position_noise": 1.0},
+    {"gnss.position_noise": 0.02, "gnss.vertical_position_noise": 0.03, "gnss.interval": 0.2},
+    {"gnss.position_noise": 0.5, "gnss.velocity_noise": 0.03},
+)
+
+
+def printed(row: Row, digits: int = 4, factors: dict[str, float] | None = None) -> str:
+    """A row of the table as a data sheet prints it, some entries times a factor."""
+    entries = []
+    for name, value in row.values.items():
+        if value:
+            value *= (factors or {}).get(name, 1.0)
+            number = math.degrees(value) if _UNITS[name] == "°" else value
+            entries.append(f"{name} {number:.{digits - 1 - math.floor(math.log10(number))}f} {_UNITS[name]}")
+    return f"{row.outage:g} s: {', '.join(entries)}" if row.outage else f"no outage: {', '.join(entries)}"
+
+
+def random_unit(rng: np.random.Generator) -> Design:
+    """A unit from navigation to consumer grade, with residual biases of its grade, and one of three receivers."""
+    grade = rng.uniform(-3, 0)
+
+    def near(value: float) -> float:
+        return float(value * 10 ** (grade + rng.uniform(-0.5, 0.5)))
+
+    return Design().replace(
+        {
+            "imu.angle_random_walk": near(0.7 * DEGREE / 60),
+            "imu.velocity_random_walk": near(0.2 / 60),
+            "imu.gyro_bias": near(10 * DEGREE_PER_HOUR),
+            "imu.accelerometer_bias": near(1 * MILLI_G),
+            **_RECEIVERS[rng.integers(3)],
+        }
+    )
+
+
+def real_time(design: Design) -> list[Row]:
+    return [row for row in vendor_table(design) if row.processing == REAL_TIME]
+
+
+def test_rows_are_the_figures_of_the_budget() -> None:
+    design = random_unit(np.random.default_rng(3))
+    budget = analyse(design)
+    for row in vendor_table(design):
+        for name, column in COLUMNS.items():
+            if row.outage == 0 and column.settled:
+                assert row.values[name] == pytest.approx(budget[column.settled, row.processing].sigma, rel=1e-9)
+            elif row.processing == REAL_TIME and row.outage:
+                sigma = budget.composed(column.outage, REAL_TIME, at=row.outage).sigma
+                assert row.values[name] == pytest.approx(sigma, rel=1e-9)
+    # A smoother that fixes both ends of the outage is better than the free INS at its end.
+    free, bridged = (
+        next(row for row in vendor_table(design) if (row.processing, row.outage) == (mode, 60.0))
+        for mode in (REAL_TIME, POST_PROCESSED)
+    )
+    assert bridged.values["horizontal"] < free.values["horizontal"] / 3
+    assert bridged.values["heading"] is None
+
+
+def test_outage_of_white_noise_grows_as_its_closed_form() -> None:
+    """With perfect fixes: sigma_a² t³/3 + g² sigma_w² t⁵/20 and sigma_w² t, by hand."""
+    design = Design().replace({"gnss.position_noise": 1e-6, "gnss.interval": 1e-3, "flight.speed": 1.0})
+    a, w, t = design.imu.velocity_random_walk, design.imu.angle_random_walk, 60.0
+    row = next(row for row in real_time(design) if row.outage == t)
+    by_hand = math.sqrt(a**2 * t**3 / 3 + (9.80665 * w) ** 2 * t**5 / 20)
+    assert row.values["horizontal"] == pytest.approx(by_hand, rel=0.04)  # the tilt at the last fix adds 3 %
+    assert row.values["heading"] == pytest.approx(w * math.sqrt(t), rel=1e-6)
+
+
+@pytest.mark.long
+def test_table_gives_back_the_noise_that_made_it() -> None:
+    rng = np.random.default_rng(42)
+    for _ in range(100):
+        design = random_unit(rng)
+        inversion = invert(design.replace(dict.fromkeys(_WALKS, 0.0001)), map(printed, real_time(design)))
+        assert inversion.agree
+        for item in inversion.implied:
+            if item.key in _WALKS or item.determined:
+                assert item.value == pytest.approx(design[item.key], rel=0.05), (item, design)
+
+
+@pytest.mark.slow
+def test_contradictions_are_found() -> None:
+    """One entry of a table that some unit has is made two to ten times larger or smaller."""
+    rng = np.random.default_rng(7)
+    for _ in range(50):
+        design = random_unit(rng)
+        rows = real_time(design)
+        wrong = int(rng.integers(3))
+        # The heading before an outage is unknown, so only rows with several headings can contradict in it.
+        name = str(rng.choice(["horizontal", "vertical", "velocity", "roll and pitch"]))
+        factor = float(rng.uniform(2, 10) ** rng.choice([-1, 1]))
+        texts = [printed(row, factors={name: factor} if i == wrong else {}) for i, row in enumerate(rows)]
+        inversion = invert(design, texts)
+        assert not inversion.agree
+        places = [(found.entry.outage, found.entry.column) for found in inversion.contradictions]
+        assert (rows[wrong].outage, name) in places
+        found = inversion.contradictions[places.index((rows[wrong].outage, name))]
+        assert found.factor == pytest.approx(factor, rel=0.35)  # the others leave it open a little
+
+
+def test_bare_bones_of_a_row() -> None:
+    text = "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°, heading 0.010°"
+    entries = read_row(text)
+    assert [(entry.outage, entry.column) for entry in entries] == [(60.0, name) for name in COLUMNS]
+    assert [entry.value for entry in entries] == pytest.approx([0.1, 0.07, 0.015, 0.005 * DEGREE, 0.01 * DEGREE])
+    assert [entry.rounding for entry in entries] == pytest.approx([0.05, 0.5 / 7, 0.5 / 15, 0.1, 0.05])
+    (cep,) = read_row("no outage: horizontal position 0.1 m CEP")
+    assert cep.value == pytest.approx(0.1 / math.sqrt(2 * math.log(2)), rel=1e-6)
+    assert cep.outage == 0
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        (["horizontal 1 m"], "is not a row of a table"),
+        (["60 s: depth 1 m"], "'depth 1 m' is none of horizontal"),
+        (["60 s: horizontal 1 kg"], "length"),
+        (["60 m: horizontal 1 m"], "time"),
+        (["1e9 s: horizontal 1 m"], "is not allowed"),
+        (["60 s: horizontal 1 m", "60 s: horizontal 2 m"], "twice"),
+        ([], "from one to 10 rows"),
+        (["60 s: horizontal 1 m"] * 11, "from one to 10 rows"),
+        (["60 s:" + " horizontal 1 m," * 100], "is not a row"),
+    ],
+)
+def test_bad_rows_are_refused(rows: list[str], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        invert(Design(), rows)
+
+
+def test_answer_enters_the_design_with_its_origin() -> None:
+    design = random_unit(np.random.default_rng(5))
+    inversion = invert(
+        Design().replace({"gnss.position_noise": design.gnss.position_noise}), map(printed, real_time(design))
+    )
+    new = design.replace(*inversion.changes(design))
+    assert all(new.origins[item.key].startswith("implied by the vendor's table: ") for item in inversion.implied)
+    assert new.imu.angle_random_walk == pytest.approx(inversion.implied[0].value, rel=0.01)
+
+
+def test_units_of_the_catalogue() -> None:
+    design = Design().replace({"imu.gyro_bias": 1e-6})
+    unit = with_unit(design, "ADIS16495-1")
+    assert (unit.imu.preset, unit.imu.gyro_bias) == ("ADIS16495-1", 1e-6)
+    assert vendor_table(unit) != vendor_table(design)
+    with pytest.raises(InputError, match="is not in the catalogue"):
+        with_unit(design, "XYZ-1")
