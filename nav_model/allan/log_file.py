@@ -37,12 +37,10 @@ _EXAMPLES = {
 }
 _SENSORS = ("gyro", "accelerometer")
 _SIX_COLUMN_NAMES = ("counts", "imu", "data", "samples", "log")
-_UNPACK = "Unpack it and give the log in it."
 _BAG = "If it is a ROS 2 bag, write its IMU topic as CSV, for example with PlotJuggler."
 _ARRAYS = "Write its arrays with numpy.savez, each under its name, or as CSV."
 _ADVICE = {
-    "a ZIP archive": _UNPACK, "a gzip archive": _UNPACK, "a bzip2 archive": _UNPACK, "a 7-Zip archive": _UNPACK,
-    "an XZ archive": _UNPACK, "a RAR archive": _UNPACK, "an MCAP recording": _BAG, "an SQLite database": _BAG,
+    "an MCAP recording": _BAG, "an SQLite database": _BAG,
     "a ROS bag": "Write its IMU topic as CSV: rostopic echo -b FILE -p /imu/data > imu.csv.",
     "a PX4 log (ULog)": "Run ulog2csv on it and give the CSV of sensor_combined.",
     "an ArduPilot log (DataFlash)": "Write its IMU messages as CSV: mavlogdump.py --format csv --types IMU FILE.",
@@ -80,6 +78,10 @@ class LogOptions:
     accelerometer_unit: str | None = None
     columns: Sequence[str] | None = None
     arrays: Mapping[str, str] | None = None
+
+    def unit(self, role: str) -> str | None:
+        """The unit that is given for a sensor."""
+        return self.gyro_unit if role == "gyro" else self.accelerometer_unit
 
 
 @dataclass(frozen=True)
@@ -145,13 +147,17 @@ def read_log(
     digest = hashlib.sha256(bytes_read).hexdigest()
     kind = kind_of(bytes_read)
     if kind == "an NPZ archive":
-        _refuse_option(options.columns, "columns", "The file is an NPZ archive. Its arrays are chosen by `arrays`.")
+        if options.columns:
+            reason = "The file is an NPZ archive. Its arrays are chosen by `arrays`."
+            raise InputError("columns", reason, options.columns)
         content = _from_npz(bytes_read, name, options, limits)
     elif kind is None:
-        _refuse_option(options.arrays, "arrays", "The file is a table. Its columns are named by `columns`.")
+        if options.arrays:
+            raise InputError("arrays", "The file is a table. Its columns are named by `columns`.", options.arrays)
         content = _from_text(bytes_read, name, options, limits)
     else:
-        advice = _ADVICE.get(kind, "Write the inertial data as CSV, a row for each sample.")
+        packed = "Unpack it and give the log in it." if kind.endswith("archive") else ""
+        advice = packed or _ADVICE.get(kind, "Write the inertial data as CSV, a row for each sample.")
         raise InputError(name, f"The file is {kind}. {advice}")
     del bytes_read
     content, notes = _without_empty(content, name)
@@ -187,11 +193,6 @@ def read_log(
     )
 
 
-def _refuse_option(value: object, key: str, reason: str) -> None:
-    if value:
-        raise InputError(key, reason, value)
-
-
 def _content(source: str | Path | bytes, file_name: str | None, limits: Limits) -> tuple[bytes, str]:
     if isinstance(source, bytes):
         content, name = source, file_name or "upload"
@@ -207,17 +208,13 @@ def _content(source: str | Path | bytes, file_name: str | None, limits: Limits) 
 def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -> _Content:
     table = open_table(content, name)
     names, meanings = _named(table, name, options)
-    places = [place for place, meaning in enumerate(meanings) if meaning is not None]
-    times = [place for place in places if (meaning := meanings[place]) and meaning.role == "time"]
-    read = table.columns(places, limits.rows, limits.unpacked_bytes, times)
+    known = {place: meaning for place, meaning in enumerate(meanings) if meaning is not None}
+    times = [place for place, meaning in known.items() if meaning.role == "time"]
+    read = table.columns([*known], limits.rows, limits.unpacked_bytes, times)
     columns = [
-        _Column(names[place], meaning, values)
-        for place, values in zip(places, read.values.T, strict=True)
-        if (meaning := meanings[place])
+        _Column(names[place], known[place], values) for place, values in zip(known, read.values.T, strict=True)
     ]
-    others = tuple(
-        name for name, meaning in zip(names, meanings, strict=True) if meaning is None and name.strip(" -")
-    )
+    others = tuple(label for place, label in enumerate(names) if place not in known and label.strip(" -"))
     lines = read.lines
     return _Content(columns, others, {}, _rate_of(table.comments), lambda row: f"line {lines[row]}", read.cut)
 
@@ -359,8 +356,7 @@ def _complete(content: _Content, options: LogOptions, name: str) -> None:
             "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`",
         )
     for role in _SENSORS:
-        given = options.gyro_unit if role == "gyro" else options.accelerometer_unit
-        if given and role not in first:
+        if (given := options.unit(role)) and role not in first:
             raise InputError(f"{role}_unit", f"{given!r} is given, but the file has no {role}.", given)
     timed = "time" in first and len(first["time"].values) > 1
     stated = options.rate_hz is not None or content.rate_hz is not None
@@ -374,10 +370,9 @@ def _complete(content: _Content, options: LogOptions, name: str) -> None:
 
 def _unit(role: str, content: _Content, options: LogOptions) -> str | None:
     """Unit of a sensor: as given, else as the file states it."""
-    given = options.gyro_unit if role == "gyro" else options.accelerometer_unit
     of_column = content.of(role)[0].meaning.unit
     counted = of_column is None or of_column.lower() in COUNTS
-    return given or (content.count_units.get(role) if counted else of_column)
+    return options.unit(role) or (content.count_units.get(role) if counted else of_column)
 
 
 def _clock(content: _Content, options: LogOptions, name: str, notes: list[str]) -> _Clock:
@@ -496,8 +491,7 @@ def _signal(role: str, content: _Content, options: LogOptions, clock: _Clock, na
         raise InputError(name, f"{len(clock.stamps)} times but {len(signal)} samples of {labels}")
     source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
     values = "increments per sample" if scale.per_sample else "rates"
-    given = options.gyro_unit if role == "gyro" else options.accelerometer_unit
-    by = columns[0].meaning.convention if not given else ""
+    by = "" if options.unit(role) else columns[0].meaning.convention
     notes.append(f"{role} from {source}, {values} in {scale.symbol}" + (f" by convention ({by})" if by else ""))
     # Rows without a value or a time are lost samples.
     rows: Rows | None = None

@@ -51,9 +51,8 @@ _OFFERED: Final = {
     "accelerometer": ("m/s2", "g", "mg", "ug", "m/s", "mm/s", "g s", "ug s"),
 }
 _RUN_TOGETHER: Final = {
-    "ms2": "m/s2", "mss": "m/s2", "mps2": "m/s2", "mps": "m/s", "rads": "rad/s", "radps": "rad/s", "rps": "rad/s",
-    "degs": "deg/s", "degps": "deg/s", "gs": "g s", "ugs": "ug s", "usec": "us", "nsec": "ns", "msec": "ms",
-    "usecs": "us", "nsecs": "ns", "msecs": "ms", "secs": "s", "nanosec": "ns", "nanosecs": "ns",
+    "ms2": "m/s2", "mss": "m/s2", "mps2": "m/s2", "rads": "rad/s", "radps": "rad/s", "rps": "rad/s",
+    "degs": "deg/s", "degps": "deg/s", "gs": "g s", "ugs": "ug s",
 }  # fmt: skip
 
 _ROLES: Final = (
@@ -79,15 +78,18 @@ _SI: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
 # What a name says of the unit, and by whose convention.
 _BY_NAME: Final = {
     "angularvelocity": ("rad/s", "REP 103"), "linearacceleration": ("m/s2", "REP 103"),
-    "seconds": ("s", ""), "secs": ("s", ""), "sec": ("s", ""), "timefine": ("0.1 ms", "MT Manager"),
+    "seconds": ("s", ""), "secs": ("s", ""), "sec": ("s", ""),
 }  # fmt: skip
 _BY_INDEX: Final = {"gyro_rad": "rad/s", "delta_angle": "rad", "delta_velocity": "m/s"}
-# Layouts whose units are known by another column: pattern of that, whose they are, what gyro and accelerometer are.
+# Units that are known by other columns: pattern of these, whose convention; pattern, role and unit of a column.
+# Movella DOT has MT Manager's names without the date, but degrees per second and microseconds.
 _LAYOUTS: Final = (
-    (r"alpha_?x", "Kalibr", r"omega", r"alpha"),
-    (r"packetcounter", "MT Manager", r"gyr", r"acc"),
-    (r"timeus", "ArduPilot", r"gyr", r"acc"),
-)
+    (r"\balphax\b", "Kalibr", ("omega([xyz])", "gyro", "rad/s"), ("alpha([xyz])", "accelerometer", "m/s2")),
+    (r"\bpacketcounter\b.* (utc)?second\b", "MT Manager", ("gyr([xyz])", "gyro", "rad/s"),
+     ("sampletimefine", "time", "0.1 ms")),
+    (r"\bpacketcounter\b", "MT Manager", ("acc([xyz])", "accelerometer", "m/s2")),
+    (r"\btimeus\b", "ArduPilot", ("gyr([xyz])", "gyro", "rad/s"), ("acc([xyz])", "accelerometer", "m/s2")),
+)  # fmt: skip
 
 
 def units_of(role: str) -> dict[str, bool]:
@@ -121,10 +123,8 @@ def _spellings(text: str) -> Iterator[str]:
     """A unit as it is, and as it may be meant in a name: "m_s2", "deg_per_s", "mps2", "DPS"."""
     text = re.sub(r"^in[\s_]+", "", text.strip(" _"))
     for plain in (text, text.lower()):
-        yield plain
+        yield _RUN_TOGETHER.get(re.sub(r"[\s_^.]", "", plain), plain)
         yield re.sub(r"_(?:per_)?", "/", plain)
-        if (squeezed := re.sub(r"[\s_^.]", "", plain)) in _RUN_TOGETHER:
-            yield _RUN_TOGETHER[squeezed]
 
 
 def _known(role: str, unit: str) -> bool:
@@ -139,15 +139,15 @@ def meanings_of(names: Sequence[str]) -> list[Meaning | None]:
     """Meaning of each of the columns of a file, which may show together what unit they are in by convention."""
     meanings = [meaning_of(name) for name in names]
     plain = ["".join(_words(name)) for name in names]
-    for mark, program, *patterns in _LAYOUTS:
-        if not any(re.fullmatch(mark.replace("_?", ""), name) for name in plain):
+    for mark, program, *columns in _LAYOUTS:
+        if not re.search(mark, " ".join(plain)):
             continue
         for at, name in enumerate(plain):
-            for role, pattern in zip(_SI, patterns, strict=True):
-                match = re.fullmatch(rf"{pattern}([xyz])", name)
-                known = meanings[at]
+            for pattern, role, unit in columns:
+                match, known = re.fullmatch(pattern, name), meanings[at]
                 if match and (known is None or known.unit is None):
-                    meanings[at] = Meaning(role, "xyz".index(match[1]), _SI[role], program)
+                    axis = "xyz".index(match[1]) if match.lastindex else None
+                    meanings[at] = Meaning(role, axis, unit, program)
     return meanings
 
 

@@ -268,6 +268,7 @@ def test_names_and_units():
     assert scale_of("gyro", "0.1 arcsec").factor == pytest.approx(np.radians(0.1 / 3600))
     for said in ("0.05 deg/s", "0.05 deg/s a count", "0.05 deg/s per count", "0.05 deg/s/count"):
         assert scale_of("gyro", said).factor == pytest.approx(np.radians(0.05))
+    assert (scale_of("gyro", "rads").factor, scale_of("gyro", "rads").per_sample) == (1.0, False)
     for text in ("furlong", "", "-1 deg/s", "0 deg/s", "1.2.3 deg/s"):
         with pytest.raises(InputError, match="gyro_unit"):
             scale_of("gyro", text)
@@ -380,6 +381,19 @@ def test_names_of_programs(program: str):
         assert f"by convention ({by})" in said(log)
     if program == "ROS topic as CSV":
         assert "not used: field.header.seq, field.header.frame_id" in said(log)
+
+
+def test_a_tracker_whose_rates_may_be_degrees_is_asked_for_them():
+    """Movella DOT writes degrees per second and microseconds under the names of MT Manager, without the date."""
+    lines = [f"{row},{8333 * row}," + line for row, line in enumerate(rows_of(np.hstack([np.degrees(GYRO), FORCE])))]
+    text = "\n".join(["PacketCounter,SampleTimeFine,Gyr_X,Gyr_Y,Gyr_Z,Acc_X,Acc_Y,Acc_Z", *lines])
+    with pytest.raises(InputError, match="does not give the gyro unit") as refused:
+        read_log(text.encode())
+    assert refused.value.key == "gyro_unit"
+    log = read_log(text.encode(), LogOptions(gyro_unit="deg/s"))
+    np.testing.assert_allclose(log.gyro, GYRO, rtol=1e-12)
+    np.testing.assert_allclose(log.accelerometer, FORCE, rtol=1e-12)
+    assert log.rate_hz == pytest.approx(120.0, rel=1e-4)
 
 
 def test_angular_accelerations_are_no_specific_forces():
