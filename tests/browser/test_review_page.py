@@ -132,8 +132,8 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(visi
     expect(open_rows).to_have_count(0)
     act(press, page, "Sign off")
     said(page, "You wrote 4 of the 4 waivers yourself. A signed review never changes.")
-    act(press, page, "Accept with 4 waivers, as Ann")
-    expect(page.locator(".strip").filter(has_text="CDR")).to_contain_text("Signed off by Ann")
+    act(press, page, "Sign as Ann (outcome: accepted with 4 waivers)")
+    expect(page.locator(".strip").filter(has_text="CDR")).to_contain_text("⚠ Signed by Ann: accepted with 4 waivers")
     assert act.count <= 20
     accessible(page, every=True)
     with page.expect_download() as download:
@@ -203,11 +203,11 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     expect(heading).to_contain_text("can be signed")
     press(page, "Sign off")
     press(page, "Not yet")
-    expect(page.get_by_role("button", name=re.compile("^Reject: 1 requirement"))).to_be_hidden()
+    expect(page.get_by_role("button", name=re.compile("^Sign as Ann"))).to_be_hidden()
     expect(heading).to_contain_text("can be signed")
     press(page, "Sign off")
-    press(page, "Reject: 1 requirement, as Ann")
-    expect(heading).to_contain_text("Signed off by Ann")
+    press(page, "Sign as Ann (outcome: rejected)")
+    expect(heading).to_contain_text("✗ Signed by Ann: rejected")
     expect(page.get_by_role("button", name=re.compile("^(Accept|Change)"))).to_have_count(0)
     with page.expect_download() as download:
         press(page, re.compile(r"Review report \(HTML\)"))
@@ -216,9 +216,9 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     assert "✓ accepted" in text
     press(page, "All reviews")
     row = page.get_by_role("region", name="All reviews").get_by_role("row").filter(has_text="PDR")
-    expect(row).to_contain_text("Signed off by Ann")
+    expect(row).to_contain_text("Signed by Ann: rejected")
     row.get_by_role("button", name="PDR").click()
-    expect(heading).to_contain_text("Signed off by Ann")
+    expect(heading).to_contain_text("Signed by Ann: rejected")
 
 
 @pytest.mark.slow
@@ -266,7 +266,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     press(page, "Sign off")
     press(page, "Accept with 2 waivers, as Ann")
-    expect(heading).to_contain_text("Signed off by Ann")
+    expect(heading).to_contain_text("Signed by Ann: rejected")
 
 
 def test_a_page_that_still_says_open_does_not_replace_anothers_reject(visit: Visit, page: Page, second: Page) -> None:

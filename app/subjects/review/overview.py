@@ -8,6 +8,7 @@ from app.library.texts import counted, moment
 
 _HEADS = ("Review", "State", "Designs", "To decide", "Rejected", "Comments", "Opened", "Last change")
 _COUNTS = _HEADS[2:6]
+_MARKS: dict[str, str] = {"good": "✓", "warn": "⚠", "bad": "✗"}
 
 
 def overview(reviews: Sequence[Review]) -> Table:
@@ -23,7 +24,8 @@ def state_of(review: Review) -> Answer:
     if not review.intact:
         tone, said = "bad", f"✗ {review.doubt[0].upper()}{review.doubt[1:]}: do not rely on it"
     elif review.signed:
-        tone, said = "good", f"✓ Signed off by {review.signed_by}"
+        tone, ended = ending(review)
+        said = f"{_MARKS[tone]} Signed by {review.signed_by}: {ended}"
     counts = (
         counted(len(review.items), "design"),
         f"{counted(len(review.rejected()), 'requirement')} rejected",
@@ -31,6 +33,15 @@ def state_of(review: Review) -> Answer:
         counted(len(review.comments), "comment"),
     )
     return Answer(review.title, tone, (said, ", ".join(counts)))
+
+
+def ending(review: Review) -> tuple[str, str]:
+    """What a signature makes of a review in which all is decided: its colour, and the word."""
+    if review.rejected():
+        return "bad", "rejected"
+    if waived := review.waivers():
+        return "warn", f"accepted with {counted(len(waived), 'waiver')}"
+    return "good", "accepted"
 
 
 def last_change(review: Review) -> tuple[str, str]:

@@ -30,7 +30,7 @@ from app.library.texts import counted
 from app.report import report_bytes
 from app.subjects.review import report
 from app.subjects.review.desk import LOOK, Desk, button
-from app.subjects.review.overview import overview, state_of
+from app.subjects.review.overview import ending, overview, state_of
 from app.subjects.review.rows import decision_row, figure_of, frozen_designs
 from app.ui.decision_table import DecisionTable
 from app.ui.folded import Folded
@@ -265,18 +265,14 @@ class ReviewRoom(View):
             await self._sign()  # which says what is missing
             return
         self.desk.say("")
-        waived, rejected = review.waivers(), review.rejected()
+        waived = review.waivers()
         own = sum(waiver.author == who for waiver in waived)
         warned = (
             f"You wrote {'this waiver' if len(waived) == 1 else f'{own} of {len(waived)} waivers'}. " if own else ""
         )
-        said = Answer("", "warn" if own or rejected else "open", (f"{warned}A signed review never changes.",))
+        said = Answer("", "warn" if own or review.rejected() else "open", (f"{warned}A signed review never changes.",))
         self._to_sign.object = html_of(said)
-        self._yes.label = (
-            f"Reject: {counted(len(rejected), 'requirement')}"
-            if rejected
-            else "Accept" + (f" with {counted(len(waived), 'waiver')}" if waived else "")
-        ) + f", as {who}"
+        self._yes.label = f"Sign as {who} (outcome: {ending(review)[1]})"
         self._confirm.visible = True
 
     async def _unasked(self) -> None:

@@ -10,7 +10,7 @@ from sqlalchemy import create_engine, text
 from app.document.pane import html_of
 from app.library.reviews import Review, add_comment, decide, list_reviews, load_review, open_review, sign, version_of
 from app.library.store import Conflict, Library
-from app.subjects.review.overview import overview
+from app.subjects.review.overview import overview, state_of
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 
@@ -178,7 +178,8 @@ def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: L
     assert _overview_cells(review)[:5] == ["Open, all decided: can be signed", "2", "0", str(failed), "1"]
     assert _overview_cells(review)[6].endswith("Bob")
     review = sign(library, review.id, "Ann", review.version)
-    assert _overview_cells(review)[0] == "✓ Signed off by Ann"
+    assert _overview_cells(review)[0] == "✗ Signed by Ann: rejected"
+    assert state_of(review).tone == "bad"
     assert _overview_cells(review)[6].endswith("Ann")
     assert "<script>" not in html_of(overview([review]))
 
