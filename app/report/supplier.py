@@ -25,6 +25,7 @@ from app.document.wording import input_in_words, printable, title_of
 from nav_model.allan.result import axis_label
 from nav_model.base.errors import under
 from nav_model.design import Design
+from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import RESPONSE
 from nav_model.design.parts import declaration_of
 from nav_model.design.user_entries import Allotment
@@ -101,6 +102,8 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float)
     note = f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ."
     if design.allocation and (left := [printable(one.name) for one in design.limits if one.on in RESPONSE]):
         note += f" Not allocated, so not in these values: limits on the impulse response ({', '.join(left)})."
+    if bounded := [in_sentence(declaration_of(line.key).label) for line in lines if line.bounded]:
+        note += f" The most that a design may have, as no limit asks for less: {', '.join(bounded)}."
     rows = (
         (
             str(declaration_of(line.key).label),

@@ -58,6 +58,11 @@ class Required:
     value: float
     current: float
 
+    @property
+    def bounded(self) -> bool:
+        """Whether no limit of the design asks for less than the most that a design may have, which is the value."""
+        return self.value >= quantity(self.key).limits[1]
+
 
 @dataclass(frozen=True)
 class Acceptance:
@@ -83,7 +88,7 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
     ------
     InputError
         If the design gives no requirement, if no unit of this kind meets them, or if every unit does; if its
-        allocation does not close.
+        allocation does not close; if a value below what a design may have would be required.
     """
     now = _noises(design, unit)
     if frozen := {key: value for key, value, _ in design.allocation.required} if design.allocation else {}:
@@ -92,8 +97,16 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
         raise InputError("requirements", "none is given; give at least one limit to require values for")
     plan = design.allocation
     factors = _alike(design, unit) if plan is None else _allocated(design, unit, now)
-    largest = {key: (1 + _ROUNDING) * factors[key] * value for key, value in now.items()}
+    largest = {key: _allowed(key, (1 + _ROUNDING) * factors[key] * value) for key, value in now.items()}
     return tuple(Required(key, rounded_offer(design, key, largest[key]).value, value) for key, value in now.items())
+
+
+def _allowed(key: str, largest: float) -> float:
+    """A required value within what a design may have: less noise than asked for meets the limits as well."""
+    declaration = quantity(key)
+    if largest < declaration.limits[0]:
+        raise InputError(key, f"{declaration.show(largest, 3)} would be required. {declaration.allowed()}", largest)
+    return min(largest, declaration.limits[1])
 
 
 def frozen(design: Design) -> UserEntries:

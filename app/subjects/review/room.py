@@ -270,7 +270,8 @@ class ReviewRoom(View):
         warned = (
             f"You wrote {'this waiver' if len(waived) == 1 else f'{own} of {len(waived)} waivers'}. " if own else ""
         )
-        said = Answer("", "warn" if own or review.rejected() else "open", (f"{warned}A signed review never changes.",))
+        tone = "warn" if own or review.rejected() else "open"
+        said = Answer("", tone, (f"{warned}A signed review never changes.",))
         self._to_sign.object = html_of(said)
         self._yes.label = f"Sign as {who} (outcome: {ending(review)[1]})"
         self._confirm.visible = True

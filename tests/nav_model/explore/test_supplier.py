@@ -90,6 +90,18 @@ def test_what_no_unit_meets_and_a_design_without_limits_are_refused() -> None:
         required(DESIGN.replace(_NO_LIMITS), "imu")
 
 
+def test_no_sheet_asks_for_what_a_design_may_not_have() -> None:
+    loose = {"gnss.velocity_noise": 20.0, "gnss.position_noise": 1.0, "requirements.horizontal_position": 300.0}
+    lines = {line.key: line for line in required(DESIGN.replace(_NO_LIMITS | loose), "gnss")}
+    new = DESIGN.replace(_NO_LIMITS | loose | {key: line.value for key, line in lines.items()})
+    assert analyse(new).verdict.closes
+    assert lines["gnss.velocity_noise"].bounded
+    assert not lines["gnss.position_noise"].bounded
+    strict = {"gnss.velocity_noise": 1e-3, "gnss.position_noise": 1e-3, "requirements.horizontal_position": 2e-6}
+    with pytest.raises(InputError, match=r"velocity_noise: .* would be required"):
+        required(DESIGN.replace(_NO_LIMITS | strict), "gnss")
+
+
 def test_the_accepted_share_is_the_quantile_of_chi_square() -> None:
     for degrees in (10.0, 100.0, 5400.0):
         assert accepted_share(degrees) == pytest.approx(np.sqrt(chi2.ppf(0.05, degrees) / degrees), rel=1e-9)
