@@ -12,7 +12,7 @@ import nav_model
 from app.charts.words import in_words
 from app.serving.server import first_design
 from app.subjects.budget.charts import response_curves
-from app.subjects.budget.timelines import together
+from app.subjects.budget.timelines import all_timelines
 from nav_model.budget import analyse
 
 _SECOND_NAMES = {
@@ -53,7 +53,7 @@ def test_no_text_has_a_second_name_for_a_quantity(name: str) -> None:
 
 def test_no_description_of_a_chart_has_a_second_name() -> None:
     """Such texts are put together, in part from keys."""
-    said = " ".join(in_words(chart) for chart in together(analyse(first_design())))
+    said = " ".join(in_words(chart) for chart in all_timelines(analyse(first_design())))
     assert "imit on horizontal position after the outage" in said
     assert [name for name, second in _SECOND_NAMES.items() if re.search(second, said)] == []
 

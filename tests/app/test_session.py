@@ -8,7 +8,7 @@ from bokeh.document import Document
 from app.charts.screen.timelines import Timelines
 from app.examples import EXAMPLES, example
 from app.session import Session, link_parts
-from app.subjects.budget.timelines import together
+from app.subjects.budget.timelines import all_timelines
 from nav_model.design import Design
 from nav_model.design.link import from_query
 
@@ -37,10 +37,10 @@ def test_an_origin_is_shown_at_once_and_comes_back_with_undo(session: Session) -
 
 
 def test_a_change_that_comes_when_the_page_has_gone_reaches_no_chart(session: Session) -> None:
-    document, stack = Document(), Timelines(together(session.budget))
+    document, stack = Document(), Timelines(all_timelines(session.budget))
     for plot in stack.plots:
         document.add_root(plot)
-    session.param.watch(lambda event: stack.feed(together(event.new)), "budget")
+    session.param.watch(lambda event: stack.feed(all_timelines(event.new)), "budget")
     assert session.change({"gnss.position_noise": 0.02}) is None
     document.models.destroy()
     session.close()

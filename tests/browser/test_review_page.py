@@ -109,7 +109,6 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
     accessible(page, every=True)
 
 
-@pytest.mark.slow
 def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(visit: Visit, accessible: Check) -> None:
     page = visit()
     tab(page, "Review")

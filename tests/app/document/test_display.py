@@ -10,7 +10,7 @@ from app.session import Session, link_parts
 from app.subjects.budget.charts import phase_chart
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage
-from app.subjects.budget.timelines import together
+from app.subjects.budget.timelines import all_timelines
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 
@@ -39,7 +39,7 @@ def test_the_verdict_never_follows_and_curves_cross_their_limits_where_they_did(
     budget = analyse(first_design())
     for spread in SPREADS:
         display = Display(spread, "SI")
-        for was, told in zip(together(budget), map(display.timeline, together(budget)), strict=True):
+        for was, told in zip(all_timelines(budget), map(display.timeline, all_timelines(budget)), strict=True):
             for limit, now in zip(was.limits, told.limits, strict=True):
                 kind = "vertical" if "vertical" in limit.key else "horizontal"
                 pairs = [(a.y, b.y) for a, b in zip(was.lines, told.lines, strict=True) if a.label == kind]

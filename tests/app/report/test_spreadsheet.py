@@ -232,7 +232,7 @@ def test_a_spreadsheet_program_shows_every_number_with_its_sign(tmp_path: Path) 
     convert(tmp_path, "pdf", path)
     shown = "".join(page.extract_text() for page in pypdf.PdfReader(path.with_suffix(".pdf")).pages)
     assert "###" not in shown
-    assert re.search(r"Paired echo\s*-300\.00", shown)
+    assert re.search(rf"Paired echo\s*{20 * math.log10(0.02):.2f}", shown)  # of the fan, a level of 0.02
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,55 @@
+"""Key figures as tiles, read as HTML."""
+
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+from app.document.blocks import KeyFigure, KeyFigures
+from app.document.tiles import tiles_html
+
+MET = KeyFigure("CE90", "3.00 m", "of one point [T-8]", "4 m", met=True, used=0.75)
+FAILED = KeyFigure("Quadratic phase", "163°", "in real time [S-5]", "90°", met=False, used=163 / 90)
+FREE = KeyFigure("Tilt", "5.00 arcsec", "after the last fix [T-9]")
+FIGURES = KeyFigures("What decides", (FREE, MET, FAILED))
+
+
+def names(html: str) -> list[str]:
+    return [str(element.text) for element in ET.fromstring(html).iter("dt")]
+
+
+def widths(html: str) -> list[float]:
+    return [float(width) for width in re.findall(r"width:([\d.]+)%", html)]
+
+
+def test_what_fails_comes_first_and_what_has_no_limit_last() -> None:
+    assert names(tiles_html(FIGURES)) == ["Quadratic phase", "CE90", "Tilt"]
+
+
+def test_in_a_report_they_keep_their_order_and_tell_their_detail() -> None:
+    html = tiles_html(FIGURES, said=lambda text: f"<i>{text}</i>")
+    assert names(html) == ["Tilt", "CE90", "Quadratic phase"]
+    for figure in FIGURES.items:
+        assert f"<i>{figure.detail}</i>" in html
+
+
+def test_a_bar_is_the_part_of_the_limit_and_never_wider_than_all() -> None:
+    assert widths(tiles_html(FIGURES)) == [100, 75]
+    text = "".join(ET.fromstring(tiles_html(FIGURES)).itertext())
+    assert "✓ +25 %" in text
+    assert "✗ −81 %" in text
+
+
+def test_only_what_changed_says_what_it_was() -> None:
+    before = KeyFigures("What decides", (FREE, replace(MET, value="3.60 m", used=0.9), FAILED))
+    html = tiles_html(FIGURES, before)
+    assert re.findall(r"was ([^<]*)<", html) == ["3.60 m"]
+    assert widths(html) == [100, 100, 75, 90]
+
+
+def test_what_people_write_is_text() -> None:
+    hostile = '<script>alert("1")</script>&'
+    figure = KeyFigure(hostile, hostile, hostile, hostile, met=True, used=0.5)
+    for said in (None, lambda _: ""):
+        html = tiles_html(KeyFigures(hostile, (figure,)), said=said)
+        assert "<script" not in html
+        assert names(html) == [hostile]
