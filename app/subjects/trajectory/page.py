@@ -248,7 +248,8 @@ class TrajectoryPage(StudyPage[Followed]):
         said, knowledge = "".join(map(described, charts)), charts[0].knowledge
         key = _COMING if found is None else key_html(**_KEY, **(_RUNS if simulated(found, flown) else {}))
         self._head.say(head_html("Along the flight", knowledge, said, key))
-        self._body.styles = {"opacity": "0.5"} if self._refused or self.run.message else {}
+        faint = self._refused or self.run.message
+        self._body.styles = {"opacity": "0.5" if faint else "1"}  # an empty one would leave it as it was
         if not self.run.running:
             self._of_result.follow()
 
