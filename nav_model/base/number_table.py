@@ -164,7 +164,7 @@ class NumberTable:
                 try:
                     value = _number(text, self.delimiter, marks, where)
                 except ValueError:
-                    value = _seconds(text) if place in times else math.nan
+                    value = seconds_of(text) if place in times else math.nan
                     if math.isnan(value):
                         raise InputError(
                             self.file_name, f"{where}, column {place + 1}: {shown(text)} is not a number"
@@ -201,30 +201,34 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
             raise InputError(file_name, f"Line {len(head) + 1} is longer than {_LONGEST_LINE} characters.")
         head.append(line)
     # What most of the last lines look like is a row; the first line like it is the first row.
-    layouts = [(_delimiter(line), line) for line in head if line.strip() and line[0] not in "#%"]
-    shapes = [(delimiter, len(_fields(line, delimiter))) for delimiter, line in layouts[-5:]]
-    (delimiter, width), _ = Counter(shapes).most_common(1)[0] if shapes else ((None, 0), 0)
-    amounts = [_numeric(_fields(line, mark)) for mark, line in layouts[-5:] if len(_fields(line, mark)) == width]
+    lines = [(at, line) for at, line in enumerate(head) if line.strip() and line[0] not in "#%"]
+    rows = [(mark := _delimiter(line), _fields(line, mark)) for _, line in lines[-5:]]
+    shapes = Counter((mark, len(cells)) for mark, cells in rows)
+    (delimiter, width), _ = shapes.most_common(1)[0] if shapes else ((None, 0), 0)
+    amounts = [_numeric(cells) for _, cells in rows if len(cells) == width]
     if not any(amounts):
         said = f"The first {len(head)} lines hold no numbers" if len(head) > _HEAD_LINES else "No numbers found"
         raise InputError(file_name, f"{said}. This is not a table.")
     if width > _MOST_COLUMNS:
         raise InputError(file_name, f"{width} columns; a table has at most {_MOST_COLUMNS}.")
     first = next(
-        at for at, line in enumerate(head)
-        if line.strip() and line[0] not in "#%" and len(cells := _fields(line, delimiter)) == width
-        and 2 * _numeric(cells) > max(amounts)
+        at for at, line in lines
+        if len(cells := _fields(line, delimiter)) == width and 2 * _numeric(cells) > max(amounts)
     )  # fmt: skip
     headers = _headers(head[:first], delimiter, width)
     # A delimiter at the end of every row parts nothing, unless there is a name for what comes after it.
-    ends_open = (
-        not headers and width > 1 and not any(_fields(line, delimiter)[-1].strip() for _, line in layouts[-5:])
-    )
+    ends_open = not headers and width > 1 and not any(cells[-1].strip() for _, cells in rows)
     if ends_open:
         width -= 1
         headers = _headers(head[:first], delimiter, width)
-    if delimiter == "," and not headers:
-        _refuse_commas(head[first], head[:first], file_name, first + 1)
+    names = len(head[first - 1].split(",")) if first else 0
+    numbers = head[first].split(",") if delimiter == "," and not headers else []
+    if 1 < names < len(numbers) <= 2 * names and all(map(_WHOLE.fullmatch, numbers)):
+        raise InputError(
+            file_name,
+            f"line {first + 1}: {len(numbers)} numbers under {names} names. These are decimal commas between commas. "
+            "Write the file with semicolons or tabs between the columns, or with decimal points.",
+        )
     return NumberTable(file_name, headers, tuple(head[:first]), width, delimiter, ends_open, encoding, content)
 
 
@@ -276,17 +280,6 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
     return tuple(headers)
 
 
-def _refuse_commas(row: str, above: list[str], file_name: str, line: int) -> None:
-    """Refuse decimal commas between commas: whole numbers only, up to twice as many as there are names."""
-    count, fields = len(above[-1].split(",")) if above else 0, row.split(",")
-    if 1 < count < len(fields) <= 2 * count and all(map(_WHOLE.fullmatch, fields)):
-        raise InputError(
-            file_name,
-            f"line {line}: {len(fields)} numbers under {count} names. These are decimal commas between commas. Write "
-            "the file with semicolons or tabs between the columns, or with decimal points.",
-        )
-
-
 def _number(text: str, delimiter: str | None, marks: dict[str, str], where: str) -> float:
     """A field as a number, NaN where it is empty, with its decimal mark into `marks`. ValueError: it is neither."""
     if delimiter != "," and _COMMA_NUMBER.fullmatch(text):
@@ -300,12 +293,12 @@ def _number(text: str, delimiter: str | None, marks: dict[str, str], where: str)
     return value
 
 
-def _seconds(text: str) -> float:
-    """Seconds of a date with a time, or of a time of day; NaN: neither."""
+def seconds_of(text: str) -> float:
+    """Seconds of a date with a time, UTC unless it says otherwise, or of a time of day; NaN: neither."""
     try:
         moment = datetime.fromisoformat(text.strip().replace(",", "."))
         return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-    except ValueError:
+    except (ValueError, OverflowError):
         match = _TIME_OF_DAY.fullmatch(text.strip())
     if match is None:
         return math.nan

@@ -45,15 +45,6 @@ _PLACE = re.compile(
 )
 
 
-def _article(name: str) -> str:
-    """A name with its indefinite article.
-
-    >>> _article("angle"), _article("length")
-    ('an angle', 'a length')
-    """
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
-
-
 def parse_quantity(text: str, dimension: str) -> Parsed:
     """Read a quantity string.
 
@@ -102,7 +93,8 @@ def parse_exact(
     match = _NUMBER.match(stripped)
     if match and len(stripped) <= LONGEST and (unit := stripped[match.end() :].strip()) in table.units:
         return table.amount(_decimal(match[0], text), unit), unit
-    refused = f"{shown(text)} is not {_article(table.name)}. {advice or f'Try {table.examples[0]}.'}"
+    article = "an" if table.name[0] in "aeiou" else "a"
+    refused = f"{shown(text)} is not {article} {table.name}. {advice or f'Try {table.examples[0]}.'}"
     if len(stripped) > LONGEST:
         raise InputError(_KEY, refused, text)
     if dimension == "angle" and not _OF_PLACES.isdisjoint(stripped):

@@ -3,9 +3,9 @@
 import html
 import math
 import re
-from datetime import UTC, datetime
 
 from nav_model.base.errors import InputError, shown
+from nav_model.base.number_table import seconds_of
 from nav_model.trajectory.plan import Waypoint
 
 MOST_WAYPOINTS = 2000
@@ -93,12 +93,11 @@ class Heights:
         return number
 
     def seconds(self, text: str | None, where: str) -> float:
-        """Seconds of a date and time as XML has it; UTC unless it says otherwise."""
-        try:
-            moment = datetime.fromisoformat((text or "").strip())
-            return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-        except (ValueError, OverflowError) as error:
-            raise self.refuse(f"{where}: {shown(text)} is not a date and time") from error
+        """Seconds of a date and time, or of a time of day."""
+        seconds = seconds_of(text or "")
+        if math.isnan(seconds):
+            raise self.refuse(f"{where}: {shown(text)} is not a date and time")
+        return seconds
 
 
 def plain_name(text: str | None) -> str:
