@@ -194,10 +194,8 @@ def read_log(
 
 
 def _content(source: str | Path | bytes, file_name: str | None, limits: Limits) -> tuple[bytes, str]:
-    if isinstance(source, bytes):
-        content, name = source, file_name or "upload"
-    else:
-        content, name = read_bytes(source, limits.file_bytes), file_name or Path(source).name
+    content = source if isinstance(source, bytes) else read_bytes(source, limits.file_bytes)
+    name = file_name or ("upload" if isinstance(source, bytes) else Path(source).name)
     if len(content) > limits.file_bytes:
         raise InputError(name, f"The file is larger than {limits.file_bytes / 1e6:.0f} MB. Cut the log.")
     if not content:
@@ -434,18 +432,14 @@ def _stamps(column: _Column, content: _Content, options: LogOptions, name: str) 
     if len(stamped) < 2:
         raise InputError(name, f"{column.label!r} holds fewer than two times.")
     sampling = judge_stamps(stamped, name, place)
-    if column.meaning.unit is not None:
-        factor = scale_of("time", column.meaning.unit).factor
-        by = (
-            f", in {column.meaning.unit} by convention ({column.meaning.convention})"
-            if column.meaning.convention
-            else ""
-        )
-    else:
+    unit, convention = column.meaning.unit, column.meaning.convention
+    reading = f", in {unit} by convention ({convention})" if convention else ""
+    if unit is None:
         unit = _time_unit(column.label, stamped, sampling.interval_s, options.rate_hz)
-        factor, by = scale_of("time", unit).factor, "" if unit == "s" else f", taken as {unit}"
+        reading = "" if unit == "s" else f", taken as {unit}"
+    factor = scale_of("time", unit).factor
     in_seconds = replace(sampling, interval_s=sampling.interval_s * factor, jitter_s=sampling.jitter_s * factor)
-    return values * factor, in_seconds, by
+    return values * factor, in_seconds, reading
 
 
 def _time_unit(label: str, stamps: Array, interval: float, rate_hz: float | None) -> str:
@@ -529,16 +523,14 @@ def _signal(role: str, content: _Content, options: LogOptions, clock: _Clock, na
 
 def _axes(role: str, content: _Content, name: str, notes: list[str]) -> list[_Column]:
     """The columns of a sensor: x, y and z, or one axis alone."""
-    columns = content.of(role)
+    columns = sorted(content.of(role), key=lambda column: column.meaning.axis or 0)
     axes = [column.meaning.axis for column in columns]
     labels = ", ".join(column.label for column in columns)
-    single = len(columns) == 1
-    if single and axes[0] is None:
+    if axes == [None]:
         notes.append(f"{role} {labels!r} names no axis; taken as x")
     elif None in axes or len(set(axes)) < len(axes):
         raise InputError(name, f"several or unclear {role} columns ({labels}); say which by `columns` or `arrays`")
-    columns.sort(key=lambda column: column.meaning.axis or 0)
-    if not single and [column.meaning.axis for column in columns] != [0, 1, 2]:
+    if len(axes) > 1 and axes != [0, 1, 2]:
         # Two of three are more often a name that was not understood than a sensor of two axes.
         raise InputError(name, f"{role} columns {labels}; x, y and z are needed, each once, or one of them alone")
     return columns

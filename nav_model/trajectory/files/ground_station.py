@@ -28,8 +28,6 @@ def read_plan(content: bytes, heights: Heights) -> tuple[Waypoint, ...]:
 
     Raises InputError under the file's name.
     """
-    if len(content) > MOST_TEXT:
-        raise heights.refuse(f"has more than {MOST_TEXT // 1_000_000} MB of JSON")
     try:
         plan = json.loads(content)
     except (ValueError, RecursionError) as error:
@@ -48,8 +46,6 @@ def read_plan(content: bytes, heights: Heights) -> tuple[Waypoint, ...]:
 
 def read_waypoint_list(content: bytes, heights: Heights) -> tuple[Waypoint, ...]:
     """The waypoints of a QGC WPL file. Item 0, where it is above sea level, is home. Raises as `read_plan`."""
-    if len(content) > MOST_TEXT:
-        raise heights.refuse(f"has more than {MOST_TEXT // 1_000_000} MB")
     items = _listed(content, heights)
     first = next(items, None)
     home = None

@@ -8,7 +8,7 @@ from nav_model.base.file_kind import kind_of
 from nav_model.base.number_table import open_table
 from nav_model.simulation.trajectory import FILE_BOUNDS, file_duration
 from nav_model.trajectory.files.gpx import read_gpx
-from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_plan, read_waypoint_list
+from nav_model.trajectory.files.ground_station import MOST_TEXT, WAYPOINT_LIST, read_plan, read_waypoint_list
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.kml import read_kml
 from nav_model.trajectory.files.markup import local_name, read_xml, unpack
@@ -90,10 +90,10 @@ def _read(content: bytes, name: str, heights: Heights) -> Content:
         if read is None:
             raise heights.refuse(f"is XML of the kind {local_name(root)!r}. Give a {KINDS} file.")
         return read(root, heights)
-    if kind == "JSON":
-        return read_plan(content, heights)
-    if content.startswith(WAYPOINT_LIST):
-        return read_waypoint_list(content, heights)
+    if kind == "JSON" or content.startswith(WAYPOINT_LIST):
+        if len(content) > MOST_TEXT:
+            raise heights.refuse(f"has more than {MOST_TEXT // 1_000_000} MB, which is too much for a plan")
+        return (read_plan if kind == "JSON" else read_waypoint_list)(content, heights)
     if kind is None:
         try:
             table = open_table(content, name)
