@@ -87,7 +87,7 @@ _LAYOUTS: Final = (
     (r"\balphax\b", "Kalibr", ("omega([xyz])", "gyro", "rad/s"), ("alpha([xyz])", "accelerometer", "m/s2")),
     (r"\bpacketcounter\b.* (utc)?second\b", "MT Manager", ("gyr([xyz])", "gyro", "rad/s"),
      ("sampletimefine", "time", "0.1 ms")),
-    (r"\bpacketcounter\b", "MT Manager", ("acc([xyz])", "accelerometer", "m/s2")),
+    (r"\bpacketcounter\b", "Xsens", ("acc([xyz])", "accelerometer", "m/s2")),
     (r"\btimeus\b", "ArduPilot", ("gyr([xyz])", "gyro", "rad/s"), ("acc([xyz])", "accelerometer", "m/s2")),
 )  # fmt: skip
 
