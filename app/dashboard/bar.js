@@ -34,6 +34,11 @@ export function render({ model }) {
     <div class="menu" data-for="share" hidden>
       <label>Link to this design and page<input type="text" readonly></label>
       <button class="copy" type="button">Copy link</button><span aria-live="polite"></span>
+      <p>Sensor noise for another filter</p>
+      <button data-filter="kalibr" type="button">kalibr: imu.yaml</button>
+      <button data-filter="px4" type="button">PX4 EKF2: parameters</button>
+      <button data-filter="kf-gins" type="button">KF-GINS: imunoise</button>
+      <button data-filter="pyins" type="button">pyins: models</button>
     </div>
     <div class="menu" data-for="view" hidden>
       <label>Values as <select class="spread"><option value="1s">1σ</option><option value="2s">2σ</option>
@@ -191,6 +196,7 @@ export function render({ model }) {
   }
   at(".studies").onchange = ({ target }) => tell({ do: "tick", kind: target.value, ticked: target.checked })
   for (const button of all("[data-report]")) button.onclick = () => tell({ do: "report", suffix: button.dataset.report })
+  for (const button of all("[data-filter]")) button.onclick = () => tell({ do: "filter", name: button.dataset.filter })
   for (const button of all("[data-sheet]")) button.onclick = () => tell({ do: "sheet", unit: button.dataset.sheet })
   at(".stop").onclick = () => tell({ do: "stop" })
   const report = openers.find((opener) => opener.dataset.menu === "report")

@@ -45,7 +45,7 @@ class Bar(PlainScript):
 
     def give(self, name: str, data: bytes) -> None:
         """Have the browser save a file."""
-        self._send_msg({"file": name, "kind": _KINDS[name.rpartition(".")[2]], "data": data})
+        self._send_msg({"file": name, "kind": _KINDS.get(name.rpartition(".")[2], "text/plain"), "data": data})
 
     def _handle_msg(self, msg: Any) -> None:
         if isinstance(msg, dict) and isinstance(msg.get("do"), str):

@@ -24,6 +24,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
+from nav_model.design.other_filters import FILTERS, noise_for
 from nav_model.explore.supplier import Unit
 
 
@@ -97,6 +98,8 @@ class Toolbar(View):
                 self.bar.give(f"{slug(self.session.design.name)}.toml", text.encode("utf-8"))
             case "open":
                 self._open(deed.get("data"), str(deed.get("name", "file")))
+            case "filter" if deed.get("name") in FILTERS:
+                self._give_noise(deed["name"])
             case "tick":
                 self._choice.tick(str(deed.get("kind")), bool(deed.get("ticked")))
             case "report" if deed.get("suffix") in {"pdf", "html", "xlsx"}:
@@ -105,6 +108,12 @@ class Toolbar(View):
                 pn.state.execute(partial(self._write_sheet, deed["unit"]))
             case "stop":
                 self._report.cancel()
+
+    def _give_noise(self, name: str) -> None:
+        try:
+            self.bar.give(FILTERS[name].file_name, noise_for(self.session.design, name).encode("utf-8"))
+        except InputError as error:
+            self._say(f"{FILTERS[name].label} gets no file. {error}")
 
     def _show_examples(self) -> None:
         """Open or close the examples, which are made when first asked for."""

@@ -18,6 +18,7 @@ from nav_model.budget.provenance import cautions
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
 from nav_model.design.figures import FIGURES
+from nav_model.design.other_filters import FILTERS, noise_for
 from nav_model.design.user_entries import SPLITS, Allotment, read_allocation
 from nav_model.explore.vendor_table import COLUMNS, vendor_table, with_unit
 
@@ -63,6 +64,11 @@ def add_to(commands: Any) -> None:
     vendor.add_argument("--imu", metavar="NAME", help="an IMU of the catalogue in place of the design's")
     vendor.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
     vendor.set_defaults(run=_table)
+
+    export = commands.add_parser("export", help="write the sensor noise as another filter reads it")
+    design_arguments(export, one=True)
+    export.add_argument("--for", dest="filter", required=True, choices=tuple(FILTERS), help="the filter")
+    export.set_defaults(run=_export)
 
     presets = commands.add_parser("presets", help="list the catalogue, with sources")
     presets.add_argument("kind", choices=("imu", "radar", "gnss"))
@@ -183,6 +189,12 @@ def _table(options: argparse.Namespace) -> int:
         sys.stdout.write(csv_of(rows))
         return 0
     return put_json(lambda: {"imu": options.imu or design.imu.preset, "rows": rows})
+
+
+def _export(options: argparse.Namespace) -> int:
+    (path,) = paths_of(options)
+    sys.stdout.write(noise_for(read_design(path, options.changes), options.filter))
+    return 0
 
 
 def _presets(options: argparse.Namespace) -> int:

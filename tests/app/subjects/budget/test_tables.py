@@ -32,6 +32,7 @@ from app.subjects.budget.vendor import VendorPanel, vendor_block
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
+from nav_model.design.other_filters import noise_for
 
 _FACTOR = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "mm/s": 1e-3, "cm/s": 1e-2, "m/s": 1.0,
            "°": math.pi / 180, "arcsec": math.pi / 648000}  # fmt: skip
@@ -346,3 +347,10 @@ def test_panel_takes_the_implied_noise_into_the_design() -> None:
     asyncio.run(panel._invert(None))
     assert "Not solved." in panel.answer.object
     assert not panel.take.visible
+
+
+def test_noise_for_other_filters_is_written_or_refused(capsys) -> None:
+    assert main(["export", MEMS, "--for", "kf-gins"]) == 0
+    assert capsys.readouterr().out == noise_for(example("mems_x_band"), "kf-gins")
+    assert main(["export", MEMS, "--for", "kalibr", "--set", "imu.gyro_bias=0 °/h"]) == 2
+    assert "imu.gyro_bias" in capsys.readouterr().err

@@ -1,0 +1,179 @@
+"""A design's sensor noise in the files and parameters of other people's filters.
+
+The design's residual biases have no time scale. Where a filter asks how fast a bias moves, it is taken as a
+Gauss-Markov process of `CORRELATION_TIME`: a random walk of sigma·√(2/τ), as long as it is short of τ.
+
+Sources, key by key:
+
+- kalibr: wiki pages "YAML formats" and "IMU noise model" (github.com/ethz-asl/kalibr): noise densities in
+  rad/s/√Hz and m/s²/√Hz, random walks of the biases in rad/s²/√Hz and m/s³/√Hz, update_rate in Hz.
+- PX4: src/modules/ekf2/module.yaml, params_gyro_bias.yaml, params_accel_bias.yaml and params_gnss.yaml: rad/s, m/s²,
+  rad/s², m/s³, m, m/s, µs. EKF/covariance.cpp multiplies the four noises by its period and squares them at every
+  prediction, so they are densities over the root of that period.
+- KF-GINS: dataset/kf-gins.yaml (github.com/i2Nav-WHU/KF-GINS): deg/√h, m/s/√h, deg/h, mGal, hours, Hz.
+- pyins: docstring of pyins.inertial_sensor.EstimationModel: SI; noise and bias_walk are roots of power densities.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR
+from nav_model.base.errors import InputError
+from nav_model.design import Design
+
+CORRELATION_TIME = 3600.0
+"""Of residual biases, s: assumed, since a design does not give it."""
+
+PERIOD = 0.01
+"""Prediction period of PX4's EKF2, s: its default EKF2_PREDICT_US."""
+
+_MGAL = 1e-5
+
+
+class _Noise(NamedTuple):
+    """Gyro or accelerometer in SI: density, bias, and the random walk of the bias."""
+
+    density: float
+    bias: float
+    walk: float
+
+
+def _real(value: float) -> str:
+    """A number with a point, without which YAML 1.1 takes "1e-05" for a text."""
+    return f"{value:.12e}"
+
+
+def _noises(design: Design) -> tuple[_Noise, _Noise]:
+    """Gyro and accelerometer, vibration factor applied."""
+    imu, slow = design.imu, math.sqrt(2 / CORRELATION_TIME)
+    pairs = (imu.angle_random_walk, imu.gyro_bias), (imu.velocity_random_walk, imu.accelerometer_bias)
+    gyro, accelerometer = (_Noise(density * imu.vibration_factor, bias, bias * slow) for density, bias in pairs)
+    return gyro, accelerometer
+
+
+def _head(*noises: _Noise) -> str:
+    given = all(noise.bias for noise in noises)
+    return (
+        _HEAD
+        if given
+        else f"{_HEAD}# A bias of zero is the design's; enter the in-run bias where the filter needs one.\n"
+    )
+
+
+def _kalibr(design: Design) -> str:
+    gyro, accelerometer = _noises(design)
+    for key in ("imu.gyro_bias", "imu.accelerometer_bias"):
+        if design[key] == 0:
+            raise InputError(key, "is zero, but kalibr needs a random walk above zero. Enter the in-run bias.")
+    return (
+        f"{_HEAD}accelerometer_noise_density: {_real(accelerometer.density)}  # m/s^2/sqrt(Hz)\n"
+        f"accelerometer_random_walk: {_real(accelerometer.walk)}  # m/s^3/sqrt(Hz), {_ASSUMED}\n"
+        f"gyroscope_noise_density: {_real(gyro.density)}  # rad/s/sqrt(Hz)\n"
+        f"gyroscope_random_walk: {_real(gyro.walk)}  # rad/s^2/sqrt(Hz), {_ASSUMED}\n"
+        f"rostopic: /imu0\nupdate_rate: {_real(design.imu.rate)}  # Hz\n"
+    )
+
+
+def _px4(design: Design) -> str:
+    """The parameter file that QGroundControl reads: MAVLink ids, name, value and type (6 int32, 9 float)."""
+    gyro, accelerometer = _noises(design)
+    root = math.sqrt(PERIOD)
+    gnss = design.gnss
+    values: dict[str, tuple[float, str]] = {
+        "EKF2_ACC_NOISE": (accelerometer.density / root, "m/s^2 at the prediction period"),
+        "EKF2_GPS_P_NOISE": (gnss.position_noise, "m"),
+        "EKF2_GYR_NOISE": (gyro.density / root, "rad/s at the prediction period"),
+    }
+    # What the design does not say keeps PX4's own value.
+    if accelerometer.bias:
+        values["EKF2_ACC_B_NOISE"] = accelerometer.walk / root, f"m/s^3, {_ASSUMED}"
+    if gyro.bias:
+        values["EKF2_GYR_B_NOISE"] = gyro.walk / root, f"rad/s^2, {_ASSUMED}"
+    if gnss.velocity_noise is not None:
+        values["EKF2_GPS_V_NOISE"] = gnss.velocity_noise, "m/s"
+    said = "".join(
+        f"# {name}: {unit}{_beyond(value, *_PX4_RANGES[name])}\n" for name, (value, unit) in values.items()
+    )
+    rows = "".join(f"1\t1\t{name}\t{_real(value)}\t9\n" for name, (value, _) in values.items())
+    return f"{_HEAD}{said}1\t1\tEKF2_PREDICT_US\t{round(PERIOD * 1e6)}\t6\n{rows}"
+
+
+_PX4_RANGES = {
+    "EKF2_GYR_NOISE": (0.0001, 0.1), "EKF2_ACC_NOISE": (0.01, 1.0), "EKF2_GPS_P_NOISE": (0.01, 10.0),
+    "EKF2_GPS_V_NOISE": (0.01, 5.0), "EKF2_GYR_B_NOISE": (0.0, 0.01), "EKF2_ACC_B_NOISE": (0.0, 0.01),
+}  # fmt: skip
+"""What PX4 allows, as its files of parameters say."""
+
+
+def _beyond(value: float, low: float, high: float) -> str:
+    return "" if low <= value <= high else f"; outside what PX4 allows, {low:g} to {high:g}"
+
+
+def _kf_gins(design: Design) -> str:
+    gyro, accelerometer = _noises(design)
+
+    def three(value: float) -> str:
+        return f"[{', '.join([_real(value)] * 3)}]"
+
+    return (
+        f"{_head(gyro, accelerometer)}# To be put in place of these keys of kf-gins.yaml.\n"
+        f"imudatarate: {round(design.imu.rate)}  # [Hz]\nimunoise:\n"
+        f"  arw: {three(gyro.density / DEGREE * 60)}  # [deg/sqrt(hr)]\n"
+        f"  vrw: {three(accelerometer.density * 60)}  # [m/s/sqrt(hr)]\n"
+        f"  gbstd: {three(gyro.bias / DEGREE_PER_HOUR)}  # [deg/hr]\n"
+        f"  abstd: {three(accelerometer.bias / _MGAL)}  # [mGal]\n"
+        f"  gsstd: {three(0.0)}  # [ppm], not in a design\n  asstd: {three(0.0)}  # [ppm], not in a design\n"
+        f"  corrtime: {CORRELATION_TIME / 3600:.1f}  # [hr], assumed\n"
+    )
+
+
+def _pyins(design: Design) -> str:
+    gyro, accelerometer = _noises(design)
+
+    def model(noise: _Noise) -> str:
+        bias, walk = (noise.bias, noise.walk) if noise.bias else (None, None)
+        return f"inertial_sensor.EstimationModel(bias_sd={bias!r}, noise={noise.density!r}, bias_walk={walk!r})"
+
+    gnss = design.gnss
+    velocity = "" if gnss.velocity_noise is None else f"velocity_sd = {gnss.velocity_noise!r}  # m/s\n"
+    return (
+        f"{_head(gyro, accelerometer)}# SI; bias_walk: {_ASSUMED}.\nfrom pyins import inertial_sensor\n\n"
+        f"gyro_model = {model(gyro)}\naccel_model = {model(accelerometer)}\n"
+        f"position_sd = {gnss.position_noise!r}  # m, of measurements.Position\n{velocity}"
+    )
+
+
+_HEAD = "# Sensor noise of a NavBudget design, 1 sigma per axis, vibration factor applied.\n"
+_ASSUMED = f"bias with an assumed correlation time of {CORRELATION_TIME / 3600:g} h"
+
+
+class Filter(NamedTuple):
+    """A filter: what it is called, the name of its file, and what writes it."""
+
+    label: str
+    file_name: str
+    write: Callable[[Design], str]
+
+
+FILTERS: Mapping[str, Filter] = MappingProxyType(
+    {
+        "kalibr": Filter("kalibr", "imu.yaml", _kalibr),
+        "px4": Filter("PX4 EKF2", "ekf2.params", _px4),
+        "kf-gins": Filter("KF-GINS", "kf-gins-imunoise.yaml", _kf_gins),
+        "pyins": Filter("pyins", "pyins_noise.py", _pyins),
+    }
+)
+"""Name on the command line -> the filter."""
+
+
+def noise_for(design: Design, name: str) -> str:
+    """The design's noise as a filter of `FILTERS` reads it.
+
+    Raises
+    ------
+    InputError
+        If the filter cannot take a value that the design has.
+    """
+    return FILTERS[name].write(design)
