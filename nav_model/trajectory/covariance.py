@@ -30,7 +30,7 @@ from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import judge
-from nav_model.trajectory.result import Processed, TrajectoryResult
+from nav_model.trajectory.result import STATE_AXES, Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.start import settled_start
 from nav_model.trajectory.states import RADAR_TIME, short_as_white
@@ -78,14 +78,14 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     free = _Sums(np.zeros_like(smooth.rows), np.zeros_like(smooth.added))
     _within(model, run, apertures, free, None)
     _within(model, run, apertures, smooth, by_innovation)
-    variances, images, squares = _forward(model, run, apertures, states, (free, smooth), path)
+    variances, judged, images, squares = _forward(model, run, apertures, states, (free, smooth), path, spec.moment)
     rests = [free_rest[:, None]] * 2
     if reached:
         whole = _mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
         rests[1] = aperture.smoothed_rest(whole, images[1], free_rest)
     real_time, post_processed = (
-        _processed(spec, model, apertures, values, image, rest, post)
-        for values, image, rest, post in zip(variances, images, rests, (False, True), strict=True)
+        _processed(spec, model, apertures, values, of_figures, image, rest, post)
+        for values, of_figures, image, rest, post in zip(variances, judged, images, rests, (False, True), strict=True)
     )
     truth = model.truth.at(model.outputs)
     return TrajectoryResult(
@@ -164,23 +164,31 @@ class _Path(NamedTuple):
     added: FloatArray
 
 
+def _smoothed_at(model: ErrorModel) -> Indices:
+    """Nodes at which states are smoothed: those of the outputs, then `middle` of each unless they are the same."""
+    same = np.array_equal(model.middle, model.outputs)
+    return model.outputs if same else np.concatenate([model.outputs, model.middle])
+
+
 def _later(
     model: ErrorModel, run: _Filter, apertures: Apertures, ends: FloatArray, *, whole_path: bool
 ) -> tuple[_Sums, _Sums, _Path]:
-    """Position, velocity and roll, pitch, yaw smoothed at the outputs; what λ at the end of each aperture adds to
-    its sums, on the errors there; and the smoothed path, of no node unless asked for."""
+    """Position, velocity and roll, pitch, yaw smoothed as of `_smoothed_at`; what λ at the end of each aperture
+    adds to its sums, on the errors there; and the smoothed path, of no node unless asked for."""
     m, n, noisy = model.states.estimated, model.states.size, model.states.noisy
-    states = _Sums(np.zeros((len(model.outputs), _AXES, n)), np.zeros((noisy, len(model.outputs), _AXES)))
+    at_nodes, count = _smoothed_at(model), len(model.outputs)
+    states = _Sums(np.zeros((len(at_nodes), _AXES, n)), np.zeros((noisy, len(at_nodes), _AXES)))
     images = _Sums(np.zeros((len(ends), COLUMNS, n)), np.zeros((noisy, len(ends), COLUMNS)))
     nodes = len(model.time_s) if whole_path else 0
     path = _Path(np.zeros((nodes, 6, n)), np.zeros((noisy, nodes, 3, 6)))
     driven = [error.source for error in model.states.drives]
-    ending, output_of = _by_node(apertures.last), _by_node(model.outputs)
+    ending, output_of = _by_node(apertures.last), _by_node(at_nodes)
     carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
     for node in range(len(model.time_s) - 1, -1, -1):
         for at in output_of.get(node, ()):
-            sums = model.shown[at, :, :m] @ run.covariance[node]
-            states.rows[at] = model.shown[at] - sums @ carried
+            shown = model.shown[at % count]
+            sums = shown[:, :m] @ run.covariance[node]
+            states.rows[at] = shown - sums @ carried
             states.added[:, at] = ((sums @ now) * sums).sum(axis=2)
         for index in ending.get(node, ()):
             images.rows[index] = ends[index] @ carried
@@ -234,19 +242,28 @@ def _within(
 
 
 def _forward(
-    model: ErrorModel, run: _Filter, apertures: Apertures, states: _Sums, images: tuple[_Sums, _Sums], path: _Path
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    model: ErrorModel,
+    run: _Filter,
+    apertures: Apertures,
+    states: _Sums,
+    images: tuple[_Sums, _Sums],
+    path: _Path,
+    moment: str,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Every source through the same gains.
 
-    Returns variances of position, velocity and roll, pitch, yaw (2 processings, sources, outputs, 9), and of the sums
-    of the apertures (2, sources, apertures, COLUMNS), and covariances of the smoothed position with position and
+    Returns variances of position, velocity and roll, pitch, yaw (2 processings, sources, outputs, 9), those by
+    which a flight is judged, at the `moment` of the fix interval and in the middle (2, sources, outputs, 9), of the
+    sums of the apertures (2, sources, apertures, COLUMNS), and covariances of the smoothed position with position and
     velocity at the nodes of the path (sources, nodes, 3, 6).
     """
     own = model.states
     m, n, s, size, sources = own.estimated, own.size, own.noisy, own.moving, len(own.sources)
-    variances = np.zeros((2, sources, len(model.outputs), _AXES))
+    count, at_nodes = len(model.outputs), _smoothed_at(model)
+    free, smooth = np.zeros((sources, count, _AXES)), np.zeros((sources, len(at_nodes), _AXES))
+    judged = np.zeros_like(free)
     found = np.zeros((2, sources, len(apertures.output), COLUMNS))
-    variances[1, :s], found[:, :s] = states.added, [part.added for part in images]
+    smooth[:s], found[:, :s] = states.added, [part.added for part in images]
     squares = np.zeros((sources, len(path.rows), 3, 6))
     squares[:s] = path.added
     lasts = own.owner >= s
@@ -256,15 +273,16 @@ def _forward(
     for column in np.flatnonzero(~lasts):
         now[:, own.owner[column]] += np.outer(own.initial[:size, column], own.initial[:size, column])
 
-    def by_source(both: FloatArray) -> FloatArray:
-        """Variances (2, sources, q) of sums of both processings, rows (2, q, n)."""
-        rows = both.reshape(-1, n)
+    def by_source(rows: FloatArray) -> FloatArray:
+        """Variances (sources, q) of sums, rows (q, n)."""
         turned = (rows[:, :size] @ now.reshape(size, -1)).reshape(-1, s, size)
         noisy = (turned * rows[:, None, :size]).sum(axis=2)
-        whole = np.hstack([noisy, (rows @ constant) ** 2 @ owned.T])
-        return whole.reshape(2, -1, sources).swapaxes(1, 2)
+        return np.hstack([noisy, (rows @ constant) ** 2 @ owned.T]).T
 
-    starting, output_of = _by_node(apertures.first), _by_node(model.outputs)
+    none = np.empty(0, dtype=np.int64)
+    starting, output_of, smoothed_of = _by_node(apertures.first), _by_node(model.outputs), _by_node(at_nodes)
+    before_of = _by_node(model.before if moment != "posterior" else none)
+    after_of = _by_node(model.after if moment != "prior" else none)
     driven = [error.source for error in model.states.drives]
     for node in range(len(model.time_s)):
         if node:
@@ -273,6 +291,8 @@ def _forward(
             now = ((step @ now.reshape(size, -1)).reshape(-1, size) @ step.T).reshape(size, s, size)
             factors = _factors(model, node)
             now[:, driven] += (factors @ factors.swapaxes(1, 2)).swapaxes(0, 1)
+        for at in before_of.get(node, ()):
+            judged[:, at] += by_source(model.shown[at])
         if node and model.is_fix[node]:
             rows, gain = model.rows[node], run.gain[node]
             constant[:m] -= gain @ (rows @ constant)
@@ -280,17 +300,26 @@ def _forward(
             now[:m] -= (gain @ (rows @ now.reshape(size, -1))).reshape(m, s, size)
             now[:, :, :m] -= ((now.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
             now[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
-        for at in output_of.get(node, ()):
-            variances[:, :, at] += by_source(np.stack([model.shown[at], states.rows[at]]))
+        add_to: list[tuple[FloatArray, FloatArray]] = []
+        add_to += [(free[:, at], model.shown[at]) for at in output_of.get(node, ())]
+        add_to += [(judged[:, at], model.shown[at]) for at in after_of.get(node, ())]
+        add_to += [(smooth[:, at], states.rows[at]) for at in smoothed_of.get(node, ())]
         for index in starting.get(node, ()):
-            found[:, :, index] += by_source(np.stack([part.rows[index] for part in images]))
+            add_to += [(part[:, index], sums.rows[index]) for part, sums in zip(found, images, strict=True)]
+        if add_to:  # all at once, for speed
+            whole, first = by_source(np.concatenate([rows for _, rows in add_to])), 0
+            for variances, rows in add_to:
+                variances += whole[:, first : first + len(rows)]
+                first += len(rows)
         if len(path.rows):
             rows = path.rows[node]
             noisy = (rows[:3, :size] @ now.reshape(size, -1)).reshape(3 * s, size) @ rows[:, :size].T
             squares[:s, node] += noisy.reshape(3, s, 6).swapaxes(0, 1)
             fixed = rows @ constant
             squares[s:, node] += ((fixed[:3, None] * fixed) @ owned.T).transpose(2, 0, 1)
-    return variances, found, squares
+    if moment == "closed":
+        judged /= 2.0
+    return np.stack([free, smooth[:, :count]]), np.stack([judged, smooth[:, -count:]]), found, squares
 
 
 def _mean_square(squares: FloatArray, time_s: FloatArray, apertures: Apertures, length: float) -> FloatArray:
@@ -349,22 +378,16 @@ def _processed(
     model: ErrorModel,
     apertures: Apertures,
     variances: FloatArray,
+    judged: FloatArray,
     image: FloatArray,
     rest: FloatArray,
     post: bool,
 ) -> Processed:
-    """The figures of one processing of variances (sources, outputs, 9) and (sources, apertures, COLUMNS), with the
-    `rest` of `aperture.figures`."""
-    variances, sources = np.maximum(variances, 0.0), model.states.sources
-    groups = {
-        "position_horizontal": variances[:, :, 0:2].sum(axis=2),
-        "position_vertical": variances[:, :, 2],
-        "velocity_horizontal": variances[:, :, 3:5].sum(axis=2),
-        "velocity_vertical": variances[:, :, 5],
-        "tilt": variances[:, :, 6:8].sum(axis=2),
-        "heading": variances[:, :, 8],
-    }
-    found: dict[str, FloatArray] = {}
+    """The figures of one processing, of `variances` at the outputs and `judged` ones (sources, outputs, 9) and those
+    of the sums of apertures (sources, apertures, COLUMNS), with the `rest` of `aperture.figures`."""
+    judged, sources = np.maximum(judged, 0.0), model.states.sources
+    groups = {name: judged[:, :, axes].sum(axis=2) for name, axes in STATE_AXES.items()}
+    found = {name: np.sqrt(judged[:, :, axes].sum(axis=0).max(axis=1)) for name, axes in STATE_AXES.items()}
     for name, values in aperture.figures(image, spec.inputs, rest).items():
         groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
         groups[name][:, apertures.output] = np.maximum(values, 0.0)
@@ -377,9 +400,8 @@ def _processed(
         total = values.sum(axis=0)
         with np.errstate(invalid="ignore"):
             by_source = dict(zip(sources, values / total, strict=True))
-        if name in found:
-            whole = composed(found[name], by_source, entered.get(name, ()))
-            found[name], by_source = whole.sigma, dict(whole.shares)
+        whole = composed(found[name], by_source, entered.get(name, ()))
+        found[name], by_source = whole.sigma, dict(whole.shares)
         shares[name] = np.stack([by_source.get(source, 0.0 * total) for source in _all_sources(spec, model)])
-    sigmas = np.sqrt(variances.sum(axis=0))
-    return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares, entered)
+    sigmas = np.sqrt(np.maximum(variances, 0.0).sum(axis=0))
+    return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares)

@@ -12,10 +12,11 @@ from nav_model.budget import analyse
 from nav_model.budget.contributors import Contributors, Part
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime, with_fast
+from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.verdict import Check, all_required, confidence_of
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
-from nav_model.design.figures import FIGURES, IN_FLIGHT
+from nav_model.design.figures import FIGURES, IN_FLIGHT, STEADY
 from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS
 from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight
@@ -23,6 +24,7 @@ from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
 from nav_model.trajectory.specification import CovarianceSpec, Line, Most
 
+_SAME = 0.005
 PLAN = "plan"
 """Name of a design's own flight among those that the commands fly."""
 
@@ -93,7 +95,19 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         elsewhere,
         slow_error_known=True,
         settled=True,
+        moment=x.steady_state,
+        smoothed_after=_smoothed_after(x),
     )
+
+
+def _smoothed_after(x: Inputs) -> float:
+    """How long after a fix the smoothed states of the budget are [s]: in the middle of an aperture that begins with
+    one [P-3]. Zero where they are those at a fix to half a percent, which takes fewer steps."""
+    half = float(x.aperture) / 2
+    since = half % float(x.interval)
+    there, at_fix = Smoothed(x), Smoothed(replace(x, aperture=np.asarray(2 * (half - since + float(x.interval)))))
+    same = all(abs(float(there.value(name)) / float(at_fix.value(name)) - 1) < _SAME for name in STEADY)
+    return 0.0 if same else since
 
 
 def _divided(design: Design) -> tuple[Most, tuple[Check, ...]]:

@@ -41,6 +41,7 @@ FloatArray = NDArray[np.float64]
 _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact for noise through the chain gyro -> position
 _APERTURE_PARTS = {1: 5, 2: 7, 3: 9}  # steps in an aperture at least, by the order that autofocus removes
+_ROUNDING = 1e-6  # s
 _DENSEST = 0.02  # s between nodes, however short a correlation time
 MOST_STEPS = 200_000
 """Steps of a flight unless fewer are allowed: a few minutes, and some 8 GB."""
@@ -51,7 +52,9 @@ _BLOCK = 512  # steps at a time, for memory
 class ErrorModel:
     """The linear model of a flight with k nodes; n states, m of them the filter's, and s sources as in `States`.
 
-    time_s (k); outputs: nodes of the results. shown (outputs, 9, n): position, velocity and roll, pitch, yaw as the
+    time_s (k); outputs: nodes of the results. before, after, middle (outputs): nodes of the states that a result's
+    fix interval is judged by: of the fix that ends it, of that with which it begins, and smoothed. Where fixes are
+    lost, they are the result's own. shown (outputs, 9, n): position, velocity and roll, pitch, yaw as the
     radar takes them, of all states. late (k, 9): what these change in a second. top (k - 1, 9, n): rows of the
     transition from node to node, and kept (k - 1, n - 9) what is left of each further state, which none changes.
     factors (k - 1, drives, 12, 9): their square is the covariance of what a process noise adds in a step to the first
@@ -63,6 +66,9 @@ class ErrorModel:
     states: States
     time_s: FloatArray
     outputs: NDArray[np.int64]
+    before: NDArray[np.int64]
+    after: NDArray[np.int64]
+    middle: NDArray[np.int64]
     truth: TruthStates
     shown: FloatArray
     late: FloatArray
@@ -89,7 +95,12 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
     )
     scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
     wanted = output_samples(study) / study.imu.rate
-    time_s = _nodes(trajectory, states, np.union1d(scheduled, wanted), spec, most_steps)
+    anchors = np.union1d(scheduled, wanted)
+    if spec.smoothed_after > 0.0:
+        inside = _last(scheduled, wanted) + spec.smoothed_after
+        inside = inside[(inside < anchors[-1]) & (np.abs(inside - _last(anchors, inside)) > _ROUNDING)]
+        anchors = np.union1d(anchors, inside)
+    time_s = _nodes(trajectory, states, anchors, spec, most_steps)
     outputs, truth = np.searchsorted(time_s, wanted - 1e-9), true_states(trajectory, time_s)
     parts = [
         steps_between(trajectory, time_s[first : first + _BLOCK + 1], states)
@@ -103,10 +114,15 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
     shown[:, ATTITUDE:, ATTITUDE:BIASES] = euler_error_map(*truth.euler[outputs, 1:].T)
     if (place := states.first.get(RADAR_TIME)) is not None:
         shown[:, :, place] = late[outputs]
+    measured = measurements(study, states, trajectory, truth, late, scheduled)
+    before, after, middle = _moments(time_s, outputs, measured["is_fix"], study.gnss.interval, spec.smoothed_after)
     return ErrorModel(
         states=states,
         time_s=time_s,
         outputs=outputs,
+        before=before,
+        after=after,
+        middle=middle,
         truth=truth,
         shown=shown,
         late=late,
@@ -114,7 +130,35 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
         kept=kept,
         factors=factors,
         filter_noise=filter_noise,
-        **measurements(study, states, trajectory, truth, late, scheduled),
+        **measured,
+    )
+
+
+def _last(times: FloatArray, at: FloatArray) -> FloatArray:
+    """The last of some `times` at or before each time."""
+    return np.asarray(times[np.maximum(np.searchsorted(times, at + _ROUNDING) - 1, 0)])
+
+
+def _moments(
+    time_s: FloatArray, outputs: NDArray[np.int64], is_fix: NDArray[np.bool_], interval: float, smoothed_after: float
+) -> tuple[NDArray[np.int64], ...]:
+    """`before`, `after` and `middle` of `ErrorModel`."""
+    fixes, now, longest = np.flatnonzero(is_fix), time_s[outputs], interval + _ROUNDING
+    if not fixes.size:
+        return outputs, outputs, outputs
+    place = np.searchsorted(fixes, outputs)
+    following = fixes[np.minimum(place, len(fixes) - 1)]
+    soon = (following >= outputs) & (time_s[following] - now <= longest)
+    before = np.where(soon, following, outputs)
+    last = fixes[np.maximum(np.searchsorted(fixes, outputs, side="right") - 1, 0)]
+    since = (last <= outputs) & (now - time_s[last] <= longest)
+    after = np.where(since, last, outputs)
+    at = time_s[after] + smoothed_after
+    since &= at <= time_s[-1]
+    return (
+        before,
+        after,
+        np.where(since, np.searchsorted(time_s, np.minimum(at, time_s[-1]) - 2 * _ROUNDING), outputs),
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.trajectory.result import LineResult, Processed
+from nav_model.trajectory.result import STATE_AXES, LineResult, Processed
 from nav_model.trajectory.specification import CovarianceSpec, Line
 
 FloatArray = NDArray[np.float64]
@@ -35,8 +35,8 @@ def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Proces
     stop = min(line.stop, duration) if start < duration else line.stop
     most = dict(spec.most) | dict(line.most)
     worst, mean, within, failing = {}, {}, {}, []
-    for name in dict.fromkeys([*chosen.image, *most]):
-        values = chosen.figure(name)[along(start, stop, spec, time_s, image=name in chosen.image)]
+    for name in dict.fromkeys([*(name for name in chosen.figures if name not in STATE_AXES), *most]):
+        values = chosen.figures[name][along(start, stop, spec, time_s, image=name not in STATE_AXES)]
         values = values[np.isfinite(values)]
         if values.size:
             worst[name], mean[name] = float(values.max()), float(np.sqrt(np.mean(values**2)))

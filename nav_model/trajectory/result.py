@@ -8,44 +8,48 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.contributors import Part, with_contributors
 from nav_model.design.figures import FIGURES
-from nav_model.design.processing import REAL_TIME
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.truth import TruthStates
 from nav_model.trajectory.specification import CovarianceSpec
 
 FloatArray = NDArray[np.float64]
+STATE_AXES: Mapping[str, slice] = {
+    "horizontal_position": slice(0, 2),
+    "vertical_position": slice(2, 3),
+    "horizontal_velocity": slice(3, 5),
+    "vertical_velocity": slice(5, 6),
+    "tilt": slice(6, 8),
+    "heading": slice(8, 9),
+}
+"""Figures of states, and their axes among position, velocity and roll, pitch, yaw; the others are of an image."""
+_SHARES = {
+    f"{axis}_{state}": f"{state}_{axis}" for axis in ("horizontal", "vertical") for state in ("position", "velocity")
+}  # in JSON, where these names came first
+_MOMENTS = {
+    "prior": "just before a fix",
+    "posterior": "just after a fix",
+    "closed": "averaged before and after a fix",
+}
 
 
 @dataclass(frozen=True, eq=False)
 class Processed:
     """Figures of one processing over the result's times, 1 sigma.
 
-    position [m] and velocity [m/s] north, east, down, attitude [rad] roll, pitch, yaw: (outputs, 3). image: by the
-    names of their figures, (outputs), NaN where the aperture does not lie within the flight. shares: by figure,
-    (sources, outputs); they add up to one at every time. Shares of `ce90` are of the sum of both variances.
-    entering: the user's own contributors by figure. `image`, its shares and `figure` have them; position, velocity
-    and attitude are the model's.
+    position [m] and velocity [m/s] north, east, down, attitude [rad] roll, pitch, yaw: the model's after the fix, if
+    there is one, (outputs, 3). figures: by name among `nav_model.design.figures.IN_FLIGHT`, (outputs), with the
+    user's own contributors; those of an image are NaN where the aperture does not lie within the flight, those of
+    states are of the larger axis, at the worst moment of the fix interval (`TrajectoryResult.moment`). shares: by
+    figure, (sources, outputs); they add up to one at every time. Shares of `ce90` are of the sum of both variances,
+    those of `tilt` and of horizontal figures of the sum of both axes.
     """
 
     position: FloatArray
     velocity: FloatArray
     attitude: FloatArray
-    image: Mapping[str, FloatArray]
+    figures: Mapping[str, FloatArray]
     shares: Mapping[str, FloatArray]
-    entering: Mapping[str, tuple[Part, ...]]
-
-    def figure(self, name: str) -> FloatArray:
-        """A figure by its name among `nav_model.design.figures.IN_FLIGHT`, (outputs): of states the larger axis."""
-        if name in self.image:
-            return self.image[name]
-        part = self.position if name.endswith("position") else self.velocity
-        if name == "tilt":
-            part = self.attitude[:, [0, 1, 1]]
-        if name == "heading":
-            part = self.attitude[:, [2, 2, 2]]
-        found: FloatArray = part[:, 2] if name.startswith("vertical") else part[:, :2].max(axis=1)
-        return np.asarray(with_contributors(found, self.entering.get(name, ())))
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,13 @@ class TrajectoryResult:
         return self.real_time if self.spec.processing == REAL_TIME else self.post_processed
 
     @property
+    def moment(self) -> str:
+        """When the figures of states are judged, in words."""
+        if self.spec.processing == POST_PROCESSED:
+            return "smoothed, in the middle of an aperture"
+        return _MOMENTS[self.spec.moment]
+
+    @property
     def closes(self) -> bool:
         """Whether every line meets its limits, and so does what no flight changes."""
         return all(line.closes for line in self.lines) and all(check.met for check in self.spec.elsewhere)
@@ -117,9 +128,12 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
         "real_time": _processed(result.real_time),
         "post_processed": _processed(result.post_processed),
         "shares": {
-            figure: {source: _numbers(row) for source, row in zip(result.sources, rows, strict=True)}
+            _SHARES.get(figure, figure): {
+                source: _numbers(row) for source, row in zip(result.sources, rows, strict=True)
+            }
             for figure, rows in result.chosen.shares.items()
         },
+        "moment": result.moment,
         "lines": [asdict(line) | {"closes": line.closes} for line in result.lines],
         "heading": asdict(result.heading),
         "elsewhere": [
@@ -139,7 +153,8 @@ def _processed(part: Processed) -> dict[str, Any]:
     found: dict[str, Any] = {
         name: {axis: values[:, n].tolist() for n, axis in enumerate(axes)} for name, (values, axes) in named.items()
     }
-    return found | {FIGURES[name].column: _numbers(values) for name, values in part.image.items()}
+    images = {name: values for name, values in part.figures.items() if name not in STATE_AXES}
+    return found | {FIGURES[name].column: _numbers(values) for name, values in images.items()}
 
 
 def _numbers(values: FloatArray) -> list[float | None]:

@@ -34,6 +34,8 @@ class CovarianceSpec:
     study: its runs and seed mean nothing here. Without lines the whole flight is one. most: limits in the
     `processing` that is judged. contributors: of the user's own, by the figure they enter. elsewhere: checks of the
     requirements on what no flight changes, as the budget has them.
+    moment: at which states are judged in real time, as `requirements.steady_state`; smoothed_after: how long after a
+    fix smoothed ones are [s].
     slow_error_known: the filter has the slow GNSS error among its states. settled: the flight begins with the
     covariance of a filter that has settled on a straight leg of its first heading, correlations included, where only
     the heading is the study's initial one; else with the study's initial errors, each independent.
@@ -48,3 +50,5 @@ class CovarianceSpec:
     elsewhere: tuple[Check, ...] = ()
     slow_error_known: bool = False
     settled: bool = False
+    moment: str = "posterior"
+    smoothed_after: float = 0.0

@@ -13,7 +13,7 @@ from app.subjects.trajectory.run import Followed
 
 if TYPE_CHECKING:
     from nav_model.simulation.result import SimulationResult
-    from nav_model.trajectory.result import LineResult
+    from nav_model.trajectory.result import LineResult, Processed
 
 _DEG = 180 / math.pi
 _TIME = "time [s]"
@@ -27,7 +27,8 @@ _RUNS = {
 _ALIKE = (  # of two studies that fly the same
     "imu", "gnss", "aiding", "trajectory", "filter", "initial", "outages", "radar_time_offset",
 )  # fmt: skip
-_HOW = "Covariance along the flight: no runs, no formula; 1σ just after a fix."
+_FORMULA = "Covariance along the flight: no runs, no formula"
+_HOW = f"{_FORMULA}; 1σ just after a fix."
 _USUAL = (("horizontal", "horizontal refined"), ("vertical", "vertical refined"))
 
 
@@ -48,7 +49,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
         values = [nothing, nothing]
         if followed is not None:
             both = followed.result.real_time, followed.result.post_processed
-            values = [scale * (one.attitude[:, 2] if of == "yaw" else one.figure(of)) for one in both]
+            values = [scale * (one.figures[name] if of == "figure" else _after_fix(one)[of]) for one in both]
         ends = (label, "")
         processed = ("real time", "post-processed")
         lines = [
@@ -60,9 +61,11 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
             lines.append(Line(f"{key} runs", f"{label}, simulated", time, y, "reference", "runs, rms", ""))
         return lines
 
-    def chart(key: str, title: str, y_label: str, lines: list[Line], limits: tuple[Limit, ...] = ()) -> Chart:
+    def chart(
+        key: str, title: str, y_label: str, lines: list[Line], limits: tuple[Limit, ...] = (), how: str = _HOW
+    ) -> Chart:
         return Chart(f"trajectory-{key}", title, _TIME, y_label, tuple(lines), limits=limits, spans=spans,
-                     y_log=True, knowledge=_HOW)  # fmt: skip
+                     y_log=True, knowledge=how)  # fmt: skip
 
     def level_and_up(kind: str) -> list[Line]:
         names = zip(("horizontal", "vertical"), _USUAL, strict=True)
@@ -71,14 +74,27 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     limits = () if followed is None else limits_along(followed.result, name)
     drawn = tuple(Limit("limit", "limit", start, stop, figure.scale * level) for start, stop, level in limits)
     attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
-    chosen = pair("figure", figure.said, name, figure.scale, ("exact", "asymptote"))
+    chosen = pair("figure", figure.said, "figure", figure.scale, ("exact", "asymptote"))
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
     return (
-        chart("figure", figure.label, figure.axis, chosen, drawn),
+        chart("figure", figure.label, figure.axis, chosen, drawn, judged_how(followed, name)),
         chart("position", "Position", "position, 1σ [m]", level_and_up("position")),
         chart("velocity", "Velocity", "velocity, 1σ [m/s]", level_and_up("velocity")),
         chart("attitude", "Attitude", "attitude, 1σ [°]", attitude),
     )
+
+
+def judged_how(followed: Followed | None, name: str) -> str:
+    """How the figure `name` comes about, and for states the moment at which they are judged."""
+    states = "horizontal", "vertical", "tilt", "heading"
+    at = f"; {followed.result.moment}" if followed and name.startswith(states) else ""
+    return f"{_FORMULA}{at}."
+
+
+def _after_fix(part: Processed) -> dict[str, Array]:
+    """States just after a fix, of the axis that is worse, by the names of `_RUNS`."""
+    sigma = np.hstack([part.position, part.velocity, part.attitude])
+    return {name: sigma[:, axes].max(axis=1) for name, axes in _RUNS.items()}
 
 
 def _line_spans(followed: Followed | None) -> tuple[Span, ...]:
@@ -133,7 +149,7 @@ def map_chart(followed: Followed) -> Chart:
 def shares_chart(followed: Followed, name: str) -> Chart:
     """Shares of the figure's variance by source, stacked; the smaller sources together."""
     result, figure = followed.result, FIGURES[name]
-    rows = result.chosen.shares[figure.shares]
+    rows = result.chosen.shares[name]
     known = rows[:, np.isfinite(rows).all(axis=0)]
     order = np.argsort(-known.mean(axis=1)) if known.size else np.arange(len(rows))
     parts = [(result.sources[i], rows[i]) for i in order[:_MOST_SOURCES]]
@@ -152,7 +168,8 @@ def shares_chart(followed: Followed, name: str) -> Chart:
             for (label, _), low, top, style in zip(parts, lows, tops, _SHARE_STYLES, strict=False)
         ),
         y_range=(0.0, 100.0),
-        knowledge=f"{_HOW} {result.spec.processing.capitalize()}; the shares add up to one at every time.",
+        knowledge=f"{judged_how(followed, name)} {result.spec.processing.capitalize()}; the shares add up to one at "
+        "every time.",
     )
 
 

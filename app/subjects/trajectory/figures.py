@@ -29,12 +29,6 @@ class Figure:
     dimension: str
     spread: str
 
-    @property
-    def shares(self) -> str:
-        """The name of its shares in a result, where a state's comes before its channel's."""
-        channel, _, state = self.name.partition("_")
-        return f"{state}_{channel}" if channel in ("horizontal", "vertical") else self.name
-
     def told(self, value: float, *, given: bool = False) -> str:
         """A value with its unit; `given` as a person gave it."""
         return show(value, self.dimension, given=given)
@@ -77,7 +71,7 @@ def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, floa
 
 def cause_at(result: TrajectoryResult, name: str, at: int) -> str:
     """The source with the largest share of a figure at an output."""
-    shares: NDArray[np.float64] = result.chosen.shares[FIGURES[name].shares][:, at]
+    shares: NDArray[np.float64] = result.chosen.shares[name][:, at]
     return "" if np.isnan(shares).all() else result.sources[int(np.nanargmax(shares))]
 
 

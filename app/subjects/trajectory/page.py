@@ -331,6 +331,6 @@ def as_csv(found: Followed) -> str:
     result = found.result
     parts = {"real time": result.real_time, "post-processed": result.post_processed}
     head = ["time_s", *(f"{name} ({processing})" for processing in parts for name in FIGURES)]
-    columns = [part.figure(name) for part in parts.values() for name in FIGURES]
+    columns = [part.figures[name] for part in parts.values() for name in FIGURES]
     rows = zip(result.time_s, *columns, strict=True)
     return csv_text([head, *([("" if math.isnan(x) else x) for x in row] for row in rows)])

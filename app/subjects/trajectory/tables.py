@@ -23,7 +23,7 @@ def verdict(followed: Followed, name: str) -> Answer:
     processing = result.spec.processing
     elsewhere = _elsewhere(result)
     if not any(line.limits for line in result.lines):
-        figure, values = FIGURES[name], result.chosen.figure(name)
+        figure, values = FIGURES[name], result.chosen.figures[name]
         values = values[np.isfinite(values)]
         told = f"{figure.label} is at most {figure.told(values.max())}, {processing}." if values.size else ""
         none = "No requirement of the design limits a figure of the flight."
@@ -60,13 +60,14 @@ def failure(result: TrajectoryResult, line: LineResult) -> str:
     """Why a line fails: no image of it can be taken, or "line 3 fails by ... 12 s after its start", with the figure
     and its largest source."""
     from nav_model.trajectory.lines import along
+    from nav_model.trajectory.result import STATE_AXES
 
     if line.reason:
         return f"{line.name} {line.reason}"
     decides = _excess(line)[0]
     name = decides if decides in line.failing else line.failing[0]
-    figure, values, limit = FIGURES[name], result.chosen.figure(name), line.limits[name]
-    on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name in result.chosen.image)
+    figure, values, limit = FIGURES[name], result.chosen.figures[name], line.limits[name]
+    on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name not in STATE_AXES)
     beyond = np.flatnonzero(on & (values > limit))
     worst = int(beyond[np.argmax(values[beyond])])
     after = number(max(float(result.time_s[worst] - line.start_s), 0.0), given=True)
@@ -130,5 +131,5 @@ def line_table(followed: Followed, name: str) -> Table:
         f"Figures by line, {result.spec.processing}",
         ("Quantity", *numbers("Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
         rows,
-        "An image's aperture lies within its line.",
+        f"An image's aperture lies within its line. Position, velocity, tilt and heading are {result.moment}.",
     )

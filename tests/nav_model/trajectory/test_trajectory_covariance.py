@@ -25,7 +25,7 @@ from nav_model.trajectory.covariance import _filtered, covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.errors import error_model
 from nav_model.trajectory.result import Processed, TrajectoryResult
-from nav_model.trajectory.specification import CovarianceSpec
+from nav_model.trajectory.specification import CovarianceSpec, Line
 
 MEMS = read_design("examples/mems_x_band.toml")
 TACTICAL = read_design("examples/tactical_x_band.toml")
@@ -95,21 +95,18 @@ def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
         smooth, at = found.post_processed, 250
         post = {name: budget[name, "post-processed"] for name in (*PHASES, *PLACED, *STEADY)}
         for name in PHASES:
-            assert smooth.image[name][at] == pytest.approx(post[name].sigma, rel=0.01)
+            assert smooth.figures[name][at] == pytest.approx(post[name].sigma, rel=0.01)
         x = inputs_of(design)
         free = RealTime(x)  # [P-7] from just after the fix with which the aperture begins
         free.at_last_fix = free.cycle.posterior
         for part, model in ((found.real_time, free), (smooth, Smoothed(x))):
             for name in PLACED:
-                assert part.image[name][at] == pytest.approx(float(model.value(name)), rel=0.005)
+                assert part.figures[name][at] == pytest.approx(float(model.value(name)), rel=0.005)
         assert smooth.position[at, 0] == pytest.approx(post["horizontal_position"].sigma, rel=0.01)
         assert smooth.position[at, 2] == pytest.approx(post["vertical_position"].sigma, rel=0.01)
         assert smooth.velocity[at, 1] == pytest.approx(post["horizontal_velocity"].sigma, rel=0.01)
-        for mine, other in (
-            *((name, name) for name in ("quadratic_phase", "cubic_phase", "detrended_phase", "tilt", *PLACED[:2])),
-            *((f"{name}_{axis}", f"{axis}_{name}") for name in ("position", "velocity") for axis in AXES),
-        ):
-            same_shares(found.sources, smooth.shares[mine][:, at], post[other].shares)
+        for name in (*PHASES, *PLACED[:2], *STEADY):
+            same_shares(found.sources, smooth.shares[name][:, at], post[name].shares)
 
 
 AXES = ("horizontal", "vertical")
@@ -137,7 +134,7 @@ def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
         ):
             np.testing.assert_allclose(mine[at], [horizontal, horizontal, vertical], rtol=0.01)
         for name in PHASES:
-            assert real.image[name][at] == pytest.approx(budget[name, "real time"].sigma, rel=0.01)
+            assert real.figures[name][at] == pytest.approx(budget[name, "real time"].sigma, rel=0.01)
             shares = dict(budget[name, "real time"].shares)
             by_tilt = shares.pop("initial tilt")
             for source, share in budget.tilt_shares.items():
@@ -146,7 +143,42 @@ def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
         for quantity in ("position", "velocity"):
             for axis in AXES:
                 shares = budget[f"{axis}_{quantity}", "real time"].shares
-                same_shares(found.sources, real.shares[f"{quantity}_{axis}"][:, at], shares)
+                same_shares(found.sources, real.shares[f"{axis}_{quantity}"][:, at], shares)
+
+
+@pytest.mark.parametrize("every", [0.25, 1.0, 7.0])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["gnss.position_noise=2 cm", "radar.aperture_time=3 s"],
+        ["gnss.position_noise=1 cm", "gnss.interval=2 s", "requirements.steady_state=posterior"],
+        ["gnss.velocity_noise=1 cm/s", "gnss.interval=0.5 s"],
+    ],
+)
+def test_states_of_a_line_are_those_of_the_moment_that_the_budget_checks(changes: list[str], every: float) -> None:
+    """Before a fix unless the design says otherwise, smoothed in the middle of an aperture; however many results."""
+    design = parse_design(Path("examples/tactical_x_band.toml").read_bytes(), changes=changes)
+    budget = analyse(design)
+    found = covariance(replace(planned(design, duration=300.0, every=every), lines=(Line("middle", 100.0, 200.0),)))
+    on = (found.time_s >= 100.0) & (found.time_s <= 200.0)
+    for part, processing in ((found.real_time, "real time"), (found.post_processed, "post-processed")):
+        for name in STEADY:
+            sigma = budget[name, processing].sigma
+            np.testing.assert_allclose(part.figures[name][on], sigma, rtol=0.01, err_msg=f"{name}, {processing}")
+            if design.processing.mode == processing and name in found.lines[0].worst:
+                assert found.lines[0].worst[name] == pytest.approx(sigma, rel=0.01)
+    after = {"prior": "just before a fix", "posterior": "just after a fix"}
+    assert found.moment == after[design.requirements.steady_state]
+
+
+def test_where_fixes_are_lost_states_are_judged_as_they_grow() -> None:
+    """Before the fix that comes within an interval, else as they are: no result is as bad as the end of an outage."""
+    found = along(TACTICAL, duration=200.0, outages=[(100.0, 130.0)])
+    judged, now = found.real_time.figures["horizontal_position"], found.real_time.position[:, :2].max(axis=1)
+    inside = (found.time_s > 100.0) & (found.time_s < 129.0)
+    np.testing.assert_allclose(judged[inside], now[inside], rtol=1e-12)
+    assert np.all(np.diff(judged[inside]) > 0.0)
+    assert judged.max() > judged[inside].max()
 
 
 def test_the_shares_of_all_sources_add_up_at_every_time() -> None:
@@ -172,9 +204,9 @@ def test_a_considered_error_improves_no_figure() -> None:
         worse = along(MEMS.replace(change), trajectory="turns", duration=200.0)
         for one, other in ((plain.real_time, worse.real_time), (plain.post_processed, worse.post_processed)):
             assert np.all(states(other) >= states(one) * (1 - 1e-9))
-            for name, figure in one.image.items():
+            for name, figure in one.figures.items():
                 seen = np.isfinite(figure)
-                assert np.all(other.image[name][seen] >= figure[seen] * (1 - 1e-9))
+                assert np.all(other.figures[name][seen] >= figure[seen] * (1 - 1e-9))
 
 
 def test_a_source_that_is_zero_has_no_share() -> None:
@@ -203,9 +235,9 @@ def test_a_radar_whose_time_is_wrong_sees_the_flight_of_another_time() -> None:
         np.testing.assert_allclose(added[:3], np.abs(velocity[1000]), rtol=1e-4)
         speeding = np.gradient(velocity, axis=0)[1000] * 2000 / shape.aperture
         np.testing.assert_allclose(added[3:6], np.abs(speeding), rtol=0.01, atol=1e-6)
-        phase = np.sqrt(other.image["quadratic_phase"][at] ** 2 - one.image["quadratic_phase"][at] ** 2)
+        phase = np.sqrt(other.figures["quadratic_phase"][at] ** 2 - one.figures["quadratic_phase"][at] ** 2)
         assert phase == pytest.approx(abs(1.5 * expected[2] * 4 * np.pi / shape.wavelength), rel=0.02)
-        assert other.image["ce90"][at] == pytest.approx(1.645 * abs(shift), rel=0.01)  # in one direction
+        assert other.figures["ce90"][at] == pytest.approx(1.645 * abs(shift), rel=0.01)  # in one direction
 
 
 def test_beyond_the_bank_limit_no_fix_is_used() -> None:

@@ -21,6 +21,7 @@ from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, lines_of, planned
+from nav_model.trajectory.result import STATE_AXES
 from nav_model.trajectory.specification import Line
 
 EXAMPLE_FILE = Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml"
@@ -179,7 +180,7 @@ def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not
     short, cut, *others = found.lines
     at = np.searchsorted(found.time_s, 40.0)
     for name in ("quadratic_phase", "horizontal_position"):
-        assert short.worst[name] == found.chosen.figure(name)[at]
+        assert short.worst[name] == found.chosen.figures[name][at]
     assert short.reason == f"has no room for an aperture of {float(spec.inputs.aperture):.3g} s"
     assert [short.closes, cut.closes, cut.reason, cut.stop_s] == [False, True, "", 120.0]
     for line, (_, start, stop) in zip(others, given[2:], strict=True):
@@ -206,7 +207,9 @@ def test_where_the_aircraft_stands_there_is_no_image() -> None:
     own = design().replace({"trajectory.limits": ()})
     study = specification(own, trajectory=replace(named_flight(own, "straight"), speed=0.0), runs=1, duration=60.0)
     found = covariance(covariance_specification(own, study))
-    assert np.isnan(list(found.chosen.image.values())).all()
+    images = [values for name, values in found.chosen.figures.items() if name not in STATE_AXES]
+    assert images
+    assert np.isnan(images).all()
     assert found.lines[0].reason.startswith("has no room for an aperture")
     assert not found.closes
 
@@ -235,16 +238,16 @@ def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None
         (plain.real_time, whole.real_time, 0.02),
         (plain.post_processed, whole.post_processed, 0.0),
     ):
-        sigma, found = before.image["quadratic_phase"], after.image["quadratic_phase"]
+        sigma, found = before.figures["quadratic_phase"], after.figures["quadratic_phase"]
         root = np.hypot(sigma, phase)
         np.testing.assert_allclose(found, root + systematic, rtol=1e-12)
         shares = dict(zip(whole.sources, after.shares["quadratic_phase"], strict=True))
         np.testing.assert_allclose(shares["clock"], systematic / found, rtol=1e-12)
         np.testing.assert_allclose(shares["lever arm"], phase**2 / root / found, rtol=1e-12)
         np.testing.assert_allclose(sum(shares.values()), np.where(np.isnan(found), np.nan, 1.0), rtol=1e-9)
-        np.testing.assert_array_equal(after.image["cubic_phase"], before.image["cubic_phase"])
+        np.testing.assert_array_equal(after.figures["cubic_phase"], before.figures["cubic_phase"])
         np.testing.assert_allclose(
-            after.figure("horizontal_position"), np.hypot(before.figure("horizontal_position"), 0.5), rtol=1e-12
+            after.figures["horizontal_position"], np.hypot(before.figures["horizontal_position"], 0.5), rtol=1e-12
         )
 
 

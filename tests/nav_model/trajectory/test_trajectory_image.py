@@ -84,9 +84,9 @@ def compare(design: Design) -> None:
     free.at_last_fix = free.cycle.posterior
     for name in NAMES:
         # The Earth's terms, which closed forms leave out, reach 1 % in a free INS after 100 s.
-        assert result.real_time.image[name][middle] == pytest.approx(float(free.value(name)), rel=0.012), name
+        assert result.real_time.figures[name][middle] == pytest.approx(float(free.value(name)), rel=0.012), name
         sigma = next(check.sigma for check in smoothed if check.name == name)
-        assert result.post_processed.image[name][middle] == pytest.approx(sigma, rel=0.005), name
+        assert result.post_processed.figures[name][middle] == pytest.approx(sigma, rel=0.005), name
         for part in (result.real_time, result.post_processed):
             assert part.shares[name][:, middle].sum() == pytest.approx(1.0, abs=1e-9)
 
@@ -117,9 +117,9 @@ def test_a_flight_begins_with_the_covariance_of_a_settled_filter() -> None:
     np.testing.assert_allclose(found.real_time.attitude[:, :2], 0.000548, rtol=0.01)
     np.testing.assert_allclose(found.real_time.position[:, 2], 0.21, rtol=0.01)
     for name in ("quadratic_phase", "detrended_phase"):
-        inside = np.isfinite(plain.real_time.image[name])
+        inside = np.isfinite(plain.real_time.figures[name])
         for one, other in ((found.real_time, plain.real_time), (found.post_processed, plain.post_processed)):
-            np.testing.assert_allclose(one.image[name][inside], other.image[name][inside], rtol=0.002)
+            np.testing.assert_allclose(one.figures[name][inside], other.figures[name][inside], rtol=0.002)
     tilt = dict(zip(found.sources, found.real_time.shares["tilt"][:, 0], strict=True))
     assert tilt["accelerometer bias"] == pytest.approx((0.0005 / 0.000548) ** 2, rel=0.02)
 
@@ -139,7 +139,7 @@ def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> 
     share = dict(zip(found.sources, found.real_time.shares["quadratic_phase"], strict=True))["accelerometer bias"]
     turned = found.time_s[np.argmax(np.abs(found.truth.velocity[:, 0]) < 0.01)]
     at = int(np.argmax(found.time_s > turned + x.aperture))
-    of_bias = np.sqrt(share[at]) * found.real_time.image["quadratic_phase"][at]
+    of_bias = np.sqrt(share[at]) * found.real_time.figures["quadratic_phase"][at]
     level = bias * math.sqrt(2) * math.cos(float(x.grazing_angle))
     expected = float(x.to_phase) * level * float(x.aperture) ** 2 / 8
     assert of_bias == pytest.approx(expected, rel=0.02)

@@ -77,7 +77,7 @@ def after(page: TrajectoryPage, do: Any) -> str:
 def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) -> None:
     said = verdict(followed, "detrended_phase")
     limit = dict(followed.result.spec.most)["detrended_phase"]
-    values, time = followed.result.real_time.image["detrended_phase"], followed.result.time_s
+    values, time = followed.result.real_time.figures["detrended_phase"], followed.result.time_s
     good = 0
     for line in followed.result.spec.lines:
         half = followed.result.spec.inputs.aperture / 2
@@ -139,7 +139,7 @@ def test_every_figure_can_be_chosen_and_exported(followed: Followed) -> None:
         assert all(line.x is charts[0].lines[0].x for chart in charts for line in chart.lines)
         assert FIGURES[name].label in html_of(line_table(followed, name))
     rows = list(csv.reader(io.StringIO(as_csv(followed))))
-    assert float(rows[50][1 + list(FIGURES).index("tilt")]) == followed.result.real_time.figure("tilt")[49]
+    assert float(rows[50][1 + list(FIGURES).index("tilt")]) == followed.result.real_time.figures["tilt"][49]
     assert json.loads(as_json(followed))["lines"][1]["name"] == "line 2"
 
 
