@@ -4,7 +4,7 @@ export function render({ model }) {
     <p><span></span> <button class="clear" type="button">clear</button>
       <button class="choose" type="button" aria-expanded="false">choose</button></p>
     <div class="menu" hidden>
-      <button data-do="changes" type="button">Value before the last change</button>
+      <button data-do="changes" type="button">Previous version</button>
       <label>Saved design <select><option value="">choose a design</option></select></label>
       <button class="file" type="button">Design file…</button>
       <input type="file" accept=".toml" tabindex="-1" aria-label="Design file to compare with" hidden>

@@ -95,6 +95,6 @@ def _before(old: Design, new: Design) -> str:
         if old[f"{part}.{name}"] != new[f"{part}.{name}"]
     ]
     if len(changed) != 1:
-        return "the design before the last change"
+        return "the previous version"
     ((section, name),) = changed
     return shortened(f"{INPUTS[section][name].label} {shown_value(old, section, name) or 'not given'}", 100)

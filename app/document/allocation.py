@@ -15,7 +15,7 @@ from nav_model.design import Design
 from nav_model.design.user_entries import Allotment
 
 SPLIT_WORDS = {
-    "shares": "in proportion to today's shares",
+    "shares": "by today's shares",
     "equal": "equal values",
     "cheapest": "smallest relative changes",
 }

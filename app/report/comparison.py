@@ -93,7 +93,7 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
 
     return table(
         "c-verdicts-table",
-        "The designs and whether they close",
+        "Verdicts",
         (
             ("Design", 1.6),
             ("Hash", 1.1),
@@ -165,7 +165,7 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
     def inputs(columns: range, part: str) -> Table:
         return table(
             f"c-inputs-{columns.start}",
-            f"Inputs that are not the same in every design{part}",
+            f"Inputs that differ{part}",
             _head("Input", columns, labels),
             (
                 *(

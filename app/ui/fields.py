@@ -7,8 +7,10 @@ from nav_model.base.errors import InputError
 
 def whole_number(name: str, text: str, low: int, high: int) -> int:
     """The whole number in `text`, or an InputError that names the field and what is allowed."""
-    if not (text.strip().isdecimal() and low <= int(text) <= high):
+    if not (text.strip().isdecimal() and int(text) >= low):
         raise InputError(name, f"{text[:30]!r} is not a whole number from {low} to {high}.")
+    if int(text) > high:
+        raise InputError(name, f"must be at most {high}, not {text.strip()[:30]}.")
     return int(text)
 
 

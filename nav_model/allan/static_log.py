@@ -180,7 +180,7 @@ def _coefficient(
     if estimate.low <= 0.0 <= estimate.high:
         unit, si = UNITS[quantity][term]
         limit = max(abs(estimate.low), abs(estimate.high))
-        reason = f"not resolved: the log is consistent with none; at most {limit / si:.3g} {unit} (95 %)"
+        reason = f"not resolved, at most {limit / si:.3g} {unit} (95 %)"
         return _Missing(reason, "hidden", limit)
     return Coefficient(estimate.value, estimate.low, estimate.high, _LIKELIHOOD)
 

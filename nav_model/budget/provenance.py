@@ -23,7 +23,7 @@ WIDE_SAWTOOTH = 0.5
 
 CLOSED, DISCRETE, SERIES = (
     "formula",
-    "discrete Riccati equation, solved by formula",
+    "discrete Riccati equation, exact",
     "linear covariance propagation",
 )
 """Methods of `provenance.toml` on which a slow GNSS error has an effect."""
@@ -42,7 +42,7 @@ _TABLE: dict[str, Provenance] = {
     key: Provenance(**row) for key, row in shipped("nav_model.budget", "provenance").items()
 }
 
-_CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "cycle rms")
+_CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "rms over a fix interval")
 
 
 _AUGMENTED_NOTE = "white noise only, without the slow GNSS error"

@@ -20,7 +20,7 @@ class Flight(Part):
         softbounds=(10.0, 300.0),
         label="Speed",
         doc="Ground speed along the track.",
-        datasheet="Not on data sheets: the flight plan.",
+        datasheet="From the flight plan.",
         typical="small UAV 30, turboprop 90, jet 220 m/s",
         slider=True,
     )
@@ -33,7 +33,7 @@ class Flight(Part):
         softbounds=(0.0, 15e3),
         label="Altitude",
         doc="Height above the ellipsoid; sets the radius in the Schuler and Coriolis terms.",
-        datasheet="Not on data sheets: the flight plan.",
+        datasheet="From the flight plan.",
         typical="1 to 14 km",
     )
     latitude = Quantity(
@@ -45,7 +45,7 @@ class Flight(Part):
         softbounds=(-90 * DEGREE, 90 * DEGREE),
         label="Latitude",
         doc="Geodetic latitude; sets the Coriolis coupling during an outage.",
-        datasheet="Not on data sheets: the flight plan. Take the lowest latitude; the coupling is largest there.",
+        datasheet="From the flight plan. Take the lowest latitude; the coupling is largest there.",
         typical="where the radar will work",
     )
     heading = Quantity(
@@ -57,7 +57,7 @@ class Flight(Part):
         softbounds=(0.0, 360 * DEGREE),
         label="Heading",
         doc="Track direction, clockwise from north; sets the Coriolis coupling during an outage.",
-        datasheet="Not on data sheets: the flight plan.",
+        datasheet="From the flight plan.",
         typical="0° is north",
     )
     gravity = Quantity(
@@ -69,7 +69,7 @@ class Flight(Part):
         softbounds=(9.7, 9.9),
         label="Gravity",
         doc="Local gravity of the model; unit conversions always use 9.80665 m/s².",
-        datasheet="Not on data sheets: a gravity formula at the latitude.",
+        datasheet="From a gravity formula at the latitude.",
         typical="9.780 at the equator, 9.832 m/s² at the poles",
     )
 
@@ -89,7 +89,7 @@ class Coast(Part):
         softbounds=(1.0, 1000.0),
         label="Outage duration",
         doc="Length of the outage after the last fix. Requirements on the outage are checked at its end.",
-        datasheet="Not on data sheets: the mission's requirement.",
+        datasheet="From the mission requirement.",
         typical="the longest outage the mission must survive",
         slider=True,
     )
@@ -102,7 +102,7 @@ class Coast(Part):
         softbounds=(0.1, 300.0),
         label="Outage before aperture",
         doc="Time without fixes between the last fix and the start of the aperture.",
-        datasheet="Not on data sheets: the mission's requirement, such as jamming near the scene.",
+        datasheet="From the mission requirement, such as jamming near the scene.",
         typical="0 s when fixes last up to the aperture",
         slider=True,
     )

@@ -31,7 +31,7 @@ class Processing(Part):
         label="Fixes after aperture",
         doc="How long the smoother waits for fixes after the aperture. At 0 it has those up to the aperture's end. "
         "Before the aperture the filter has settled.",
-        datasheet="Not on data sheets: the flight plan.",
+        datasheet="From the flight plan.",
         typical="60 to 600 s",
         since="0.1.0",
     )

@@ -29,7 +29,7 @@ class Requirements(Part):
         softbounds=(1.0, 3.0),
         label="Confidence",
         doc="Number of sigmas that must stay within a limit.",
-        datasheet="Not on data sheets: the requirement's own percentage.",
+        datasheet="From the requirement: its percentage.",
         typical="1 (68 %), 2 (95 %), 3 (99.7 %)",
         variable=False,
     )

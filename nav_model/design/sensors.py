@@ -147,7 +147,7 @@ class Gnss(Part):
         softbounds=(100.0, 1e5),
         label="Base line",
         doc='Distance from the base station, for noise that grows with it: "1 cm + 1 ppm".',
-        datasheet="Not on data sheets: distance to the base station.",
+        datasheet="From the flight plan: distance to the base station.",
         typical="1 to 30 km",
         when_empty="not used",
         variable=False,

@@ -25,13 +25,13 @@ AIDING = (
 
 def _number(
     default: float | None, unit: str, dimension: str, bounds: tuple[float, float], short: str, label: str, doc: str,
-    typical: str, soft: tuple[float, float] | None = None,
+    typical: str, soft: tuple[float, float] | None = None, datasheet: str = "From the flight plan.",
 ) -> Any:  # fmt: skip
     """A number of the plan; it may be left out if its default is None."""
     given: dict[str, Any] = {} if default is None else {"default": default}
     return (OptionalQuantity if default is None else Quantity)(
         **given, dimension=dimension, unit=unit, bounds=bounds, softbounds=soft, short=short, label=label, doc=doc,
-        typical=typical, datasheet="Measured at installation.", variable=False, since="0.1.0",
+        typical=typical, datasheet=datasheet, variable=False, since="0.1.0",
     )  # fmt: skip
 
 
@@ -41,6 +41,7 @@ def _column(dimension: str, unit: str, bounds: tuple[float, float], label: str) 
 
 
 _LIMIT_COLUMNS: dict[str, Any] = {"line": None, **{name: Requirements.param[name] for name in LIMITED}}
+_INSTALLED = "Measured at installation."
 _TIME = (0.0, 360_000.0)
 _HEIGHT = (-500.0, 1e5)
 
@@ -145,25 +146,26 @@ class Trajectory(Part):
         None, "°", "angle", (1e-5 * DEGREE, 90 * DEGREE), "thn", "Heading of two antennas",
         "1σ of one heading, with each fix: √2 times the carrier phase's noise over the baseline.",
         "0.3° at 1 m, 0.1° at 3 m",
-        (0.01 * DEGREE, 1 * DEGREE),
+        (0.01 * DEGREE, 1 * DEGREE), 'Receiver table: "heading accuracy".',
     )  # fmt: skip
     barometer_noise = _number(
         None, "m", "length", (1e-3, 1e4), "tbn", "Barometer",
         "1σ of one height, at each fix; it stays when fixes are lost.", "1 to 10 m", (0.1, 100.0),
+        "Noise of the air data, as height.",
     )  # fmt: skip
     lever_arm_error = _number(
         0.0, "cm", "length", (0.0, 100.0), "tla", "Lever arm error",
         "1σ per axis of the antenna's place, constant through the flight; the filter does not estimate it.",
-        "0.5 to 5 cm",
+        "0.5 to 5 cm", datasheet=_INSTALLED,
     )  # fmt: skip
     time_offset = _number(
         0.0, "ms", "time", (0.0, 10.0), "tto", "Time offset",
         "1σ of the fixes against the IMU, constant through the flight; the filter does not estimate it.",
-        "0.01 to 10 ms",
+        "0.01 to 10 ms", datasheet=_INSTALLED,
     )  # fmt: skip
     radar_time_offset = _number(
         0.0, "ms", "time", (0.0, 10.0), "trt", "Radar time offset",
         "1σ of the radar against the IMU, constant through the flight: motion compensation takes the navigation of a "
         "wrong time.",
-        "0.01 to 10 ms",
+        "0.01 to 10 ms", datasheet=_INSTALLED,
     )  # fmt: skip

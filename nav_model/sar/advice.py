@@ -26,8 +26,8 @@ class Advice:
 
 
 _DONE = {
-    "2": "the filter starts the INS, and nothing corrects it over the aperture",
-    "3": "the INS runs through the outage and the aperture",
+    "2": "free INS from the last fix",
+    "3": "free INS through the outage and the aperture",
     "5": "subtract the quadratic fitted to INS minus GNSS over the aperture",
     "5w": "subtract the fitted quadratic, weighted by its noise",
     "9": "smooth the trajectory after the flight, with the fixes before, in and after the aperture",
@@ -50,7 +50,7 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
     phase = 4 * np.pi / wavelength
     span, coast = float(np.asarray(conditions.aperture_time)), float(np.asarray(conditions.coast_time))
     sentence = (
-        f"By the formulas, use {NAMES[chosen]}: {_DONE[chosen]}. The residual is {_length(sigma[chosen])} rms "
+        f"Use {NAMES[chosen]}: {_DONE[chosen]}. The residual is {_length(sigma[chosen])} rms "
         f"({np.degrees(phase * sigma[chosen]):.3g}° of phase) {LEFT[conditions.autofocus_order]}."
     )
     if chosen == "9":

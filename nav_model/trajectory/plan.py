@@ -118,7 +118,7 @@ def fly(plan: Plan) -> PlannedFlight:
     turns = [_Turn()]
     for number, point, angle in zip(numbers[1:], points[1:], np.diff(heading), strict=False):
         if abs(angle) > _LARGEST_TURN:
-            said = f"at {_named(number, point)} the flight turns back; add one beside it"
+            said = f"{_named(number, point)} needs a 180° turn. Add a waypoint to one side"
             raise InputError("waypoints", said)
         turns.append(_turn(float(angle), plan.speed, plan.bank))
     turns.append(turns[0])

@@ -159,7 +159,7 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
     desk.get_by_role("button", name="clear").click()
     expect(delta).to_have_count(0)
     desk.get_by_role("button", name="choose").click()
-    desk.get_by_role("button", name="Value before the last change").click()
+    desk.get_by_role("button", name="Previous version").click()
     expect(delta).to_be_visible()
 
 

@@ -78,9 +78,10 @@ def _smoothed_aperture(budget: Budget) -> Span:
 
 
 def _validity(budget: Budget) -> str:
-    value = budget.steady_state.lambda_dt
-    word = "wide sawtooth, read the band" if value > WIDE_SAWTOOTH else "narrow sawtooth"
-    return f"a {word} (λ Δt = {number(value)})"
+    """How far the error varies between fixes."""
+    steady, position = budget.steady_state, "horizontal_position"
+    varies = f"the error grows by {percent(steady.prior[position] / steady.posterior[position] - 1)} between fixes"
+    return f"{varies}, read the band" if steady.lambda_dt > WIDE_SAWTOOTH else varies
 
 
 def _beside(ratio: float) -> str:
@@ -102,8 +103,6 @@ def position_knowledge(budget: Budget) -> str:
         slow += (
             " Smoothed with the fixes before and after the outage [P-3]; dashed curves are an outage in real time."
         )
-    if budget.design.contributors:
-        slow += " Contributors given in the design enter the values that are checked, not the curves."
     return (
         f"Curves by formula {_cited(budget)}, [T-9], [T-10]; before and after a fix [T-8]: "
         f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {_beside(ratio)} and vertical "

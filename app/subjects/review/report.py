@@ -117,7 +117,7 @@ _PROMISE = (
 def audit_table(review: Review) -> Table:
     """What was frozen, by whom, with which program, and whether it is signed and intact."""
     signed = f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"
-    intact = Cell("holds", tone="good") if review.intact else Cell(f"BROKEN: {review.doubt}", tone="bad")
+    intact = Cell("verified", tone="good") if review.intact else Cell(f"BROKEN: {review.doubt}", tone="bad")
     rows: list[Row] = [
         ("Review", review.id),
         ("Opened", f"{review.author}, {moment(review.opened)}"),
@@ -158,7 +158,7 @@ def status_table(review: Review) -> Table:
         "Requirements and decisions",
         (("Requirement", 1.4), *numbers("Value", "Limit"), "Verdict", "Decision", ("By", 1.2), ("Reason", 1.4)),
         rows,
-        f"{len(review.open_points())} to decide.",
+        f"{left} to decide." if (left := len(review.open_points())) else "",
     )
 
 

@@ -65,17 +65,17 @@ def path_chart(study: SimulationStudy) -> Chart:
 
 
 def designed_attitude_chart(study: SimulationStudy) -> Chart:
-    """Roll, pitch and yaw of the reference trajectory."""
+    """Roll, pitch and heading of the reference trajectory."""
     time, euler = study.result.time_s, study.result.truth.euler * _DEG
     return Chart(
         key="sim-flown-attitude",
-        title="Reference trajectory: roll, pitch, yaw",
+        title="Reference trajectory: roll, pitch, heading",
         x_label=_TIME,
         y_label="angle [°]",
         lines=(
             Line("roll", "roll", time, euler[:, 0], "simulated", "true attitude"),
             Line("pitch", "pitch", time, euler[:, 1], "simulated, second axis", "true attitude"),
-            Line("yaw", "yaw from its start", time, euler[:, 2] - euler[0, 2], "third axis", "true attitude"),
+            Line("heading", "heading from its start", time, euler[:, 2] - euler[0, 2], "third axis", "true attitude"),
         ),
         spans=_outages(study),
         knowledge="Reference trajectory of every run.",
@@ -95,9 +95,9 @@ def velocity_chart(study: SimulationStudy) -> Chart:
 
 
 def attitude_chart(study: SimulationStudy) -> Chart:
-    """Tilt, which is roll and pitch together, and yaw error."""
-    closed = "Formula [T-3], in the outage [T-9]; yaw [T-5], which is unobservable on a straight path and only grows."
-    return _errors(study, "attitude", "attitude, 1σ [°]", (6, 7), 8, ("tilt", "yaw"), closed)
+    """Tilt, which is roll and pitch together, and heading error."""
+    closed = "Formula [T-3], in the outage [T-9]; heading [T-5], not observable on a straight path."
+    return _errors(study, "attitude", "attitude, 1σ [°]", (6, 7), 8, ("tilt", "heading"), closed)
 
 
 def _errors(
@@ -136,7 +136,7 @@ def consistency_chart(study: SimulationStudy) -> Chart:
     (low, high), time = study.result.rms_band, study.result.time_s
     kinds = (
         ("position", (0, 1, 2), "x"), ("velocity", (3, 4, 5), "y"),
-        ("tilt", (6, 7), "initial tilt"), ("yaw", (8,), "z"),
+        ("tilt", (6, 7), "initial tilt"), ("heading", (8,), "z"),
     )  # fmt: skip
 
     def over_sigma(study: SimulationStudy, column: int, _: float) -> Array:

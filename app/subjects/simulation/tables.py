@@ -12,7 +12,7 @@ from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 _FLIGHTS = {
-    "wandering": "nearly straight: about 1 m of wander, 1° to 2° of roll, pitch and yaw",
+    "wandering": "nearly straight: about 1 m of wander, 1° to 2° of roll, pitch and heading",
     "straight": "exactly straight and level",
     "turns": "turns, then a long straight leg",
     "climb": "a climb at half time",
@@ -102,7 +102,7 @@ def sigma_table(study: SimulationStudy, key: str) -> Table:
             *numbers("Simulated / formula", width=1),
         ),
         rows,
-        f"Formula: average between fixes [T-3], [T-4], in an outage [T-9], [T-10], yaw [T-5]. The rms "
+        f"Formula: average between fixes [T-3], [T-4], in an outage [T-9], [T-10], heading [T-5]. The rms "
         f"of {result.spec.runs} runs lies between {number(low)} and {number(high)} of the true sigma "
         "with 95 % probability.",
     )

@@ -27,8 +27,8 @@ _RUNS = {
 _ALIKE = (  # of two studies that fly the same
     "imu", "gnss", "aiding", "trajectory", "filter", "initial", "outages", "radar_time_offset",
 )  # fmt: skip
-_FORMULA = "Covariance along the flight: no runs, no formula"
-_HOW = f"{_FORMULA}; 1σ just after a fix."
+_FORMULA = "Covariance analysis"
+_HOW = f"{_FORMULA}, 1σ after each fix."
 _USUAL = (("horizontal", "horizontal refined"), ("vertical", "vertical refined"))
 
 

@@ -17,7 +17,7 @@ from nav_model.design import Design
         ({"trajectory.flight": "lines"}, "Flight nearly straight"),  # not "wandering", the file's word
         ({"gnss.velocity_noise": 0.1}, "Velocity noise not given"),
         ({"motion.lines": ((30.0, 1e-4, "length"),)}, "Vibration lines not given"),
-        ({"gnss.interval": 0.5, "imu.vibration_factor": 3.0}, "the design before the last change"),
+        ({"gnss.interval": 0.5, "imu.vibration_factor": 3.0}, "the previous version"),
     ],
 )
 def test_the_design_before_a_change_is_called_by_the_value_that_was_there(changes: dict[str, Any], said: str) -> None:

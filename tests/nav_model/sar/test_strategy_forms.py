@@ -114,7 +114,7 @@ def test_few_fixes_leave_more_than_the_continuous_fit(differs):
     assert late[21] < 1.03
     differs(
         "Inertial residual under the quadratic correction, first fix an interval after the start", "T-16",
-        "the fit taken as continuous", f"{late[3]:.2f} times that with 3 fixes, {late[21]:.3f} times with 21", "ours",
+        "the continuous fit", f"{late[3]:.2f} times that with 3 fixes, {late[21]:.3f} times with 21", "ours",
         "the covariance of the integrated noise carried through the fit at the fixes themselves, which random walks "
         "confirm; [T-16] is a good guide from some ten fixes on",
     )  # fmt: skip

@@ -94,7 +94,7 @@ def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
     assert at_middle[3] <= at_middle[0]
     assert shrunk > 2 * ins
     differs(
-        "Noise-weighted quadratic fit against the INS alone", "S-2", "our design notes: the weighted fit never loses",
+        "Noise-weighted quadratic fit against the INS alone", "S-2", "unpublished: the weighted fit never loses",
         f"the fit leaves {shrunk:.1f} mm, the INS {ins:.1f} mm (navigation grade, 1 m fixes, 10 s, 5 km, 100 m/s)",
         "ours",
         "on one axis the fit is never worse; along the line of sight its line brings the fixes' velocity noise, "

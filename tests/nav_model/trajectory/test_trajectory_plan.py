@@ -143,7 +143,7 @@ def test_after_a_climb_the_next_waypoints_are_where_they_were_planned() -> None:
         ([(0, 0, 1000), (5e3, 0, -10)], "waypoint 2 is not above the ground"),
         ([(0, 0, 1000), (5e3, 0, 2000)], "at most 5 m/s"),
         ([(0, 0, 1000), (5e3, 0, 50e3)], "at most 90 m/s"),
-        ([(0, 0, 1000), (5e3, 0, 1000), (0, 1, 1000)], "turns back"),
+        ([(0, 0, 1000), (5e3, 0, 1000), (0, 1, 1000)], "needs a 180° turn"),
         ([(0, 0, 1000)], "two waypoints"),
     ],
 )
