@@ -24,8 +24,6 @@ _LEAST = {
     dimension: tuple((to_si(1, unit, dimension), unit) for unit in reversed(ladder))
     for dimension, ladder in _LADDERS.items()
 }
-_MANY = 11.0
-"""Times, from which on a ratio is told as such and not in percent."""
 _LEFT = 1e-8  # of the whole: less is rounding
 _SMALL_ANGLE = math.radians(0.001)
 _POWER = re.compile(r"(?<=\d)e(-?\d+)")
@@ -80,43 +78,47 @@ def percent(share: float) -> str:
 
 
 def signed_percent(margin: float) -> str:
-    """A margin, its sign always shown: three significant digits, at most a tenth of a percent.
+    """A margin, its sign always shown: three significant digits, at most a tenth of a percent; beyond −100 %, how
+    many times the limit.
 
     >>> signed_percent(0.1421), signed_percent(-1.4437), signed_percent(0.0), signed_percent(0.9996)
-    ('+14.2 %', '−144 %', 'at the limit', '+99.9 %')
+    ('+14.2 %', '2.44 × the limit', 'at the limit', '+99.9 %')
     """
     value = _short_of_all(margin)
-    if abs(value) < 0.05:
-        return _at_limit(margin)
-    if abs(value) >= 1e5:
-        return f"{'+' if value > 0 else ''}{number(value)} %"
-    return _signed(f"{value:+.1f} %" if abs(value) < 99.95 else f"{value:+.0f} %")
+    if margin < -1:
+        return _times(margin)
+    return _at_limit(margin) if abs(value) < 0.05 else _signed(f"{value:+.1f} %" if value < 99.95 else "+100 %")
 
 
-def whole_percent(margin: float, ratio: float) -> str:
-    """A margin or a change where there is little room: its sign and whole percents.
+def margin_in_sentence(margin: float) -> str:
+    """A margin with its noun where it is a percentage.
 
-    Where the figure is many times its limit, or what it was before, how many: `ratio`. Where little of it is left, a
-    tenth, as 100 says that nothing is.
-
-    >>> whole_percent(0.798, 0.202), whole_percent(-1.4437, 2.4437), whole_percent(-917.0, 918.0)
-    ('+80 %', '−144 %', '918 ×')
-    >>> whole_percent(0.996, 0.004), whole_percent(-0.9998, 0.0002), whole_percent(1.0, 0.0)
-    ('+99.6 %', '−99.9 %', '+100 %')
+    >>> margin_in_sentence(0.1421), margin_in_sentence(-1.4437)
+    ('margin +14.2 %', '2.44 × the limit')
     """
-    if _LEFT < ratio < 0.005:
-        return _signed(f"{math.copysign(_short_of_all(abs(margin)), margin):+.1f} %")
-    return _signed(f"{100 * margin:+.0f} %") if ratio < _MANY else f"{number(ratio)} ×"
+    told = signed_percent(margin)
+    return f"margin {told}" if told.endswith("%") else told
 
 
 def margin_in_short(margin: float) -> str:
-    """Whether a requirement is met, and by how much, where there is little room.
+    """Whether a requirement is met, and by how much, where there is little room: whole percents, or a tenth where
+    little of the limit is used, as 100 says that nothing is.
 
-    >>> margin_in_short(0.798), margin_in_short(0.0004), margin_in_short(-0.0004)
-    ('✓ +80 %', '✓ at the limit', '✗ just over the limit')
+    >>> margin_in_short(0.798), margin_in_short(0.0004), margin_in_short(-0.0004), margin_in_short(0.996)
+    ('✓ +80 %', '✓ at the limit', '✗ just over the limit', '✓ +99.6 %')
     """
-    said = _at_limit(margin) if abs(margin) < 0.005 else whole_percent(margin, 1 - margin)
-    return f"{'✓' if margin >= 0 else '✗'} {said}"
+    if abs(margin) < 0.005:
+        told = _at_limit(margin)
+    elif margin < -1:
+        told = _times(margin)
+    else:
+        little = _LEFT < 1 - margin < 0.005
+        told = _signed(f"{_short_of_all(margin):+.1f} %" if little else f"{100 * margin:+.0f} %")
+    return f"{'✓' if margin >= 0 else '✗'} {told}"
+
+
+def _times(margin: float) -> str:
+    return f"{number(1 - margin)} × the limit"
 
 
 def _short_of_all(share: float) -> float:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
 from app.document.display import ONE_SIGMA, SI, Display
-from app.document.numbers import margin_in_short, percent, show_in, signed_percent
+from app.document.numbers import margin_in_sentence, margin_in_short, percent, show_in, signed_percent
 from app.document.wording import MOMENTS
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -105,7 +105,7 @@ def verdict_of(budget: Budget) -> Answer:
         *_word_and_tone(verdict),
         (
             f"{judged(verdict).capitalize()}, {met}.",
-            f"Tightest: {name}, {words.value} against {words.limit}, margin {words.margin}.",
+            f"Tightest: {name}, {words.value} against {words.limit}, {margin_in_sentence(tightest.margin)}.",
             f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
             *((_elsewhere(verdict),) if verdict.elsewhere else ()),
         ),

@@ -1,5 +1,6 @@
-"""Allocation of a requirement: what each source and contributor may take of its limit, less a reserve.
+"""Allocation of a requirement: what each sensor and contributor may take of its limit, less a reserve.
 
+The initial tilt belongs to the noises that cause it [T-18], so that every entry has somebody who can answer for it.
 Allocated entries combine as the figure does: the root of the sum of squares of what is random plus the sum of what is
 systematic is the limit times (1 - reserve). Source: ECSS-E-ST-60-10C, apportionment of an error budget.
 """
@@ -146,7 +147,7 @@ def _sizes(budget: Budget, check: Check) -> tuple[dict[str, float], frozenset[st
     factor = check.confidence or 1.0
     sizes = {
         source: factor * (share * check.sigma if source in systematic else math.sqrt(share * root * check.sigma))
-        for source, share in check.shares.items()
+        for source, share in check.by_sensor.items()
     }
     return {source: size for source, size in sizes.items() if size > NOTHING}, systematic
 

@@ -84,16 +84,15 @@ class Check:
         gyros. [T-18]"""
         charged: dict[str, float] = {}
         for source, share in self.shares.items():
-            for sensor, part in makers_of(self, source).items():
+            for sensor, part in self._causes(source).items():
                 charged[sensor] = charged.get(sensor, 0.0) + share * part
         return FrozenMapping(charged)
 
-
-def makers_of(check: Check, source: str) -> Shares:
-    """The noises that make a source of a check, with their shares in it; itself where it is one. [T-18]"""
-    if source == "coast before aperture":
-        return FrozenMapping({"gyro noise": 1.0})
-    return check.tilt_shares if source == "initial tilt" else FrozenMapping({source: 1.0})
+    def _causes(self, source: str) -> Shares:
+        """The noises that cause a source, with their shares in it; itself where it is one. [T-18]"""
+        if source == "coast before aperture":
+            return FrozenMapping({"gyro noise": 1.0})
+        return self.tilt_shares if source == "initial tilt" else FrozenMapping({source: 1.0})
 
 
 @dataclass(frozen=True)

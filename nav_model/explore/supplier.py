@@ -23,7 +23,6 @@ from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.allocation import allocate
-from nav_model.budget.verdict import makers_of
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
 from nav_model.design.user_entries import Allotment, UserEntries
@@ -153,12 +152,11 @@ def _alike(design: Design, unit: Unit) -> dict[str, float]:
 
 
 def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str, float]:
-    """Of each noise the least ratio of allocated to estimated among the entries that it makes.
+    """Of each noise the least ratio of allocated to estimated among its entries.
 
-    An entry of one source scales with it. The initial tilt scales no more than the largest factor of the noises that
-    make it, so that all of them are held to its ratio. The filter that fits the new noises is better than the old one
-    with them, so that each limit less its reserve is met with all values at once. Limits on measures of the
-    impulse response are not allocated.
+    With the filter as it is, the entry of a noise scales with it, what it adds to the initial tilt included [T-18].
+    The filter that fits the new noises is better than the old one with them, so that each limit less its reserve is
+    met with all values at once. Limits on measures of the impulse response are not allocated.
     """
     budget, factors = analyse(design), dict[str, float]()
     for check in (one for one in budget.verdict.checks if one.on not in RESPONSE):
@@ -168,8 +166,7 @@ def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str
                 "allocation", f"{check.label} does not close: {', '.join(found.blocked_by)} locked too high"
             )
         for entry in found.entries:
-            for maker in makers_of(check, entry.source):
-                factors[maker] = min(factors.get(maker, math.inf), entry.allocated / entry.estimated)
+            factors[entry.source] = min(factors.get(entry.source, math.inf), entry.allocated / entry.estimated)
     if not any(quantity(key).source in factors for key in now):
         raise InputError(unit, "no limit that is allocated depends on its noise")
     return {key: factors.get(quantity(key).source, 1.0) for key in now}

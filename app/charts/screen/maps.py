@@ -104,8 +104,9 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
     """Text on whether a unit passes, and its margin."""
     if point.met is None:
         return "no limit is given"
-    margin = f"{100 * (1 - point.value / chart.level):+.0f} %".replace("-", "−")
-    return f"{'meets' if point.met else 'does not meet'} the limit, margin {margin}"
+    times = point.value / chart.level
+    margin = f"margin {100 * (1 - times):+.0f} %".replace("-", "−") if times <= 2 else f"{times:.3g} × the limit"
+    return f"{'meets' if point.met else 'does not meet'} the limit, {margin}"
 
 
 def _labels(chart: TradeMapChart, wide: float, high: float, reach: float) -> dict[str, list[Any]]:

@@ -2,7 +2,7 @@
 
 from app.document.blocks import Block, Text
 from app.document.closing import Way, value_ways, ways_table
-from app.document.numbers import signed_percent
+from app.document.numbers import margin_in_sentence
 from app.document.wording import preset_name
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -33,7 +33,7 @@ def _units(design: Design) -> tuple[Way, ...]:
             "IMU" if row.gnss == OWN_GNSS else "IMU and receiver",
             row.imu if row.gnss == OWN_GNSS else row.pair,
             preset_name(design, "imu"),
-            f"margin {signed_percent(row.margin)}" + (f"; unverified: {row.doubts[0]}" if row.doubts else ""),
+            margin_in_sentence(row.margin) + (f"; unverified: {row.doubts[0]}" if row.doubts else ""),
         )
         for row in rows[:_MOST_UNITS]
     )

@@ -7,6 +7,7 @@ from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.ending import one_line, refuse
+from app.document.numbers import margin_in_sentence
 from app.document.sicd import sicd_xml
 from app.document.verdict import SAID, check_words
 from nav_model.base.csv_text import csv_of
@@ -126,19 +127,18 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         words = check_words(budget.design, check)
         lines.append(
             f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {words.value} (limit {words.limit}, "
-            f"margin {words.margin}; main error source {check.sensor}, {words.share}; {words.figure})"
+            f"{margin_in_sentence(check.margin)}; main error source {check.sensor}, {words.share}; {words.figure})"
         )
     said = "closes" if verdict.closes else "DOES NOT CLOSE"
-    margin = check_words(budget.design, tightest).margin
     other = budget.other_verdict
     assert other.tightest is not None  # it has the same requirements
     would = "would close" if other.closes else "would not close"
-    beside = check_words(budget.design, other.tightest).margin
     lines += [f"{path}: caution: {caution}" for caution in cautions(budget)]
     lines += [
-        f"{path}: {SAID[other.processing]} it {would}; tightest {other.tightest.name}, margin {beside}",
+        f"{path}: {SAID[other.processing]} it {would}; tightest {other.tightest.name}, "
+        f"{margin_in_sentence(other.tightest.margin)}",
         f"{path}: {said} at {verdict.confidence:g} sigma {SAID[verdict.processing]}; tightest {tightest.name}, "
-        f"margin {margin}",
+        f"{margin_in_sentence(tightest.margin)}",
     ]
     return [line.replace("−", "-") for line in lines]
 

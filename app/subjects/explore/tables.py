@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from app.charts.kinds import TradeMapChart
 from app.document.blocks import Answer, Block, Cell, Column, Row, Table, Text, numbers, table
 from app.document.closing import Way, ways_table
-from app.document.numbers import number, percent, signed_percent
+from app.document.numbers import margin_in_sentence, number, percent, signed_percent
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -140,7 +140,7 @@ def search_answer(rows: Sequence[Candidate], own: bool, unbiased: int) -> Answer
     best = max(rows, key=lambda row: row.margin)
     name = best.imu if own else best.pair
     if not good:
-        why = f"Nearest: {name}, margin {signed_percent(best.margin)} ({figure_in_sentence(best.tightest)})."
+        why = f"Nearest: {name}, {margin_in_sentence(best.margin)} ({figure_in_sentence(best.tightest)})."
         other = ("Try all receivers, or change the radar or the limits.",) if own else ()
         if unbiased:
             other = (f"With residual biases of zero, {unbiased} would: choose them below.",)
@@ -245,10 +245,10 @@ def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answe
         return Answer(f"{plan.rows:,} designs", "open", (*old, "No requirement is set, so no design is judged."))
     good = int(np.sum(np.asarray(columns["closes"], bool)))
     first = int(sweep_order(columns)[0])
-    margin = signed_percent(float(1 - sweep_ratios(columns)[first]))
+    margin = margin_in_sentence(float(1 - sweep_ratios(columns)[first]))
     word = f"{good:,} of {plan.rows:,} designs meet all requirements"
     which = "Smallest margin that passes" if good else "Nearest"
-    said = f"{which}: {', '.join(_swept_values(plan, first))}; margin {margin}."
+    said = f"{which}: {', '.join(_swept_values(plan, first))}; {margin}."
     return Answer(word, "warn" if stale else "good" if good else "bad", (*old, said))
 
 

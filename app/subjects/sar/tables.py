@@ -11,7 +11,7 @@ from types import EllipsisType
 import numpy as np
 
 from app.document.blocks import Answer, Block, Bullets, Cell, Row, Table, Text, numbers, table
-from app.document.numbers import NONE, hundredths, number
+from app.document.numbers import NONE, hundredths, margin_in_sentence, number
 from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
@@ -64,7 +64,9 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         own = NAMES[judged(budget.design)]
         word, tone = ("✓ Detrended phase met", "good") if check.met else ("✗ Detrended phase not met", "bad")
         said.insert(
-            0, f"{own}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}, margin {words.margin}."
+            0,
+            f"{own}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}, "
+            f"{margin_in_sentence(check.margin)}.",
         )
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
     return Answer(word, tone, tuple(said)), (

@@ -97,7 +97,7 @@ def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, thr
     sentence = " ".join(verdict.sentences)
     assert "2 of 5 requirements are not met" in sentence
     assert tightest.sensor in sentence
-    assert f"margin {100 * tightest.margin:.0f} %.".replace("-", "−") in sentence
+    assert f" {tightest.value / tightest.limit:.2f} × the limit." in sentence
     assert [report_of([b], NOW).chapters[0].verdict.tone for b in three] == ["good", "bad", "good"]
 
 

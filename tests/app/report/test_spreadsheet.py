@@ -86,7 +86,7 @@ def expected(design: Design) -> dict[str, float]:
 def own() -> UserEntries:
     """Contributors, and limits on values of each kind."""
     limits = [
-        {"name": "heading", "on": "coast_heading", "limit": "0.02°", "at": "30 s", "confidence": 3},
+        {"name": "late heading", "on": "coast_heading", "limit": "0.02°", "at": "30 s", "confidence": 3},
         {"name": "climb", "on": "coast_vertical_velocity", "limit": "0.5 m/s"},
         {"name": "position", "on": "coast_horizontal_position", "limit": "1 NM", "at": "12.5 s"},
         {"name": "vertical tilt", "on": "tilt", "limit": "1 mrad", "confidence": 2},

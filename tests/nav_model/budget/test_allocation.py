@@ -61,6 +61,21 @@ def test_today_combines_to_the_value_that_is_checked() -> None:
                 assert today == pytest.approx(check.value, rel=1e-9), check.name
 
 
+def test_a_noise_is_allocated_what_it_alone_adds_to_the_limit() -> None:
+    # With the filter as it is the variance is a sum over the noises: the derivative by a noise's square is its part.
+    design = Design({"requirements.detrended_phase": 0.3, "coast.before_aperture": 5.0})
+    budget, step = analyse(design), 1e-4
+    entries = {entry.source: entry for entry in allocate(budget, "detrended_phase", Allotment()).entries}
+    assert entries.keys() == {"gyro noise", "accelerometer noise", "GNSS noise"}
+    for key, source in (("imu.angle_random_walk", "gyro noise"), ("gnss.position_noise", "GNSS noise")):
+        near = [
+            analyse(design.replace({key: design[key] * (1 + sign * step)})).verdict.checks[0].value
+            for sign in (1, -1)
+        ]
+        part = (near[0] ** 2 - near[1] ** 2) / (4 * step)
+        assert entries[source].estimated ** 2 == pytest.approx(part, rel=1e-4)
+
+
 def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
     draw, blocked = random.Random(29), 0
     for number in range(500):

@@ -156,7 +156,11 @@ def test_requirements_have_value_limit_margin_and_verdict(mems: Budget) -> None:
     for row, check in zip(table.rows, mems.verdict.checks, strict=True):
         assert row[0].text == check.label
         assert [si(cell.text) for cell in row[1:3]] == pytest.approx([check.value, check.limit], rel=5e-3)
-        assert float(row[3].text.replace("−", "-").removesuffix(" %")) == pytest.approx(100 * check.margin, rel=5e-3)
+        told = row[3].text.replace("−", "-")
+        if check.margin < -1:
+            assert float(told.removesuffix(" × the limit")) == pytest.approx(check.value / check.limit, rel=5e-3)
+        else:
+            assert float(told.removesuffix(" %")) == pytest.approx(100 * check.margin, rel=5e-3)
         assert row[4].text.endswith("not met") != check.met
         assert row[6].text.startswith(f"{check.sensor}, ")
 
@@ -169,11 +173,11 @@ def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget
     }
     for line, row, check in zip(lines, table.rows, mems.verdict.checks, strict=True):
         value, limit, margin = (cell.text.replace("−", "-") for cell in row[1:4])
-        met = "met    " if check.met else "NOT MET"
-        assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, margin {margin}; main ")
+        met, margin = "met    " if check.met else "NOT MET", f"margin {margin}" if "%" in margin else margin
+        assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, {margin}; main ")
         assert line.endswith(f"error source {row[6].text}; {row[5].text})")
         assert not re.search("closed|prior|refined", line)
-    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma in real time; tightest detrended_phase, margin -144 %"
+    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma in real time; tightest detrended_phase, 2.44 × the limit"
     assert other == "a.toml: post-processed it would not close; tightest detrended_phase, margin -9.7 %"
 
 
@@ -292,7 +296,7 @@ def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) ->
 def test_while_a_slider_moves_the_switch_does_not_contradict_the_strip() -> None:
     session = Session(example("mems_x_band"))
     page = BudgetPage(session)
-    assert list(page._mode.options) == ["Real time ✗ −144 %", "Post-processed ✗ −10 %"]
+    assert list(page._mode.options) == ["Real time ✗ 2.44 × the limit", "Post-processed ✗ −10 %"]
     session.change({"imu.angle_random_walk": 0.001 * math.pi / 180 / 60})
     page._tell_soon = lambda: None  # the slider has not stopped
     page.show(session.budget)

@@ -73,7 +73,7 @@ def names(sar: SarPage) -> list[str]:
 
 def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPage) -> None:
     assert "✗ Detrended phase not met" in said(sar)
-    assert "INS from filter, in real time: 48.9°, limit 20°, margin −144 %." in said(sar)
+    assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
     assert "Best strategy: INS from filter, 48.9° by formula, 54.7° with the along-track part." in said(sar)
     assert "Formulas only so far." in sar._bar.state.object
     formulas = ("Whole-leg smoother", "INS from filter", "INS after outage", "Quadratic fit, noise-weighted")
@@ -94,7 +94,7 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert not session.running
     assert "The runs match the design. 50 runs of the error model, seed 0." in sar._bar.state.object
     study = sar._result.study
-    assert "INS from filter, in real time: 48.9°, limit 20°, margin −144 %." in said(sar)
+    assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
     assert re.search(rf"Best strategy: {study.best().name}, [\d.]+° by 50 runs, ", said(sar))
     ranked = sorted((key for key in NAMES if key != "1"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
