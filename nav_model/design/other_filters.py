@@ -66,7 +66,9 @@ def _kalibr(design: Design) -> str:
     gyro, accelerometer = _noises(design)
     for key in ("imu.gyro_bias", "imu.accelerometer_bias"):
         if design[key] == 0:
-            raise InputError(key, "is zero, but kalibr needs a random walk above zero. Enter the in-run bias.")
+            raise InputError(
+                key, "kalibr needs a random walk above zero, and this bias is zero. Enter the in-run bias."
+            )
     return (
         f"{_HEAD}accelerometer_noise_density: {_real(accelerometer.density)}  # m/s^2/sqrt(Hz)\n"
         f"accelerometer_random_walk: {_real(accelerometer.walk)}  # m/s^3/sqrt(Hz), {_ASSUMED}\n"

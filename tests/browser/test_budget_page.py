@@ -15,6 +15,7 @@ from waiting import until
 from app.examples import example
 from nav_model.budget import analyse
 from nav_model.design.file import parse_design
+from nav_model.design.other_filters import noise_for
 
 
 def test_first_screen_gives_the_answer(plain: Page) -> None:
@@ -342,3 +343,22 @@ def test_a_contributor_that_a_requirement_limits_stays_in_its_table(visit: Visit
     expect(refused).to_have_count(0)
     remove.press("Enter")
     expect(remove).to_have_count(0)
+
+
+def test_noise_for_another_filter_is_shared(plain: Page) -> None:
+    plain.get_by_role("button", name="Share").click()
+    with plain.expect_download() as waiting:
+        plain.get_by_role("button", name="KF-GINS: imunoise").click()
+    assert content(waiting.value).decode() == noise_for(example("mems_x_band"), "kf-gins")
+    plain.get_by_role("button", name="kalibr: imu.yaml").click()
+    expect(plain.get_by_text("kalibr gets no file. imu.gyro_bias: kalibr needs")).to_be_visible()
+
+
+def test_a_vendors_table_is_taken_into_the_design(plain: Page) -> None:
+    plain.get_by_role("button", name="Errors as data sheets print them").click()
+    expect(plain.get_by_role("cell", name="6.59 m")).to_be_visible()
+    rows = plain.get_by_label("A vendor's table in real time, a row a line")
+    rows.fill("60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.0233°")
+    plain.get_by_role("button", name="Which noise does it imply?").click()
+    plain.get_by_role("button", name="Take into the design").click()
+    expect(plain.get_by_text("The design has the implied noise, with its origin.")).to_be_visible()
