@@ -28,7 +28,9 @@ def entry_texts(design: Design, check: Check, found: Allocation) -> list[dict[st
             "source": printable(entry.source),
             "allocated": check_quantity(design, check, entry.allocated),
             "estimated": check_quantity(design, check, entry.estimated),
-            "margin": NONE if entry.margin is None else signed_percent(entry.margin),
+            "margin": NONE
+            if entry.margin is None
+            else signed_percent(entry.margin).replace("the limit", "allocated"),
             "owner": printable(entry.owner) or NONE,
         }
         for entry in sorted(found.entries, key=lambda entry: -entry.estimated)

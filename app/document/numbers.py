@@ -86,7 +86,7 @@ def signed_percent(margin: float) -> str:
     """
     value = _short_of_all(margin)
     if margin < -1:
-        return _times(margin)
+        return f"{number(1 - margin)} × the limit"
     return _at_limit(margin) if abs(value) < 0.05 else _signed(f"{value:+.1f} %" if value < 99.95 else "+100 %")
 
 
@@ -110,15 +110,11 @@ def margin_in_short(margin: float) -> str:
     if abs(margin) < 0.005:
         told = _at_limit(margin)
     elif margin < -1:
-        told = _times(margin)
+        told = f"{number(1 - margin)} ×"
     else:
         little = _LEFT < 1 - margin < 0.005
         told = _signed(f"{_short_of_all(margin):+.1f} %" if little else f"{100 * margin:+.0f} %")
     return f"{'✓' if margin >= 0 else '✗'} {told}"
-
-
-def _times(margin: float) -> str:
-    return f"{number(1 - margin)} × the limit"
 
 
 def _short_of_all(share: float) -> float:

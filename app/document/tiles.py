@@ -34,7 +34,7 @@ def tiles_html(
     others = "".join(_other(figure, old.get(figure.label)) for figure in figures.items if figure.met is None)
     return (
         f'<div class="key"><dl class="tiles" aria-label="{escape(figures.caption)}">{tiles}</dl>'
-        f'<dl class="others quiet" aria-label="{escape(figures.caption)} without a limit">{others}</dl></div>'
+        f'<dl class="others quiet" aria-label="Values without a limit">{others}</dl></div>'
     )
 
 

@@ -69,6 +69,8 @@ class _Sheets:
         self.apart = book.add_format({"indent": 1})
         self.entry = book.add_format({"bg_color": "#FFF8DC", "border": 1, "border_color": "#BBBBBB", "locked": False})
         self.grey = book.add_format({"font_color": "#8A8A8A", "italic": True})
+        self.title = book.add_format({"bold": True, "font_size": 16, "font_color": "#FFFFFF", "bg_color": "#1A5580"})
+        self.good = book.add_format({"font_color": "#00654A", "bold": True})
         self.bad = book.add_format({"font_color": "#B00020", "bold": True})
 
     def write(self) -> None:
@@ -85,9 +87,11 @@ class _Sheets:
 
     def _start(self, sheet: Any, title: str, columns: Mapping[str, float], said: Sequence[str] = ()) -> int:
         """Title, sentences and heads of the columns; the row after them."""
-        sheet.write(0, 0, title, self.bold)
+        sheet.set_row(0, 24)
+        sheet.write_row(0, 0, (title, *[""] * (len(columns) - 1)), self.title)
         sheet.write_column(1, 0, said)
         sheet.set_landscape()
+        sheet.repeat_rows(len(said) + 2)
         sheet.fit_to_pages(1, 0)
         row = len(said) + 2
         sheet.set_row(row, 30)  # two lines, which not every program finds out
@@ -275,9 +279,12 @@ class _Sheets:
         if live:
             self._name("verdict_in_real_time", "Budget", 1, 0)
         self._greyed(sheet, f"A{first + 1}:K{row + 1}", f"$J{first + 1}")
-        sheet.conditional_format(
-            letters, {"type": "cell", "criteria": "==", "value": '"not met"', "format": self.bad}
-        )
+        for word, form in (("not met", self.bad), ("met", self.good)):  # the margin beside it too
+            rule = {"type": "formula", "criteria": f'=$H{first + 1}="{word}"', "format": form}
+            sheet.conditional_format(f"G{first + 1}:H{row + 1}", rule)
+        for word, form in (("Does not close", self.bad), ("Closes", self.good)):
+            sheet.conditional_format("A2", {"type": "formula", "criteria": f'=$A$2="{word}"', "format": form})
+        sheet.print_area(0, 0, row, len(columns) - 1)
 
     def _check(self, sheet: Any, row: int, name: str, check: Check | None, fixed: Any) -> None:
         """One requirement: its limit is a cell of Inputs, its value that of real time or a `fixed` number."""

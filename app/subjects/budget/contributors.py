@@ -69,7 +69,7 @@ class Contributors(View):
         self._made_said = html_pane("")
         self._made.param.watch(lambda _: self._ask(), "value")
         self._ask()
-        ready = pn.FlexBox(self._made, *self._boxes, make, stylesheets=[PRINT_NOTHING])
+        ready = pn.FlexBox(self._made, *self._boxes, make, margin=(16, 0, 0, 0), stylesheets=[PRINT_NOTHING])
         self._limits = RowEditor(
             _limit_fields(()), lambda rows: self._enter("limits", rows), noun="requirement",
             caption="More requirements",

@@ -296,7 +296,7 @@ def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) ->
 def test_while_a_slider_moves_the_switch_does_not_contradict_the_strip() -> None:
     session = Session(example("mems_x_band"))
     page = BudgetPage(session)
-    assert list(page._mode.options) == ["Real time ✗ 2.44 × the limit", "Post-processed ✗ −10 %"]
+    assert list(page._mode.options) == ["Real time ✗ 2.44 ×", "Post-processed ✗ −10 %"]
     session.change({"imu.angle_random_walk": 0.001 * math.pi / 180 / 60})
     page._tell_soon = lambda: None  # the slider has not stopped
     page.show(session.budget)
