@@ -122,7 +122,7 @@ _DECLARED = (
     ),
     Figure(
         "along_track_quadratic_phase", "Along-track quadratic phase", "angle", "phase", "[S-2]", "[P-5]",
-        limited_by="quadratic_phase",
+        limited_by="quadratic_phase", in_flight=True,
     ),
     _limited(
         "detrended_phase", "Detrended phase", "angle", "phase", "[T-15], [S-6] / [P-5]", "dpe",

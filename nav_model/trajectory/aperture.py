@@ -23,8 +23,10 @@ from nav_model.trajectory.states import States
 FloatArray = NDArray[np.float64]
 ORDERS = 6
 """Legendre coefficients along the line of sight."""
-COLUMNS = ORDERS + 2
-"""Sums of an aperture: these coefficients, the image's shift in azimuth, and that in range and azimuth together."""
+TURNED = ORDERS + 1
+COLUMNS = ORDERS + 3
+"""Sums of an aperture: these coefficients, the image's shift in azimuth, the quadratic that the turning line of sight
+makes of the error along the track, and the shifts in range and azimuth together."""
 _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ROUNDING = 1e-6  # s
 _MOST_WEIGHTS = 5_000_000  # nodes of all apertures: a few minutes, and some 4 GB
@@ -38,14 +40,15 @@ _SMOOTHED_AWAY = 0.05  # of what they leave of the free noise, by a smoother: le
 
 class Apertures(NamedTuple):
     """Apertures of a flight, one a row: the output it belongs to, where it begins [s], its line of sight (apertures,
-    3), its first and last node, and weights on position and velocity errors from the first node on (apertures, nodes,
-    COLUMNS, 6)."""
+    3), its first and last node, the quadratic that a velocity error (apertures, 3) at its start makes [m], and
+    weights on position and velocity errors from the first node on (apertures, nodes, COLUMNS, 6)."""
 
     output: NDArray[np.int64]
     begin: FloatArray
     sight: FloatArray
     first: NDArray[np.int64]
     last: NDArray[np.int64]
+    starting: FloatArray
     weights: FloatArray
 
 
@@ -73,6 +76,9 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     weights = np.zeros((len(output), nodes, COLUMNS, 6))
     sight, across = directions(in_middle[inside], x)
     # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
+    turn = (speed[inside] * math.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range))[:, None] * _level(
+        in_middle[inside]
+    )
     slope = (2 * x.slant_range / (speed[inside] * math.cos(x.squint) * x.aperture))[:, None]
     for step in range(weights.shape[1] - 1):
         on = np.flatnonzero(first + step < last)
@@ -96,20 +102,26 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
             weights[on, step + offset, :ORDERS, states] += each[:, :, None] * sight[on, None]
             moved = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
             weights[on, step + offset, ORDERS, states] += moved
+            turned = each[:, 1:2] + 9 / 14 * each[:, 3:4]  # [P-5]
+            weights[on, step + offset, TURNED, states] += turned * turn[on]
     weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
-    return Apertures(output, begin, sight, first, last, weights)
+    return Apertures(output, begin, sight, first, last, half * turn, weights)
 
 
 def directions(velocity: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:
     """Line of sight, and the direction across it in the slant plane, for velocities (n, 3), all NED. [P-7]"""
-    level = velocity[:, :2] / np.maximum(np.linalg.norm(velocity[:, :2], axis=1), 1e-9)[:, None]
-    zero = np.zeros(len(level))
-    along = np.column_stack([level, zero])
-    right = np.column_stack([-level[:, 1], level[:, 0], zero])
+    along = _level(velocity)
+    right = np.column_stack([-along[:, 1], along[:, 0], along[:, 2]])
     s, psi = math.sin(x.squint), x.grazing_angle
     sight = s * along + math.sqrt(max(math.cos(psi) ** 2 - s**2, 0.0)) * right
     sight[:, 2] = math.sin(psi)
     return sight, (along - s * sight) / math.cos(x.squint)
+
+
+def _level(velocity: FloatArray) -> FloatArray:
+    """Unit vectors along the track (n, 3), level, for velocities (n, 3), NED."""
+    size = np.maximum(np.linalg.norm(velocity[:, :2], axis=1), 1e-9)[:, None]
+    return np.hstack([velocity[:, :2] / size, np.zeros((len(velocity), 1))])
 
 
 def free_rest(states: States, x: Inputs) -> FloatArray:
@@ -164,6 +176,7 @@ def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, 
     along, across, _ = ground_covariance(moved, x.grazing_angle, 0.0, x.squint)
     return {
         "quadratic_phase": 9 / 4 * phase * variances[..., 2],
+        "along_track_quadratic_phase": phase * variances[..., TURNED],
         "cubic_phase": 25 / 4 * phase * variances[..., 3],
         "detrended_phase": phase * (higher + rest),
         "azimuth_shift": moved.azimuth,

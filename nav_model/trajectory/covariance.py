@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 
 from nav_model.budget.contributors import composed
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.simulation.layout import ATTITUDE, VELOCITY
 from nav_model.trajectory import aperture
-from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
+from nav_model.trajectory.aperture import COLUMNS, TURNED, Apertures, apertures_of
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import judge
@@ -77,6 +78,7 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     # In real time nothing later is known, and the INS is free from the aperture's start on.
     free = _Sums(np.zeros_like(smooth.rows), np.zeros_like(smooth.added))
     _within(model, run, apertures, free, None)
+    _from_start(model, apertures, free)
     _within(model, run, apertures, smooth, by_innovation)
     variances, judged, images, squares = _forward(model, run, apertures, states, (free, smooth), path, spec.moment)
     rests = [free_rest[:, None]] * 2
@@ -239,6 +241,16 @@ def _within(
             moved[:, :, _AXES:] += now[:, :, _AXES:] * model.kept[node - 1, None]
             now = moved
         sums.rows[on] = now
+
+
+def _from_start(model: ErrorModel, apertures: Apertures, free: _Sums) -> None:
+    """In real time, the quadratic that the line of sight makes of the error along the track is that of the velocity
+    at the aperture's start. [S-2]"""
+    free.rows[:, TURNED], free.added[:, :, TURNED] = 0.0, 0.0
+    free.rows[:, TURNED, VELOCITY:ATTITUDE] = apertures.starting
+    if (radar := model.states.first.get(RADAR_TIME)) is not None:
+        late = model.late[apertures.first, VELOCITY:ATTITUDE]
+        free.rows[:, TURNED, radar] = (apertures.starting * late).sum(axis=1)
 
 
 def _forward(

@@ -134,7 +134,7 @@ def _besides(x: Inputs) -> Contributors:
         alone = RealTime(replace(x, fast={source: fast}, scene_height_error=np.zeros(())))
         alone.shift = with_fast(alone.x, Shifts(*np.zeros(len(Shifts._fields))))
         alone.phases = {source: alone.phases[source]}
-        for name in IN_FLIGHT:
+        for name in LIMITED:  # none moves along the track
             if FIGURES[name].kind in ("phase", "place"):
                 part = Part(source, alone.value(name), False, BOTH)
                 in_figures[name] = (*in_figures.get(name, ()), part)
@@ -143,4 +143,5 @@ def _besides(x: Inputs) -> Contributors:
 
 def _limits(design: Design, most: Mapping[str, float | None]) -> Most:
     """Limits on figures along a flight, brought to one sigma."""
-    return tuple((name, limit / confidence_of(design, name)) for name, limit in most.items() if limit is not None)
+    limits = ((name, most[FIGURES[name].required_as]) for name in IN_FLIGHT)
+    return tuple((name, limit / confidence_of(design, name)) for name, limit in limits if limit is not None)

@@ -171,6 +171,22 @@ def test_states_of_a_line_are_those_of_the_moment_that_the_budget_checks(changes
     assert found.moment == after[design.requirements.steady_state]
 
 
+@pytest.mark.parametrize("changes", [["gnss.interval=0.1 s"], ["gnss.interval=0.1 s", "radar.squint_angle=20°"]])
+def test_the_quadratic_phase_along_the_track_is_that_of_the_budget(changes: list[str]) -> None:
+    """[S-2] and [P-5], judged by the limit on quadratic phase of the design, and of a line."""
+    limits = ["requirements.quadratic_phase=9°", "trajectory.limits=line 1, quadratic_phase=18°"]
+    design = parse_design(Path("examples/tactical_x_band.toml").read_bytes(), changes=[*changes, *limits])
+    study = specification(design, trajectory="straight", duration=200.0)
+    spec = covariance_specification(design, study, (Line("line 0", 50.0, 100.0), Line("line 1", 100.0, 150.0)))
+    found, name, budget = covariance(spec), "along_track_quadratic_phase", analyse(design)
+    for part, processing in ((found.real_time, "real time"), (found.post_processed, "post-processed")):
+        assert part.figures[name][100] == pytest.approx(budget[name, processing].sigma, rel=0.01), processing
+    confidence = design.requirements.confidence
+    for line, limit in zip(found.lines, (9.0, 18.0), strict=True):
+        assert math.degrees(line.limits[name]) == pytest.approx(limit / confidence)
+        assert math.degrees(line.limits["quadratic_phase"]) == pytest.approx(limit / confidence)
+
+
 def test_where_fixes_are_lost_states_are_judged_as_they_grow() -> None:
     """Before the fix that comes within an interval, else as they are: no result is as bad as the end of an outage."""
     found = along(TACTICAL, duration=200.0, outages=[(100.0, 130.0)])

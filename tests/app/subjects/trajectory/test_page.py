@@ -96,7 +96,7 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
 
 def test_a_design_that_is_good_enough_says_so_and_one_without_limits_too() -> None:
     strict = first_design()
-    given = [f"requirements.{name}" for name in FIGURES if strict[f"requirements.{name}"] is not None]
+    given = [f"requirements.{name}" for name in LIMITED if strict[f"requirements.{name}"] is not None]
     loose = strict.replace(dict.fromkeys(given, 30.0))
     kept = verdict(follow(loose.replace(TWO_LINES), 9), "ce90")
     assert kept.word == "✓ 2 of 2 lines within the limits in real time"
