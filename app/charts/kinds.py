@@ -315,13 +315,15 @@ LEVELS = (0.5, 1.0, 2.0)
 
 @dataclass(frozen=True)
 class RankBar:
-    """Effect of one change of one input on a figure: reduction in per cent, and in words."""
+    """Effect of one change of one input on a figure: reduction in per cent, and in words; ``bought``: whether a part
+    or an installation changes, not the geometry."""
 
     label: str
     percent: float
     doubled: bool
     sentence: str
     slope: float
+    bought: bool = True
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ class Radar(Part):
         unit="°",
         short="gr",
         bounds=(0.0, 90 * DEGREE),
-        softbounds=(0.0, 90 * DEGREE),
+        softbounds=(20 * DEGREE, 70 * DEGREE),
         label="Grazing angle",
         doc="Between the line of sight and the ground; weights vertical against cross-track errors [S-1].",
         datasheet='Radar table: "grazing angle" or "depression angle"; 90° less the incidence angle.',

@@ -2,25 +2,27 @@
 
 The derivative is a complex step through the same closed forms that give the figure (`nav_model.budget.figures`): the
 input is multiplied by 1 + i·10⁻²⁰ and the imaginary part read off. Nothing is subtracted, so the derivative is
-exact to rounding. All inputs are stepped in one broadcast evaluation.
+exact to rounding. All inputs are stepped in one broadcast evaluation; contributors of the user's own one by one.
 
 Source: Squire and Trapp, *Using complex variables to estimate derivatives of real functions*, SIAM Review
 40(1), 1998. For noises it must agree with [T-18].
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
+from nav_model.base.frozen import FrozenMapping
+from nav_model.budget.contributors import Contributors
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import FIGURES, OF_BUDGET
-from nav_model.explore.margins import least, quantity
+from nav_model.explore.margins import least, quantity, usual_range
 
 _STEP = 1e-20
 RANKED = tuple(name for name in OF_BUDGET if FIGURES[name].kind != "response")
@@ -31,7 +33,7 @@ SENSORS: Mapping[str, str] = {key: source for key in VARIABLES if (source := qua
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How one figure depends on one input.
+    """How one figure depends on one input, or on a contributor of the user's own, whose name is the ``label``.
 
     ``slope`` is d ln(figure)/d ln(input). ``halved`` and ``doubled`` are the figure's exact relative change when
     the input is halved or doubled (-0.31: 31 % less), NaN where that can be neither bought nor flown.
@@ -43,9 +45,19 @@ class Sensitivity:
     halved: float
     doubled: float
 
+    @property
+    def coarser(self) -> bool:
+        """Whether the change that helps makes the image coarser."""
+        return self.key == "radar.azimuth_resolution" or (self.key == "radar.aperture_time" and self.slope > 0)
+
+    @property
+    def bought(self) -> bool:
+        """Whether what changes is a part or an installation, not the geometry of flight and radar."""
+        return self.key.partition(".")[0] not in ("flight", "radar")
+
 
 def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
-    """Sensitivities of a figure to every input it depends on, the strongest first.
+    """Sensitivities of a figure to every input and contributor it depends on, the strongest first.
 
     Inputs at zero have no logarithm and are left out: `silent` names them.
 
@@ -64,7 +76,24 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
         for key, slope, half, double in zip(keys, slopes, halved, doubled, strict=True)
         if slope != 0
     ]
-    return tuple(sorted(found, key=lambda item: -abs(item.slope)))
+    return tuple(sorted((*found, *_of_contributors(design, figure)), key=lambda item: -abs(item.slope)))
+
+
+def _of_contributors(design: Design, figure: str) -> Iterator[Sensitivity]:
+    """The same of each contributor that enters the figure."""
+    x = inputs_of(design)
+    parts = x.contributors.entering(figure, x.processing)
+
+    def scaled(name: str, factor: complex) -> complex:
+        changed = tuple(replace(part, size=factor * part.size) if part.name == name else part for part in parts)
+        own = Contributors(FrozenMapping({figure: changed}))
+        return complex(figures(replace(x, contributors=own), (figure,))[figure].flat[0])
+
+    for part in parts:
+        now = scaled(part.name, 1.0).real
+        halved, doubled = (scaled(part.name, factor).real / now - 1 for factor in (0.5, 2.0))
+        slope = scaled(part.name, 1 + 1j * _STEP).imag / (now * _STEP)
+        yield Sensitivity(f"contributors.{part.name}", part.name, slope, halved, doubled)
 
 
 def silent(design: Design) -> tuple[str, ...]:
@@ -119,14 +148,19 @@ def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> 
 
 
 def _in_reach(key: str, now: float, factor: float) -> bool:
-    return least(key, now) <= factor * now <= quantity(key).limits[1]
+    """Whether a scaled input can be bought or flown: an angle within what people explore."""
+    declaration = quantity(key)
+    if declaration.dimension == "angle":
+        low, high = usual_range(key)
+        return low <= factor * now <= high
+    return least(key, now) <= factor * now <= declaration.limits[1]
 
 
 def sentence(item: Sensitivity, figure_label: str) -> str:
     """A sensitivity in words: what halving the input does, or doubling where that is what helps."""
     down = item.slope > 0
     verb, change = ("Halving", item.halved) if down else ("Doubling", item.doubled)
-    name = in_sentence(item.label)
+    name = in_sentence(item.label) + (", which makes the image coarser," if item.coarser else "")
     said = in_sentence(figure_label)
     if np.isnan(change):
         return f"{verb} the {name} is out of reach; one percent of it moves the {said} by {abs(item.slope):.2g} %."

@@ -53,10 +53,8 @@ def _bar(item: Sensitivity, figure_label: str) -> RankBar | None:
     change = item.doubled if doubled else item.halved
     if math.isnan(change) or change > -5e-4:
         return None
-    name = in_sentence(item.label)
-    return RankBar(
-        f"{'2 ×' if doubled else '½ ×'} {name}", -100 * change, doubled, sentence(item, figure_label), item.slope
-    )
+    name = f"{'2 ×' if doubled else '½ ×'} {in_sentence(item.label)}{' (coarser image)' if item.coarser else ''}"
+    return RankBar(name, -100 * change, doubled, sentence(item, figure_label), item.slope, item.bought)
 
 
 def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapChart:

@@ -83,6 +83,6 @@ class SolvedPanel(Question):
     def _rank(self) -> None:
         chart = rank_chart(self.session.design, self.figure)
         self._ranking.say(effects_html(chart))
-        lead = f'<p class="quiet fine">{prose(chart.bars[0].sentence)}</p>' if chart.bars else ""
+        lead = next((f'<p class="quiet fine">{prose(bar.sentence)}</p>' for bar in chart.bars if bar.bought), "")
         head = head_html(chart.title, chart.knowledge) + lead
         self._head.say(head)

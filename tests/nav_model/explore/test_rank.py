@@ -14,8 +14,9 @@ from nav_model.design import Design
 from nav_model.design.figures import REQUIRED
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.design.user_entries import read_entries
 from nav_model.explore.margins import quantity
-from nav_model.explore.rank import SENSORS, log_derivatives, rank, silent, stated
+from nav_model.explore.rank import SENSORS, log_derivatives, rank, sentence, silent, stated
 
 
 def _sigma(design, key, value, figure):
@@ -136,3 +137,31 @@ def test_sorted_and_halvings_are_exact(open_design):
 def test_unknown_figure(open_design):
     with pytest.raises(InputError, match="Choose "):
         rank(open_design, "weight")
+
+
+def test_a_contributor_is_ranked_by_what_halving_it_really_does():
+    """Against the design file with the halved value, through the whole analysis."""
+    for kind in ("random", "systematic"):
+
+        def given(value, kind=kind):
+            table = {"name": "Lever arm", "enters": "detrended_phase", "value": value, "kind": kind}
+            return Design(entries=read_entries({"contributors": [table]}))
+
+        design = given("2 mm")
+        item = next(item for item in rank(design, "detrended_phase") if item.label == "Lever arm")
+        now, halved, doubled = (analyse(given(size)).figure("detrended_phase") for size in ("2 mm", "1 mm", "4 mm"))
+        assert item.halved == pytest.approx(halved.sigma / now.sigma - 1, rel=1e-12)
+        assert item.doubled == pytest.approx(doubled.sigma / now.sigma - 1, rel=1e-12)
+        assert item.slope == pytest.approx(now.shares["Lever arm"], rel=1e-12)
+        slopes = [each.slope for each in rank(design, "detrended_phase") if each.key in SENSORS]
+        assert sum(slopes) + item.slope == pytest.approx(1)
+        assert not [one for one in rank(design, "tilt") if one.label == "Lever arm"]
+
+
+def test_an_angle_that_cannot_be_flown_is_not_offered_and_a_coarser_image_is_named():
+    nadir = {item.key: item for item in rank(Design({"radar.grazing_angle": np.pi / 4}), "detrended_phase")}
+    assert np.isnan(nadir["radar.grazing_angle"].doubled)
+    flown = {item.key: item for item in rank(Design({"radar.grazing_angle": np.pi / 6}), "detrended_phase")}
+    assert np.isfinite(flown["radar.grazing_angle"].doubled)
+    assert "which makes the image coarser" in sentence(flown["radar.azimuth_resolution"], "Detrended phase")
+    assert not flown["radar.grazing_angle"].bought
