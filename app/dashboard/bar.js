@@ -41,11 +41,11 @@ export function render({ model }) {
       <button data-filter="pyins" type="button">pyins: models</button>
     </div>
     <div class="menu" data-for="view" hidden>
-      <label>Values as <select class="spread"><option value="1s">1σ</option><option value="2s">2σ</option>
-        <option value="95">95 %</option><option value="cep">CEP (horizontal position)</option></select></label>
+      <label>Values as <select class="spread"><option value="">as required</option><option value="1s">1σ</option>
+        <option value="2s">2σ</option><option value="95">95 %</option><option value="cep">CEP (horizontal position)</option></select></label>
       <label>Units <select class="units"><option value="">data-sheet units</option><option value="si">SI</option>
         </select></label>
-      <p>For the Budget page, comparisons and reports. Other pages and reviews show 1σ. The verdict does not change.</p>
+      <p>For the Budget page, comparisons and reports. Image shows values as required, other pages 1σ. The verdict does not change.</p>
     </div>
     <div class="menu" data-for="report" hidden>
       <label>Description, printed on page 1<textarea rows="4" maxlength="2000"></textarea></label>
@@ -183,7 +183,7 @@ export function render({ model }) {
 
   // --- how figures are told ---
   const [spread, units] = [".spread", ".units"].map(at)
-  const shown = () => { [spread.value, units.value] = [...(model.shown || "1s").split("."), ""] }
+  const shown = () => { [spread.value, units.value] = [...(model.shown || "").split("."), ""] }
   spread.onchange = units.onchange = () => {
     tell({ do: "show", word: units.value ? `${spread.value}.${units.value}` : spread.value })
   }

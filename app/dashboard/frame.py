@@ -15,7 +15,7 @@ from app.dashboard.opening import opening
 from app.dashboard.sidebar import Sidebar
 from app.dashboard.toolbar import Toolbar
 from app.declared import required
-from app.document.display import ONE_SIGMA, display_of
+from app.document.display import AS_REQUIRED, ONE_SIGMA, display_of
 from app.session import Lineage, Session, link_parts
 from app.subjects import TABS, tab_index
 from app.ui.faults import report_to
@@ -34,8 +34,8 @@ from nav_model.design.link import from_query
 _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
 """Sheet of what stands only where the sidebar is a drawer over the page."""
-_ONE_SIGMA_ONLY = {"allocate", "close", "flight", "simulate", "image", "suborbital"}
-_SAID_OTHERWISE = "This page shows 1σ in the units of data sheets. Budget and report show {}."
+_OF_ITS_OWN = {"allocate", "close", "flight", "simulate", "image", "suborbital"}
+_SAID_OTHERWISE = "This page shows {} in the units of data sheets. Budget and report show {}."
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
 
@@ -156,10 +156,12 @@ class Frame(pn.viewable.Viewer):
 
     def _say_width(self) -> None:
         """Where figures do not follow the choice of how to show them, say so."""
-        tab, display = TABS[self._toolbar.bar.active], display_of(self.session.shown)
-        self._told.visible = display != ONE_SIGMA and tab.address in _ONE_SIGMA_ONLY
+        design, address = self.session.design, TABS[self._toolbar.bar.active].address
+        display = display_of(self.session.shown).of(design)
+        page = AS_REQUIRED.of(design) if address == "image" else ONE_SIGMA
+        self._told.visible = display != page and address in _OF_ITS_OWN
         if self._told.visible:
-            self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(display.said)}</p>'
+            self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(page.spread, display.said)}</p>'
 
     def _turned(self, event: Any) -> None:
         """Show the page's empty place at once and fill it in the next turn of the event loop."""

@@ -4,11 +4,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from app.document.blocks import Cell, Table, table
+from app.document.numbers import number
+from app.document.verdict import check_quantity
 from app.document.wording import input_in_words
+from nav_model.budget import Budget
+from nav_model.budget.contributors import with_contributors
 from nav_model.design import Design, Value
+from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import declaration_of
-from nav_model.explore.solve import Solution, offer
+from nav_model.explore.solve import SOLVED, Offer, Solution, offer, resolution_for
+from nav_model.explore.trade_map import closing_pairs
+
+_PAIRS = 3  # that are named
 
 
 class Way(NamedTuple):
@@ -37,11 +45,37 @@ def value_ways(design: Design, solutions: Iterable[Solution]) -> tuple[Way, ...]
             str(declaration_of(offered.key).label),
             f"at most {input_in_words(design, offered.key, offered.value, given=False)}",
             input_in_words(design, offered.key, solution.current),
-            f"limited by {figure_in_sentence(solution.together.binding)}",
+            f"limited by {figure_in_sentence(solution.together.binding)}{_image(design, offered, solution.current)}",
         )
         for solution, offered in found
         if offered is not None
     )
+
+
+def _image(design: Design, offered: Offer, now: float) -> str:
+    """What a shorter aperture makes of the image."""
+    if offered.key != "radar.aperture_time" or offered.value >= now:
+        return ""
+    return f"; coarser image, {number(resolution_for(design, offered.value))} m"
+
+
+def beyond_one(budget: Budget) -> str:
+    """What to try where no single input of `SOLVED` closes a design: two of which the map has a place that does;
+    where there is no such pair, the contributors that exceed a limit without the model, by name."""
+    design = budget.design
+    keys = [key for key in SOLVED if key == "radar.aperture_time" or design[key] is not None]
+    if pairs := closing_pairs(design, keys)[:_PAIRS]:
+        names = "; ".join(" and ".join(in_sentence(declaration_of(key).label) for key in pair) for pair in pairs)
+        return f"Change two inputs together, on “Trade-off map”: {names}."
+    said = ["No two of these inputs together close it either."]
+    for check in budget.verdict.checks:
+        parts = budget.x.contributors.entering(check.on, budget.processing)
+        alone = (check.confidence or 1.0) * with_contributors(0.0, parts)
+        if alone > check.limit:
+            value, limit = (check_quantity(design, check, size) for size in (alone, check.limit))
+            names = " and ".join(part.name for part in parts)
+            said.append(f"{names} alone: {value} of {limit} for {figure_in_sentence(check.name)}.")
+    return " ".join(said)
 
 
 def ways_table(found: Sequence[Way], *, closes: bool) -> Table:
@@ -53,5 +87,5 @@ def ways_table(found: Sequence[Way], *, closes: bool) -> Table:
         ("Change", "From", "Why"),
         ((Cell(way.text, value=way.text), way.now, way.why) for way in found),
         "Values are solved with the other inputs fixed, rounded down to three digits, and checked by running the "
-        "budget again.",
+        "budget again. A figure can fall again for larger values, by some per cent: such values are not offered.",
     )

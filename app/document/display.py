@@ -5,12 +5,16 @@ by the Rayleigh distribution, and CEP is the radius that holds half. Other figur
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from app.charts.kinds import BarChart, Chart
 from app.document.numbers import number, show
 from nav_model.base.errors import InputError
+from nav_model.design import Design
 
+REQUIRED = "as required"
+"""The spread of a design's requirements: what decides is shown as it is decided."""
 SPREADS: dict[str, tuple[str, float, float]] = {
     "1σ": ("1s", 1.0, 1.0),
     "2σ": ("2s", 2.0, 2.0),
@@ -25,7 +29,9 @@ _SI_UNITS = {"length": "m", "speed": "m/s", "angle": "rad", "time": "s", "loss":
 
 @dataclass(frozen=True)
 class Display:
-    """How figures are shown: one of `SPREADS`, and one of `UNITS`.
+    """How figures are shown: `REQUIRED` or one of `SPREADS`, and one of `UNITS`.
+
+    `of` makes a multiple of sigma of `REQUIRED`, with ``required`` set: limits are then as they are given.
 
     Examples
     --------
@@ -35,11 +41,21 @@ class Display:
     '0.02 m'
     """
 
-    spread: str = "1σ"
+    spread: str = REQUIRED
     units: str = SHEET
+    required: bool = field(default=False, compare=False)
+
+    def of(self, *designs: Design) -> Self:
+        """This choice for some designs; 1σ where their confidences are not one."""
+        if self.spread != REQUIRED:
+            return self
+        confidence, *others = {design.requirements.confidence for design in designs}
+        return replace(self, spread="1σ" if others else f"{confidence:g}σ", required=not others)
 
     def factor(self, *, pair: bool = False) -> float:
         """What one sigma is multiplied by; ``pair`` for a horizontal position or velocity."""
+        if self.required:
+            return float(self.spread.removesuffix("σ"))
         _, one, two = SPREADS[self.spread]
         return two if pair else one
 
@@ -120,6 +136,11 @@ class Display:
         )
 
     @property
+    def scaled(self) -> str:
+        """What a caption says of limits."""
+        return "" if self.required or self == ONE_SIGMA else ", limits scaled"
+
+    @property
     def said(self) -> str:
         """The choice in words, such as "95 %, SI units"."""
         return f"{self.spread}, {'SI units' if self.units == SI else 'units as on data sheets'}"
@@ -127,12 +148,12 @@ class Display:
     @property
     def word(self) -> str:
         """The choice in links and in the browser's memory; empty for the default."""
-        if self == ONE_SIGMA:
-            return ""
-        return SPREADS[self.spread][0] + (".si" if self.units == SI else "")
+        spread = "" if self.spread == REQUIRED else SPREADS[self.spread][0]
+        return spread + (".si" if self.units == SI else "")
 
 
-ONE_SIGMA = Display()
+ONE_SIGMA = Display("1σ")
+AS_REQUIRED = Display()
 
 
 def display_of(word: str) -> Display:
@@ -143,8 +164,8 @@ def display_of(word: str) -> Display:
     InputError
         If there is none.
     """
-    spread, _, units = (word or "1s").partition(".")
-    named = {short: name for name, (short, _, _) in SPREADS.items()}
+    spread, _, units = word.partition(".")
+    named = {"": REQUIRED} | {short: name for name, (short, _, _) in SPREADS.items()}
     if spread not in named or units not in {"", "si"}:
         raise InputError("show", f"{word[:20]!r} is not a display choice. Try 1s, 2s, 95 or cep, with .si for SI.")
     return Display(named[spread], SI if units else SHEET)

@@ -4,7 +4,7 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
-from app.document.display import ONE_SIGMA, SI, Display
+from app.document.display import AS_REQUIRED, SI, Display
 from app.document.numbers import margin_in_sentence, margin_in_short, percent, show_in, signed_percent
 from app.document.wording import MOMENTS
 from nav_model.base.errors import InputError
@@ -47,19 +47,19 @@ def check_words(design: Design, check: Check) -> CheckWords:
     return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
 
 
-def shown_check(design: Design, check: Check, display: Display = ONE_SIGMA) -> tuple[str, str, str]:
+def shown_check(design: Design, check: Check, display: Display) -> tuple[str, str, str]:
     """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it; and
-    that spread, where it is not the multiple asked for, as in " at 95 %"."""
+    that spread, as in " at 95 %", empty for what has none. As required, both are those that are compared."""
     pair = "horizontal" in check.on
-    factor = display.factor(pair=pair) / check.confidence if check.confidence else 1.0
+    factor = display.factor(pair=pair) / check.confidence if check.confidence and not display.required else 1.0
 
     def said(value: float, *, given: bool = False) -> str:
         if display.units == SI and check.dimension != "level":
             return display.in_si(value, check.dimension, given=given)
         return check_quantity(design, check, value, given=given)
 
-    told = display.named(pair=pair)
-    at = "" if check.confidence is None or told == f"{check.confidence:g}σ" else f" at {told}"
+    told = f"{check.confidence:g}σ" if display.required and check.confidence else display.named(pair=pair)
+    at = "" if check.confidence is None else f" at {told}"
     return said(factor * check.value), said(factor * check.limit, given=True), at
 
 
@@ -129,7 +129,7 @@ def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
     return ("✓ Closes", "good") if verdict.closes else ("✗ Does not close", "bad")
 
 
-def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
+def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
     """The verdict in one line: the tightest requirement, shown like the figures below it, and what dominates it."""
     tightest = budget.verdict.tightest
     if budget.verdict.elsewhere and all(check.met for check in budget.verdict.checks):
@@ -138,7 +138,7 @@ def verdict_strip(budget: Budget, display: Display = ONE_SIGMA) -> Answer:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
-    value, limit, at = shown_check(budget.design, tightest, display)
+    value, limit, at = shown_check(budget.design, tightest, display.of(budget.design))
     share = percent(tightest.sensor_share)
     return Answer(
         *_word_and_tone(budget.verdict),

@@ -24,7 +24,7 @@ def add_to(commands: Any) -> None:
     add("--with", dest="studies", default="", metavar="STUDY,...",
         help=f"studies to run and add to each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
     add("--show", default="", metavar="HOW",
-        help="figures of the budget: 1s (1σ, the default), 2s, 95 or cep; 95.si is 95 %% in SI units")  # fmt: skip
+        help="figures of the budget: 1s (1σ), 2s, 95 or cep, else as required; 95.si in SI")  # fmt: skip
     add("--supplier", choices=("imu", "gnss"), help="write the one-page sheet for a supplier of the unit instead")
     add = report.add_argument_group("the studies of --with").add_argument
     add("--runs", type=int, metavar="N", help="runs of the simulation and of SAR (default 100 and 200)")

@@ -20,7 +20,7 @@ from app.document.blocks import (
     numbers,
     table,
 )
-from app.document.display import ONE_SIGMA, Display
+from app.document.display import AS_REQUIRED, ONE_SIGMA, Display
 from app.document.numbers import NONE, percent, show_in
 from app.document.verdict import check_words, verdict_of
 from app.document.wording import labelled, printable, title_of
@@ -43,9 +43,10 @@ def comparison_chapter(
     budgets: Sequence[Budget],
     labels: Sequence[str],
     facts: tuple[tuple[str, str], ...],
-    display: Display = ONE_SIGMA,
+    display: Display = AS_REQUIRED,
 ) -> Chapter:
     """The comparison: verdicts, figures with the better one marked, inputs that differ, charts."""
+    display = display.of(*(budget.design for budget in budgets))
     return Chapter(
         key="c",
         kind="Comparison of navigation error budgets",
@@ -72,10 +73,11 @@ def closing_words(budgets: Sequence[Budget]) -> str:
 
 
 def difference_tables(
-    budgets: Sequence[Budget], labels: Sequence[str], display: Display = ONE_SIGMA
+    budgets: Sequence[Budget], labels: Sequence[str], display: Display = AS_REQUIRED
 ) -> tuple[Table, Table, Table]:
     """Verdicts, figures and inputs that differ, each as one table of any width; for the screen."""
     wide = len(budgets)
+    display = display.of(*(budget.design for budget in budgets))
     (figures,), (inputs,) = _figures(budgets, labels, display, wide), _inputs(budgets, labels, wide)
     return _verdicts(budgets, labels), figures, inputs
 

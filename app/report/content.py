@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import Any
 
 from app.document.blocks import MARK, Approval, Bullets, Chapter, ChartBlock, Equations, Report, Section, Symbols
-from app.document.display import ONE_SIGMA, Display
+from app.document.display import AS_REQUIRED, ONE_SIGMA, Display
 from app.document.verdict import verdict_of
 from app.document.wording import chapter_key, design_labels, labelled, printable, shortened, title_of
 from app.examples import description_of
@@ -29,7 +29,7 @@ def report_of(
     added: Sequence[Section] = (),
     studies: Sequence[Sequence[Section]] = (),
     front: Chapter | None = None,
-    display: Display = ONE_SIGMA,
+    display: Display = AS_REQUIRED,
 ) -> Report:
     """The report of some budgets; several make a comparison and a chapter each.
 
@@ -71,7 +71,7 @@ def report_of(
 def _chapter(
     budget: Budget, label: str, facts: tuple[tuple[str, str], ...], studies: Sequence[Section], display: Display
 ) -> Chapter:
-    design = budget.design
+    design, display = budget.design, display.of(budget.design)
     name = labelled(label, title_of(design))
     key = chapter_key(label)
     told = () if display == ONE_SIGMA else (("Values of the budget", f"{display.said}; all others 1σ"),)

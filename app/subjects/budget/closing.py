@@ -1,7 +1,7 @@
 """Ways to close a design: values of one input, and units of the catalogue."""
 
 from app.document.blocks import Block, Text
-from app.document.closing import Way, value_ways, ways_table
+from app.document.closing import Way, beyond_one, value_ways, ways_table
 from app.document.numbers import margin_in_sentence
 from app.document.wording import preset_name
 from nav_model.budget import Budget
@@ -45,8 +45,7 @@ def ways_block(budget: Budget, found: tuple[Way, ...]) -> Block:
         return Text("Give a limit under Requirements. The values that meet it then appear here.")
     if not found:
         said = "Every requirement is met, whatever a single input is." if budget.verdict.closes else (
-            "No single input and no unit of the catalogue closes the design. Change two inputs together: the map on "
-            "the page Close it shows which."
+            f"No single input and no unit of the catalogue closes the design. {beyond_one(budget)}"
         )  # fmt: skip
         return Text(said)
     return ways_table(found, closes=budget.verdict.closes)

@@ -1,7 +1,7 @@
 """The key figures of a budget, each with its limit, for page, report and command alike."""
 
 from app.document.blocks import KeyFigure, KeyFigures
-from app.document.display import ONE_SIGMA, Display
+from app.document.display import AS_REQUIRED, Display
 from app.document.numbers import show
 from app.document.verdict import check_words, shown_check
 from app.document.wording import MOMENTS
@@ -16,7 +16,7 @@ _KINDS: tuple[Kind, ...] = ("steady", "outage", "phase", "place", "level", "resp
 _TILES = tuple(name for kind in _KINDS for name in of_kind(kind) if FIGURES[name].tile)
 
 
-def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | None = None) -> KeyFigures:
+def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures | None = None) -> KeyFigures:
     """The main figures of the design's processing, each with its kind and limit; the tightest of the other checks.
 
     Parameters
@@ -26,6 +26,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
     was : KeyFigures, optional
         What they are compared with: they keep its units.
     """
+    display = display.of(budget.design)
     checks = {check.name: check for check in budget.verdict.checks}
     units = {figure.label: figure.amount for figure in was.items} if was else {}
 
@@ -42,7 +43,7 @@ def key_figures(budget: Budget, display: Display = ONE_SIGMA, was: KeyFigures | 
     others = [check for check in budget.verdict.checks if check.name not in _TILES]
     last = _tightest_of(others, budget, display) if others else _width(budget, display, units)
     return KeyFigures(
-        f"Key figures, {display.spread}{'' if display.spread == '1σ' else ', limits scaled'}",
+        f"Key figures, {display.spread}{display.scaled}",
         (*map(tile, _TILES), last),
     )
 
@@ -103,10 +104,10 @@ def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFi
 
 
 def _limit_said(budget: Budget, check: Check, display: Display) -> str:
-    """A limit, with its spread unless one is chosen, which is told above the charts; after an outage, a smoothed
-    budget's is of real time."""
+    """A limit, with its spread unless that is 1σ or chosen, which is told above the charts; after an outage, a
+    smoothed budget's is of real time."""
     _, limit, at = shown_check(budget.design, check, display)
-    if display.spread == "1σ":
+    if at != " at 1σ" and display.required:
         limit += at
     outage = check.on in FIGURES and FIGURES[check.on].kind == "outage"
     return f"{limit}, real time" if budget.post_processed and outage else limit

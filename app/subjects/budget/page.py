@@ -125,7 +125,7 @@ class BudgetPage(View):
 
     @property
     def _display(self) -> Display:
-        return display_of(self.session.shown)
+        return display_of(self.session.shown).of(self.session.design)
 
     def _timelines(self, budget: Budget) -> list[Chart]:
         return [self._display.timeline(chart) for chart in timelines.all_timelines(budget)]
@@ -181,7 +181,7 @@ class BudgetPage(View):
         source, method and description."""
         self._offer_modes()
         budget, spread = self.session.budget, self._display.named()
-        told = "" if spread == "1σ" else f", {spread}, limits scaled"
+        told = "" if spread == "1σ" else f", {spread}{self._display.scaled}"
         phase = charts.phase_chart(budget)
         said = "".join(described(line) for line in self._lines)
         knowledge = timelines.position_knowledge(budget)

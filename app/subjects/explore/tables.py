@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from app.charts.kinds import TradeMapChart
 from app.document.blocks import Answer, Block, Cell, Column, Row, Table, Text, numbers, table
-from app.document.closing import Way, ways_table
+from app.document.closing import Way, beyond_one, ways_table
 from app.document.numbers import margin_in_sentence, number, percent, signed_percent
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
@@ -28,7 +28,8 @@ from nav_model.explore.uncertainty import Probability, UncertainVerdict
 _SURE = 0.95  # probability from which a verdict counts as sure
 _EACH = (
     "Solved with the other inputs fixed, rounded down to three digits. “Any”: every value the input may take meets "
-    "the limit. “None”: no realistic value does."
+    "the limit. “None”: no realistic value does. Larger values, which may meet a limit "
+    "again, are not claimed."
 )
 
 
@@ -66,7 +67,7 @@ def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
             said.append(
                 f"{helps[0].upper()}{helps[1:]} meets {name}." if helps else f"No single change meets {name}."
             )
-    return (*said, "Change two inputs together: see “Trade-off map”.")
+    return (*said, beyond_one(budget))
 
 
 def _name(key: str) -> str:

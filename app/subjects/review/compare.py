@@ -53,6 +53,7 @@ class CompareView(View):
             return False
         labels = design_labels(len(budgets))
         self._revisions, display = revisions, display_of(self.desk.session.shown)
+        display = display.of(*(budget.design for budget in budgets))
         self._tables.object = listed(revisions, "Compared") + html_of(*difference_tables(budgets, labels, display))
         phase = display.bars(phase_comparison(budgets, labels))
         said = f"<h3>{phase.title}</h3>{bars_html(phase)}{described(phase)}{source_note(phase.knowledge)}"

@@ -65,7 +65,7 @@ def front_page(review: Review) -> Chapter:
     facts = (
         ("Review", review.title),
         ("Designs", names),
-        ("Values", "1σ in the units of data sheets, whatever the display choice; requirements at their confidence"),
+        ("Values", "In the units of data sheets, at the confidence of the requirements, whatever the display choice"),
         ("Opened", f"{review.author}, {moment(review.opened)}"),
         ("Reviewers", "; ".join(reviewers) or "none yet"),
         ("Signed off", f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"),

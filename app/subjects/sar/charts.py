@@ -77,10 +77,10 @@ def _typical(study: SarStudy) -> str:
 
 def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """Detrended phase of each strategy, the least first: formula beside the runs."""
-    limit = math.nan if closed.required_phase is None else closed.required_phase * _DEG
+    required = budget.design.requirements.detrended_phase
     return _dot_chart(
-        "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms [°]", budget,
-        closed.detrended, closed.whole, study, "rms", "residual_rms", limit,
+        "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms", budget,
+        closed.detrended, closed.whole, study, "rms", "residual_rms", required,
         f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
 
@@ -88,10 +88,9 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) 
 def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """Quadratic phase of each strategy before autofocus, the least first: formula beside the runs."""
     required = budget.design.requirements.quadratic_phase
-    limit = math.nan if required is None else float(required) / budget.design.requirements.confidence * _DEG
     return _dot_chart(
-        "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends [°]", budget,
-        closed.quadratic, {}, study, "quadratic_rms", "quadratic", limit,
+        "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends", budget,
+        closed.quadratic, {}, study, "quadratic_rms", "quadratic", required,
         f"Before autofocus, without the along-track quadratic phase, which has a check of its own. Formulas [S-5], "
         f"[S-7], {NAMES['9']} [P-5]. {_chosen(budget)}",
     )  # fmt: skip
@@ -109,17 +108,21 @@ def _chosen(budget: Budget) -> str:
 
 def _dot_chart(
     key: str, title: str, x_label: str, budget: Budget, closed: Mapping[str, float | None],
-    wholes: Mapping[str, float | None], study: SarStudy | None, over_runs: str, part: str, limit: float,
+    wholes: Mapping[str, float | None], study: SarStudy | None, over_runs: str, part: str, required: float | None,
     knowledge: str,
 ) -> DotChart:  # fmt: skip
-    to_degrees = _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
+    """Everything is at the confidence of the requirements, as is their limit."""
+    confidence = budget.design.requirements.confidence
+    limit = math.nan if required is None else _DEG * required
+    label = f"{x_label} [°]" if confidence == 1 else f"{x_label} at {confidence:g}σ [°]"
+    to_degrees = confidence * _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
     dots = []
     for row, strategy in enumerate(STRATEGIES[1:], start=1):
         form, known = closed.get(strategy.key), wholes.get(strategy.key)
         ensemble = low = high = math.nan
         whole = math.nan if known is None else to_degrees * known
         if study is not None:  # in the study's own wavelength, until it is run again
-            scale = _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
+            scale = confidence * _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
             band = study.parts[part]
             ensemble, low, high = (scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high))
             if wholes:
@@ -132,7 +135,7 @@ def _dot_chart(
         worst = percent(float(np.max(study.rms_error[1:] / study.rms[1:])))
         said = f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {worst}."
     millimetres = 1000 * float(phase_to_metres(1 / _DEG, budget.sar.wavelength))
-    return DotChart(key, title, x_label, tuple(dots), limit, millimetres, knowledge + said)
+    return DotChart(key, title, label, tuple(dots), limit, millimetres, knowledge + said)
 
 
 def _rank(dot: Dot) -> float:

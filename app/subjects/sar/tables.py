@@ -50,22 +50,28 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         key, sigma, whole = best.key, study.residual(best.key), float(study.whole_rms[STRATEGY_KEYS.index(best.key)])
     assert whole is not None  # the formula that is chosen has one
     source = "formula" if study is None else f"{study.runs} runs"
-    leaves = f"{_degrees(sigma, budget)}° by {source}, {_degrees(whole, budget)}° with the along-track part"
-    said = [f"Best strategy: {NAMES[key]}, {leaves}."]
+    # All at the confidence of the requirements, as the check is.
+    confidence = budget.design.requirements.confidence
+
+    def phase(sigma: float) -> str:
+        return f"{_degrees(confidence * sigma, budget)}°"
+
+    which = "the simplest within 5 % of the least"
+    said = [f"Use {NAMES[key]}, {which}: {phase(sigma)} by {source}, {phase(whole)} with the along-track part."]
     if study is not None and now.key != key:
-        said.append(f"Best in flight: {now.name}, {_degrees(study.residual(now.key), budget)}°.")
+        said.append(f"In flight use {now.name}: {phase(study.residual(now.key))}.")
     smoothed = closed.detrended["9"]
     if budget.verdict.processing == REAL_TIME and smoothed is not None:
-        said.append(f"{NAMES['9']}, post-processed: {_degrees(smoothed, budget)}° by formula.")
+        said.append(f"{NAMES['9']}, post-processed: {phase(smoothed)} by formula.")
     word, tone = f"Use {NAMES[key]}", "open"
     check = next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
     if check is not None:
         words = check_words(budget.design, check)
-        own = NAMES[judged(budget.design)]
+        own, at = NAMES[judged(budget.design)], "" if confidence == 1 else f" at {confidence:g}σ"
         word, tone = ("✓ Detrended phase met", "good") if check.met else ("✗ Detrended phase not met", "bad")
         said.insert(
             0,
-            f"{own}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}, "
+            f"{own}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}{at}, "
             f"{margin_in_sentence(check.margin)}.",
         )
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)

@@ -176,7 +176,7 @@ def test_the_sar_answer_says_which_why_and_what_would_change_it(told, findings):
     advice = sar_json(findings["sar"].study)["advice"]
     study = findings["sar"].study
     assert verdict(told, "sar").word == "✗ Detrended phase not met"
-    assert f"Best strategy: {study.best().name}, " in verdict(told, "sar").sentences[1]
+    assert f"Use {study.best().name}, " in verdict(told, "sar").sentences[1]
     assert verdict(told, "sar").tone == "bad"  # the example misses its limit of 20°
     texts = [b.text for s in told if s.key == "d-sar" for b in s.blocks if isinstance(b, Text)]
     assert any(advice["sentence"] in text for text in texts)

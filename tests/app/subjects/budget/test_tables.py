@@ -107,9 +107,21 @@ def test_a_comparison_keeps_its_units(mems: Budget) -> None:
 
 
 def test_a_limit_at_another_multiple_than_the_figure_beside_it_says_so() -> None:
-    figures = key_figures(changed(requirements__confidence=2.0))
-    assert figures.items[0].limit == "1 m at 1σ"
-    assert key_figures(changed(requirements__confidence=2.0), Display("2σ")).items[0].limit == "2 m"
+    twice = changed(requirements__confidence=2.0)
+    check = next(check for check in twice.verdict.checks if check.name == "horizontal_position")
+    position = key_figures(twice).items[0]
+    assert position.limit == "2 m at 2σ"
+    assert position.value == show(check.value, "length")
+    assert (
+        verdict_strip(twice)
+        .sentences[0]
+        .startswith(
+            "{0.label} {1.value}, limit {1.limit} at 2σ".format(
+                twice.verdict.tightest, check_words(twice.design, twice.verdict.tightest)
+            )
+        )
+    )
+    assert key_figures(twice, Display("1σ")).items[0].limit == "1 m"
     assert key_figures(changed(), Display("2σ")).items[0].limit == "4 m"
     in_si = key_figures(changed(), Display(units="SI"))
     assert in_si.items[5].limit == "1.57 rad"

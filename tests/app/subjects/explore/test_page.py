@@ -24,12 +24,14 @@ from app.subjects.explore.search import EXAMPLE
 from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.sweep_inputs import NONE
 from app.subjects.explore.uncertainty import range_of, row_of
+from nav_model import read_design
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
 from nav_model.design.file import format_design
 from nav_model.design.link import split_link
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import preset_fill
+from nav_model.design.user_entries import read_entries
 from nav_model.explore.search import OWN_GNSS
 from nav_model.explore.sweep import sweep_ratios, to_csv, to_parquet
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
@@ -444,3 +446,13 @@ async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> Non
         assert 1 - ratio == pytest.approx(analyse(first_design().replace(fill)).verdict.tightest.margin, rel=1e-9)
     sweep._table._handle_msg("0")
     assert explore.session.design.imu.preset == "LN-200"
+
+
+def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named() -> None:
+    arm = {"name": "Lever arm", "enters": "detrended_phase", "value": "2 mm"}
+    design = read_design("examples/tactical_x_band.toml").replace({}, entries=read_entries({"contributors": [arm]}))
+    explore = ExplorePage(Session(design))
+    said = " ".join(explore.question.answer.sentences)
+    assert "No two of these inputs together close it either. Lever arm alone: 46.1° of 20" in said
+    assert "Trade-off map" not in said
+    assert "½ × lever arm" in explore.question._ranking.object

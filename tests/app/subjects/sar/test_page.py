@@ -3,6 +3,7 @@
 import asyncio
 import io
 import json
+import math
 import re
 from typing import Any
 
@@ -21,14 +22,16 @@ from app.session import Session
 from app.subjects.sar import picture_panel
 from app.subjects.sar import run as sar_run
 from app.subjects.sar import upload as sar_upload
-from app.subjects.sar.charts import gnss_winner_chart, scene_picture
+from app.subjects.sar.charts import gnss_winner_chart, residual_chart, scene_picture
 from app.subjects.sar.page import SarPage
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import SarResult, run_strategies
+from app.subjects.sar.tables import answer
 from app.work.run import Run
 from nav_model.budget import analyse
 from nav_model.design.link import split_link
+from nav_model.sar.design_study import closed_forms
 from nav_model.sar.pictures import scene_pictures
 from nav_model.sar.strategies import NAMES
 
@@ -74,7 +77,7 @@ def names(sar: SarPage) -> list[str]:
 def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPage) -> None:
     assert "✗ Detrended phase not met" in said(sar)
     assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
-    assert "Best strategy: INS from filter, 48.9° by formula, 54.7° with the along-track part." in said(sar)
+    assert "Use INS from filter, the simplest within 5 % of the least: 48.9° by formula, 54.7° with" in said(sar)
     assert "Formulas only so far." in sar._bar.state.object
     formulas = ("Whole-leg smoother", "INS from filter", "INS after outage", "Quadratic fit, noise-weighted")
     assert names(sar)[:5] == [*formulas, "Quadratic fit"]
@@ -89,13 +92,27 @@ def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPa
     assert len(part(sar, "Error histories and impulse responses")) == 1  # no figure without data
 
 
+def test_a_requirement_at_two_sigma_is_at_two_sigma_in_strip_and_rows(session: Session) -> None:
+    session.change({"requirements.confidence": 2.0})
+    budget = session.budget
+    check = next(check for check in budget.verdict.checks if check.name == "detrended_phase")
+    chart = residual_chart(budget, closed_forms(budget), None)
+    assert chart.x_label == "detrended phase, rms at 2σ [°]"
+    row = next(dot for dot in chart.dots if dot.label == "INS from filter")
+    assert math.radians(row.closed) == pytest.approx(check.value)
+    assert math.radians(chart.limit) == pytest.approx(check.limit)
+    sentences = answer(budget, closed_forms(budget), None)[0].sentences
+    assert sentences[0] == "INS from filter, in real time: 97.7°, limit 20° at 2σ, 4.89 × the limit."
+    assert sentences[1].startswith("Use INS from filter, the simplest within 5 % of the least: 97.7° by formula")
+
+
 def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session: Session) -> None:
     run(sar)
     assert not session.running
     assert "The runs match the design. 50 runs of the error model, seed 0." in sar._bar.state.object
     study = sar._result.study
     assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
-    assert re.search(rf"Best strategy: {study.best().name}, [\d.]+° by 50 runs, ", said(sar))
+    assert re.search(rf"Use {study.best().name}, the simplest [^:]+: [\d.]+° by 50 runs, ", said(sar))
     ranked = sorted((key for key in NAMES if key != "1"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
     best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)
@@ -114,7 +131,7 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert "The runs belong to an earlier design. Run again." in sar._bar.state.object
     assert "The runs belong to an earlier design" in said(sar)
     # Of the formulas again, as the runs no longer count.
-    assert re.search(r"Best strategy: Quadratic fit, [\d.]+° by formula", said(sar))
+    assert re.search(r"Use Quadratic fit, the simplest within 5 % of the least: [\d.]+° by formula", said(sar))
     assert "yours is 1\xa0mm" in reasons.object
     session.undo()
     assert "stale" not in tables.object
