@@ -23,6 +23,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
+gc.disable()  # until all is collected: it is a third of that time, in every worker
 # No example is wrong for being slow. The same examples every time, so that a verdict is the code's; `make test-slow`
 # searches on among new ones.
 _PATIENT = settings(deadline=None, print_blob=True, suppress_health_check=[HealthCheck.too_slow])
@@ -44,6 +45,7 @@ _green = {}  # tests that watch files -> digest of these, or None after a failur
 def pytest_collection_finish(session):
     """What is imported by now stays: the collector need not go through it again and again, nor as often as usual."""
     gc.freeze()
+    gc.enable()
     gc.set_threshold(100_000, 50, 50)
 
 
