@@ -130,7 +130,7 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(visi
         act(page.keyboard.press, "Enter")
     expect(open_rows).to_have_count(0)
     act(press, page, "Sign off")
-    said(page, "You wrote 4 of the 4 waivers yourself. A signed review never changes.")
+    said(page, "You wrote 4 of 4 waivers. A signed review never changes.")
     act(press, page, "Sign as Ann (outcome: accepted with 4 waivers)")
     expect(page.locator(".strip").filter(has_text="CDR")).to_contain_text("⚠ Signed by Ann: accepted with 4 waivers")
     assert act.count <= 20
@@ -264,7 +264,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(heading).to_contain_text("can be signed")
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     press(page, "Sign off")
-    press(page, "Accept with 2 waivers, as Ann")
+    press(page, "Sign as Ann (outcome: accepted with 2 waivers)")
     expect(heading).to_contain_text("Signed by Ann: rejected")
 
 
