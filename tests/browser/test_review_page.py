@@ -97,7 +97,7 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
     expect(page.get_by_label("Selected designs")).to_contain_text("D2")
     act(press, page, "Compare")
     expect(page.get_by_role("region", name=re.compile("Errors, 1σ"))).to_contain_text("best")
-    expect(page.get_by_role("region", name=re.compile("Inputs that are not"))).to_contain_text("0.01 °/√h")
+    expect(page.get_by_role("region", name=re.compile("Inputs that differ"))).to_contain_text("0.01 °/√h")
     with page.expect_download() as download:
         act(press, page, re.compile(r"Comparison report \(PDF\)"))
     text = "".join(sheet.extract_text() for sheet in pypdf.PdfReader(io.BytesIO(content(download.value))).pages)
