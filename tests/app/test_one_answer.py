@@ -10,7 +10,8 @@ import numpy as np
 import openpyxl
 import pytest
 
-from app.document.numbers import show_in
+from app.document.display import ONE_SIGMA
+from app.document.numbers import margin_in_sentence, show_in
 from app.document.verdict import check_words, verdict_strip, verdicts_in_short
 from app.report.comparison import difference_tables
 from app.report.spreadsheet import workbook_bytes
@@ -23,7 +24,7 @@ from nav_model.budget import analyse
 from nav_model.budget.json import to_json
 from nav_model.budget.verdict import limit_on
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES, REQUIRED
+from nav_model.design.figures import FIGURES, OF_BUDGET, REQUIRED
 from nav_model.design.parts import INPUTS
 from nav_model.design.user_entries import UserEntries, read_entries
 from nav_model.explore.margins import ratios
@@ -82,7 +83,7 @@ _LIMITS = {"angle": "9°", "length": "1 m", "speed": "1 cm/s", "level": "-15 dB"
 
 def some_entries(random: np.random.Generator) -> UserEntries:
     """Contributors to some figures, and limits of the user's own on others."""
-    entering, limited = (random.choice(list(FIGURES), count, replace=False) for count in random.integers(0, 5, 2))
+    entering, limited = (random.choice(list(OF_BUDGET), count, replace=False) for count in random.integers(0, 5, 2))
     contributors = [
         {
             "name": f"error {n}",
@@ -131,17 +132,18 @@ def test_pages_report_and_command_give_one_verdict() -> None:
             texts = [cell.text for cell in row]
             assert texts[1:5] == [words.value, words.limit, words.margin, "✓ met" if check.met else "✗ not met"]
             assert line.startswith(f"d: {'met    ' if check.met else 'NOT MET'} {check.name} ")
-            plain = [text.replace("−", "-") for text in (words.value, words.limit, words.margin)]
-            assert "{} (limit {}, margin {};".format(*plain) in line
+            plain = [text.replace("−", "-") for text in (words.value, words.limit, margin_in_sentence(check.margin))]
+            assert "{} (limit {}, {};".format(*plain) in line.replace("−", "-")
             assert 1 - float(explored[check.name]) == pytest.approx(check.margin, rel=1e-9, abs=1e-9)
-            if check.label in tiles:
-                assert (tiles[check.label].met, tiles[check.label].used) == (check.met, 1 - check.margin)
+            tile = tiles[check.label]  # none hides another
+            assert (tile.met, tile.used) == (check.met, 1 - check.margin)
         check = next(check for check in verdict.checks if check.name == "detrended_phase")
         closed = closed_forms(budget)
         said, _ = answer(budget, closed, None)
         words = check_words(design, check)
         assert said.tone == ("good" if check.met else "bad")
-        assert f"{words.value}, limit {words.limit}, margin {words.margin}." in said.sentences[0]
+        assert f"{words.value}, limit {words.limit}" in said.sentences[0]
+        assert f", {margin_in_sentence(check.margin)}." in said.sentences[0]
         phase = 4 * math.pi / budget.sar.wavelength * design.requirements.confidence
         assert phase * closed.detrended[judged(design)] == pytest.approx(check.value, rel=1e-9)
         drawn = map_of_winners(conditions(budget))
@@ -172,7 +174,7 @@ def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: P
                     check.name,
                 )
                 assert rows[check.label][7].value == ("met" if check.met else "not met")
-        _, figures, _ = difference_tables([budget, analyse(design.replace({"name": "B"}))], ["A", "B"])
+        _, figures, _ = difference_tables([budget, analyse(design.replace({"name": "B"}))], ["A", "B"], ONE_SIGMA)
         shown = {row[0].text: row[1].text for row in figures.rows}
         prior = analyse(design.replace({"requirements.steady_state": "prior"}))
         for name in REQUIRED:

@@ -17,7 +17,7 @@ _TILES = tuple(name for kind in _KINDS for name in of_kind(kind) if FIGURES[name
 
 
 def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures | None = None) -> KeyFigures:
-    """The main figures of the design's processing, each with its kind and limit; the tightest of the other checks.
+    """The main figures of the design's processing, each with its kind and limit; and every other check.
 
     Parameters
     ----------
@@ -40,12 +40,14 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
         limit = _limit_said(budget, check, display)
         return KeyFigure(figure.label, value, detail, limit, check.met, amount, 1 - check.margin)
 
-    others = [check for check in budget.verdict.checks if check.name not in _TILES]
-    last = _tightest_of(others, budget, display) if others else _width(budget, display, units)
-    return KeyFigures(
-        f"Key figures, {display.spread}{display.scaled}",
-        (*map(tile, _TILES), last),
-    )
+    def other(check: Check) -> KeyFigure:
+        value, *_ = shown_check(budget.design, check, display)
+        detail, limit = check_words(budget.design, check).figure, _limit_said(budget, check, display)
+        return KeyFigure(check.label, value, detail, limit, check.met, check.sigma, 1 - check.margin)
+
+    others = tuple(other(check) for check in budget.verdict.checks if check.name not in _TILES)
+    title = f"Key figures, {display.spread}{display.scaled}"
+    return KeyFigures(title, (*map(tile, _TILES), *(others or (_width(budget, display, units),))))
 
 
 def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> str:
@@ -88,19 +90,6 @@ def _width(budget: Budget, display: Display, units: dict[str, float | None]) -> 
         f"{display.plain(sar.aperture_length, 'length')} [S-3]"
     )
     return KeyFigure(label, display.plain(width, "length", like=units.get(label)), detail, amount=width)
-
-
-def _tightest_of(checks: list[Check], budget: Budget, display: Display) -> KeyFigure:
-    """The check that has the least margin, and how the others stand."""
-    first, *rest = sorted(checks, key=lambda check: check.margin)
-    value, *_ = shown_check(budget.design, first, display)
-    more = sum(not check.met for check in rest)
-    detail = check_words(budget.design, first).figure
-    for check in rest:
-        other, its_limit, _ = shown_check(budget.design, check, display)
-        detail += f"; {check.label} {other}, limit {its_limit}, {'met' if check.met else 'not met'}"
-    limit = _limit_said(budget, first, display) + (f"; {more} more not met" if more else "")
-    return KeyFigure(first.label, value, detail, limit, first.met, first.sigma, 1 - first.margin)
 
 
 def _limit_said(budget: Budget, check: Check, display: Display) -> str:
