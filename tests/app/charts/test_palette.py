@@ -102,7 +102,7 @@ def test_lines_of_the_budgets_charts_differ_in_grey():
             names = [line.style for line in chart.lines] + (["limit"] if chart.limits else [])
             assert confused(names) == [], chart.key
             seen |= set(names)
-    told = seen.union(*TOGETHER.values()) | POINTS | {"limit", "tilt", "yaw"}
+    told = seen.union(*TOGETHER.values()) | POINTS | {"limit", "tilt", "yaw", "turn"}
     assert set(STYLES) <= told | {"reference", "exact", "asymptote", "quadratic", "with cubic", "mark"}
 
 

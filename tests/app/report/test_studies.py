@@ -120,7 +120,7 @@ def test_the_simulations_verdict_says_nees_nis_and_their_bands(told, findings):
     for name, sentence in zip(("nees", "nis"), said.sentences, strict=True):
         figures = [
             float(text)
-            for text in re.findall(rf"{name.upper()} ([\d.]+) .* band ([\d.]+) to ([\d.]+)[,:)]", sentence)[0]
+            for text in re.findall(rf"{name.upper()} ([\d.]+),? .* band ([\d.]+) to ([\d.]+)[,:)]", sentence)[0]
         ]
         assert figures == pytest.approx([document[name][part] for part in ("mean", "low", "high")], rel=5e-3)
     rows = table(told, "simulation-departures").rows

@@ -242,14 +242,11 @@ def test_what_vibrates_shifts_the_image(open_design):
         for of_line, of_all in zip(one, _line_fitted(f, aperture), strict=True)
     )
     lever = design.radar.slant_range / design.flight.speed
-    for before, after in (
-        (plain.placement, moved.placement), (plain.post_processed_placement, moved.post_processed_placement),
-    ):  # fmt: skip
-        assert after.range**2 - before.range**2 == pytest.approx(mean, rel=1e-4)
-        assert after.azimuth**2 - before.azimuth**2 == pytest.approx(lever**2 * slope, rel=1e-4)
-        assert after.shares["azimuth_shift"]["unsensed motion"] == pytest.approx(
-            lever**2 * slope / after.azimuth**2, rel=1e-4
-        )
+    for mode in ("real time", "post-processed"):
+        for name, more in (("range_shift", mean), ("azimuth_shift", lever**2 * slope)):
+            before, after = plain[name, mode], moved[name, mode]
+            assert after.sigma**2 - before.sigma**2 == pytest.approx(more, rel=1e-4)
+        assert after.shares["unsensed motion"] == pytest.approx(lever**2 * slope / after.sigma**2, rel=1e-4)
     more = moved.beside("slope_shift") ** 2 - plain.beside("slope_shift") ** 2
     assert more == pytest.approx(lever**2 * slope, rel=1e-4)
 

@@ -13,7 +13,7 @@ from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.budget.provenance import cautions
 from nav_model.budget.smoothed import Smoothed
-from nav_model.design.figures import FIGURES, STEADY
+from nav_model.design.figures import FIGURES, OF_BUDGET, STEADY
 
 # docs/processing.md, check values: quadratic, cubic, residual after orders 1 and 2, along-track quadratic [°], slope
 # of the line of sight [mm/s], azimuth shift [m], position horizontal and vertical [m], velocity [mm/s], tilt [°].
@@ -42,7 +42,7 @@ def named(open_design, closed_design):
 
 def found_in(budget):
     flight = budget.design.flight
-    post = {name: budget[name, "post-processed"].sigma for name in FIGURES}
+    post = {name: budget[name, "post-processed"].sigma for name in OF_BUDGET}
     lever, shift = budget.design.radar.slant_range / flight.speed, budget.beside("slope_shift")
     return (
         *(math.degrees(post[name]) for name in ("quadratic_phase", "cubic_phase", "detrended_phase_1",

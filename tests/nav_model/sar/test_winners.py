@@ -150,7 +150,7 @@ def test_autofocus_leaves_nothing_to_choose_between():
 def test_advice_says_which_why_and_what_would_change():
     short = advise(Conditions(5.0, 0.02, 1.0, 0.07 / 60, np.radians(0.15) / 60, settled(1e-8)), 0.031)
     assert short.strategy == "2"
-    assert "use INS from filter" in short.sentence
+    assert "Use INS from filter" in short.sentence
     assert short.break_even_aperture > 5.0
     case = Conditions(20.0, 0.02, 1.0, SA, SW, settled(2e-7), coast_time=100.0)
     good = advise(case, 0.031, required_phase=0.1)

@@ -201,7 +201,7 @@ def test_the_charts_carry_the_studys_numbers(study: SimulationStudy) -> None:
     assert np.radians(lines["rms 2"]) == pytest.approx(result.rms[1, :, 8], rel=1e-12)
     assert np.radians(lines["closed 1"]) == pytest.approx(result.closed_form_sigma[:, 6], rel=1e-12)
     ratios = {line.key: line.y for line in charts.consistency_chart(study).lines}
-    assert ratios["yaw"] == pytest.approx(result.rms[1, :, 8] / result.filter_sigma[1, :, 8])
+    assert ratios["heading"] == pytest.approx(result.rms[1, :, 8] / result.filter_sigma[1, :, 8])
     growth = charts.outage_chart(study)
     assert list(growth.lines[0].x) == pytest.approx(list(range(2, 21, 2)))
     assert growth.lines[0].y == pytest.approx(result.rms[1, -10:, 0])
@@ -318,7 +318,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert session.findings["simulation"] is study  # of all its runs
     page.run.result = page._earlier = Flown(study, 12)
     page.run.message = "Cancelled: 3 of 2000 runs."
-    assert "This is the result before it" in said_by(page)
+    assert "The last run was cancelled. Showing the previous result." in said_by(page)
     down = np.abs(other.result.worst.error[1, :, 2])
     page.axis = "down"
     assert charts.ensemble_chart(other, "down").lines[2].y == pytest.approx(down)

@@ -1,0 +1,100 @@
+"""One requirement, one answer: a long straight line against the budget, every figure and every verdict.
+
+What may differ is in `REASONS`, with its bound; docs/trajectory.md says why.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.design.figures import FIGURES, IN_FLIGHT, of_kind
+from nav_model.design.file import read_design
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.design.user_entries import read_entries
+from nav_model.simulation.design_study import specification
+from nav_model.trajectory.covariance import covariance
+from nav_model.trajectory.design_study import covariance_specification
+
+pytestmark = pytest.mark.long
+
+BASES = [read_design(f"examples/{name}_x_band.toml") for name in ("mems", "tactical")]
+LEG = 600.0  # s, so that the smoother has what the budget's has
+REASONS = {
+    "the aperture begins just after a fix, in the budget with the average between fixes": (
+        REAL_TIME,
+        ("phase", "place"),
+        0.08,
+    ),
+    "the fix interval's worst moment is that of its end": (REAL_TIME, ("steady",), 0.04),
+    "the aperture has no fix in its middle": (POST_PROCESSED, ("steady",), 0.04),
+    "curves between steps": (POST_PROCESSED, ("phase", "place"), 0.01),
+}
+"""Reason -> processing, kinds of figures, and largest part by which the two may differ."""
+
+
+def drawn(seed: int) -> Design:
+    """Without residual biases: a straight line cancels them, the budget takes them as after a turn."""
+    draw = np.random.default_rng(seed)
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(draw.uniform(np.log(low), np.log(high))))
+
+    base = BASES[seed % 2]
+    names = [name for name in IN_FLIGHT if name in of_kind("phase", "place", "steady")]
+    changes = {
+        "gnss.position_noise": between(0.02, 3.0),
+        "gnss.interval": float(draw.choice([0.5, 1.0])),
+        "gnss.vertical_position_noise": None,
+        "radar.aperture_time": between(1.0, 15.0),
+        "radar.autofocus_order": int(draw.integers(1, 4)),
+        "imu.angle_random_walk": base.imu.angle_random_walk * between(0.3, 3.0),
+        "imu.velocity_random_walk": base.imu.velocity_random_walk * between(0.3, 3.0),
+        "imu.accelerometer_bias": 0.0,
+        "imu.gyro_bias": 0.0,
+        "coast.before_aperture": 0.0,
+        "requirements.confidence": float(draw.choice([1.0, 2.0])),
+        "processing.mode": str(draw.choice([REAL_TIME, POST_PROCESSED])),
+    }
+    if draw.random() < 0.4:
+        slow = {"correlated": True, "correlated_noise": between(0.05, 2.0), "correlation_time": between(20.0, 300.0)}
+        changes |= {f"gnss.{key}": value for key, value in slow.items()}
+    design = base.replace(changes)
+    # Requirements about the figures, met or missed by up to three times; contributors; a limit of one's own.
+    budget = analyse(design)
+    limits = {
+        f"requirements.{name}": budget.figure(name).sigma * between(1 / 3, 3.0)
+        for name in names
+        if FIGURES[name].requirement
+    }
+    entries = {
+        "contributors": [
+            {"name": "mount", "value": "0.1 mm", "enters": "quadratic_phase"},
+            {"name": "datum", "value": "1 cm", "enters": "horizontal_position", "kind": "systematic"},
+        ],
+        "limits": [{"name": "half", "on": "detrended_phase", "limit": "9°", "confidence": 1}],
+    }
+    return design.replace(limits, entries=read_entries(entries))
+
+
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(n, marks=pytest.mark.slow) for n in range(6, 100))])
+def test_a_straight_line_has_the_figures_and_verdicts_of_the_budget(seed: int) -> None:
+    design = drawn(seed)
+    budget = analyse(design)
+    study = specification(design, trajectory="straight", duration=LEG, every=LEG / 2)
+    result = covariance(covariance_specification(design, study))
+    bounds = {(processing, kind): bound for processing, kinds, bound in REASONS.values() for kind in kinds}
+    judged = set()
+    for name in (name for name in IN_FLIGHT if name in of_kind("phase", "place", "steady")):
+        bound = bounds[design.processing.mode, FIGURES[name].kind]
+        along = result.chosen.figures[name][1]
+        assert along == pytest.approx(budget.figure(name).sigma, rel=bound), name
+        limit = dict(result.spec.most).get(name, math.nan)
+        checks = [check for check in budget.verdict.checks if check.on == name]
+        met = all(check.met for check in checks)
+        if checks and not abs(along / limit - 1) < bound:  # a value at its limit may be on either side
+            assert met is bool(along <= limit), name
+        judged.update(check.name for check in checks)
+    assert judged | {check.name for check in result.spec.elsewhere} == {c.name for c in budget.verdict.checks}
