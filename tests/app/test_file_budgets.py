@@ -38,17 +38,18 @@ def history(content):
 def library(content):
     _listed(_unpack(content))
 
-def taken():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+def held(peak):  # not ru_maxrss, which begins at what the process that started this one has
+    return int(next(line for line in open("/proc/self/status") if line.startswith(peak)).split()[1]) / 1024
 
 content = eval(sys.argv[2])
-before = taken()
+before = held("VmRSS")
+open("/proc/self/clear_refs", "w").write("5")  # the peak from here on
 try:
     {"log": log, "history": history, "library": library}[sys.argv[1]](content)
     said = "read"
 except ValueError as error:
     said = str(error)
-print(taken() - before, said)
+print(held("VmHWM") - before, said)
 """
 
 
@@ -67,8 +68,8 @@ print(taken() - before, said)
         ("history", "packed(fp__npy=npy(3 * 10**8, '|u1', b'0' * 3 * 10**8))", 20, "unpacks to 300 MB"),
         ("library", "packed(a__toml=b'#' * 10**8)", 20, "unpacks to more than 1000000 bytes"),
         ("library", "packed(**{f'a{i}__toml': b'' for i in range(2001)})", 20, "2001 files; at most 2000"),
-        ("library", "packed(library__json=b'[' * 19_000_000)", 100, "has more than 100000 parts"),
-        ("library", "packed(library__json=b'{\"format\":1,\"designs\":[' + b'[],' * 6_000_000)", 100,
+        ("library", "packed(library__json=b'[' * 19_000_000)", 220, "has more than 100000 parts"),
+        ("library", "packed(library__json=b'{\"format\":1,\"designs\":[' + b'[],' * 6_000_000)", 220,
          "has more than 100000 parts"),
     ],
 )  # fmt: skip
