@@ -207,8 +207,8 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
     (delimiter, width), _ = shapes.most_common(1)[0] if shapes else ((None, 0), 0)
     amounts = [_numeric(cells) for _, cells in rows if len(cells) == width]
     if not any(amounts):
-        said = f"The first {len(head)} lines hold no numbers" if len(head) > _HEAD_LINES else "No numbers found"
-        raise InputError(file_name, f"{said}. This is not a table.")
+        reason = f"The first {len(head)} lines hold no numbers" if len(head) > _HEAD_LINES else "No numbers found"
+        raise InputError(file_name, f"{reason}. This is not a table.")
     if width > _MOST_COLUMNS:
         raise InputError(file_name, f"{width} columns; a table has at most {_MOST_COLUMNS}.")
     first = next(

@@ -95,11 +95,11 @@ def _px4(design: Design) -> str:
         values["EKF2_GYR_B_NOISE"] = gyro.walk / root, f"rad/s^2, {_ASSUMED}"
     if gnss.velocity_noise is not None:
         values["EKF2_GPS_V_NOISE"] = gnss.velocity_noise, "m/s"
-    said = "".join(
+    comments = "".join(
         f"# {name}: {unit}{_beyond(value, *_PX4_RANGES[name])}\n" for name, (value, unit) in values.items()
     )
     rows = "".join(f"1\t1\t{name}\t{_real(value)}\t9\n" for name, (value, _) in values.items())
-    return f"{_HEAD}{said}1\t1\tEKF2_PREDICT_US\t{round(PERIOD * 1e6)}\t6\n{rows}"
+    return f"{_HEAD}{comments}1\t1\tEKF2_PREDICT_US\t{round(PERIOD * 1e6)}\t6\n{rows}"
 
 
 _PX4_RANGES = {

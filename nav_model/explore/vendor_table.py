@@ -180,8 +180,8 @@ class Inversion:
 
     def changes(self, design: Design) -> tuple[dict[str, float], dict[str, str], dict[str, str]]:
         """Values, units and origins that `Design.replace` takes."""
-        said = "; ".join(entry.label for entry in self.entries)
-        origin = f"implied by the vendor's table: {said}"
+        labels = "; ".join(entry.label for entry in self.entries)
+        origin = f"implied by the vendor's table: {labels}"
         values = {item.key: rounded_offer(design, item.key, item.value).value for item in self.implied}
         written = {key: design.unit(key) for key in values}
         return values, written, dict.fromkeys(values, origin if len(origin) <= _ORIGIN else f"{origin[:_ORIGIN]}…")
@@ -211,15 +211,15 @@ def read_row(text: str) -> tuple[Given, ...]:
     """
     time, colon, rest = text.partition(":")
     if not colon or len(text) > _LONGEST:
-        said = 'Write for example "60 s: horizontal 0.10 m, heading 0.010°".'
-        raise InputError("row", f"{text[:80]!r} is not a row of a table. {said}", text)
+        example = 'Write for example "60 s: horizontal 0.10 m, heading 0.010°".'
+        raise InputError("row", f"{text[:80]!r} is not a row of a table. {example}", text)
     with under("row"):
         settled = time.strip().lower() in {"no outage", "0"}
         outage = 0.0 if settled else parse_quantity(time, "time").value
     _, longest = cast("tuple[float, float]", _quantity("coast.duration").bounds)
     if not 0 <= outage <= longest:
         raise InputError("row", f"{time.strip()} is not allowed. Give from 0 s to {longest:g} s.", text)
-    found = []
+    entries = []
     for part in re.split(r"[,;]\s*(?=[A-Za-z])", rest.strip()):
         match = _ENTRY.fullmatch(part)
         name = " ".join(match[1].lower().split()) if match else ""
@@ -228,8 +228,8 @@ def read_row(text: str) -> tuple[Given, ...]:
             raise InputError("row", f"{part[:80]!r} is none of {', '.join(COLUMNS)} with a value.", text)
         with under("row"):
             value = _quantity(COLUMNS[column].reads).read(match[2]).value
-        found.append(Given(outage, column, value, match[2], _rounding(match[2])))
-    return tuple(found)
+        entries.append(Given(outage, column, value, match[2], _rounding(match[2])))
+    return tuple(entries)
 
 
 def _rounding(text: str) -> float:
@@ -316,7 +316,7 @@ class _Fit:
         from scipy.optimize import least_squares
 
         order = np.argsort((self.misses[counted] ** 2).sum(axis=0))[: _FITS - len(before)]
-        found, cost = self.starts[order[0]], math.inf
+        unknowns, cost = self.starts[order[0]], math.inf
         for start in (*before, *self.starts[order]):
             at = lru_cache(maxsize=2)(lambda point: self.slopes(np.frombuffer(point)))
             fit = least_squares(
@@ -326,10 +326,10 @@ class _Fit:
                 bounds=(self.low, self.high), max_nfev=_EVALUATIONS,
             )  # fmt: skip
             if 2 * fit.cost < cost:
-                found, cost = fit.x, 2 * fit.cost
+                unknowns, cost = fit.x, 2 * fit.cost
             if cost < _EXACT or (before and cost <= counted.sum()):
                 break
-        return found, cost
+        return unknowns, cost
 
     def factors(self, point: Array) -> list[float]:
         """What the digits leave open of each unknown: two sigmas of even errors within the roundings."""
@@ -340,17 +340,17 @@ class _Fit:
 
     def contradictions(self, point: Array) -> tuple[Contradiction, ...]:
         """Each entry without which the others agree; without one, the two that are missed most."""
-        found = []
+        contradictions = []
         for index, entry in enumerate(self.entries):
             others = np.arange(len(self.entries)) != index
             rest, cost = self.best(others, point)
             if cost <= others.sum():
-                found.append(Contradiction(entry, float(self.model(rest[:, None])[index, 0])))
-        if not found:
+                contradictions.append(Contradiction(entry, float(self.model(rest[:, None])[index, 0])))
+        if not contradictions:
             values, misses = self.model(point[:, None])[:, 0], self.residuals(point[:, None])[:, 0]
             pair = int(misses.argmin()), int(misses.argmax())
-            found = [Contradiction(self.entries[i], float(values[i])) for i in pair]
-        return tuple(found)
+            contradictions = [Contradiction(self.entries[i], float(values[i])) for i in pair]
+        return tuple(contradictions)
 
 
 def _quantity(key: str) -> BaseQuantity[float]:

@@ -52,13 +52,13 @@ def implied_blocks(design: Design, inversion: Inversion) -> list[Block]:
     """What rows imply, and what contradicts what."""
     blocks: list[Block] = []
     if inversion.contradictions:
-        said = tuple(
+        contradictions = tuple(
             f"{item.entry.label} is {number(max(item.factor, 1 / item.factor))} times too "
             f"{'large' if item.factor > 1 else 'small'}: the other entries imply "
             f"{show(item.implied, FIGURES[COLUMNS[item.entry.column].outage].dimension)}."
             for item in inversion.contradictions
         )
-        blocks.append(Bullets(said, "The entries contradict each other in real time with this receiver"))
+        blocks.append(Bullets(contradictions, "The entries contradict each other in real time with this receiver"))
     rows = (
         (
             str(declaration_of(item.key).label),
@@ -123,8 +123,8 @@ class VendorPanel(View):
     def _take(self, _: Any) -> None:
         assert self._inversion is not None
         problem = self.session.change(*self._inversion.changes(self.session.design))
-        said = (
+        message = (
             f"Not taken. {problem}" if problem else "The design has the implied noise, with its origin. You can undo."
         )
-        self.answer.object = html_of(Text(said))
+        self.answer.object = html_of(Text(message))
         self.take.visible = bool(problem)

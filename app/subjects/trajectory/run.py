@@ -96,8 +96,8 @@ def follow(
         heights = design.flight.altitude, design.trajectory.ground or None
         flight = parse_file(file.path.read_bytes(), file.name, *heights).flown(plan_like(design))
     if flight.duration > _MOST_STEPS * design.gnss.interval:
-        said = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
-        raise InputError("Flight", said + "use the command `navbudget trajectory`")
+        message = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
+        raise InputError("Flight", message + "use the command `navbudget trajectory`")
     study = specification(
         design,
         trajectory=flight.trajectory,
