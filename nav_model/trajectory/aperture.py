@@ -71,8 +71,8 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     last = np.searchsorted(time_s, begin + x.aperture - _ROUNDING)
     nodes = int(np.max(last - first, initial=0)) + 1
     if len(output) * nodes > _MOST_WEIGHTS:
-        said = f"{len(output)} apertures of {nodes} steps are too many. Give fewer results or a shorter aperture."
-        raise InputError("every", said)
+        reason = f"{len(output)} apertures of {nodes} steps are too many. Give fewer results or a shorter aperture."
+        raise InputError("every", reason)
     weights = np.zeros((len(output), nodes, COLUMNS, 6))
     sight, across = directions(in_middle[inside], x)
     # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
@@ -102,8 +102,8 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
             weights[on, step + offset, :ORDERS, states] += each[:, :, None] * sight[on, None]
             moved = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
             weights[on, step + offset, ORDERS, states] += moved
-            turned = each[:, 1:2] + 9 / 14 * each[:, 3:4]  # [P-5]
-            weights[on, step + offset, TURNED, states] += turned * turn[on]
+            parabola = each[:, 1:2] + 9 / 14 * each[:, 3:4]  # [P-5]
+            weights[on, step + offset, TURNED, states] += parabola * turn[on]
     weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
     return Apertures(output, begin, sight, first, last, half * turn, weights)
 

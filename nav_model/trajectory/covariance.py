@@ -104,12 +104,12 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
 
 def _filtered(model: ErrorModel) -> _Filter:
     (k, r, _), m = model.rows.shape, model.states.estimated
-    found = _Filter(np.empty((k, m, m)), np.zeros((k, m, r)), np.zeros((k, m, r)))
+    run = _Filter(np.empty((k, m, m)), np.zeros((k, m, r)), np.zeros((k, m, r)))
     identity, p = np.eye(m), model.states.believed
     for node in range(k):
         if node:
-            step = _transition(model, node, m)
-            p = step @ p @ step.T + model.filter_noise[node - 1]
+            phi = _transition(model, node, m)
+            p = phi @ p @ phi.T + model.filter_noise[node - 1]
         if model.is_fix[node]:
             rows, variance = model.rows[node, :, :m], model.variance[node]
             cross = p @ rows.T
@@ -117,19 +117,19 @@ def _filtered(model: ErrorModel) -> _Filter:
             gain = cross @ inverse
             update = identity - gain @ rows  # I - K H
             p = update @ p @ update.T + (gain * variance) @ gain.T
-            found.gain[node], found.weight[node] = gain, rows.T @ inverse
+            run.gain[node], run.weight[node] = gain, rows.T @ inverse
         p = 0.5 * (p + p.T)
-        found.covariance[node] = p
+        run.covariance[node] = p
     if not np.all(np.isfinite(p)):
         raise ArithmeticError("the filter's covariance is not finite at the end of the flight")
-    return found
+    return run
 
 
 def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
     """The transition from the node before of the first `size` states."""
-    found = np.diag(np.concatenate([np.zeros(_AXES), model.kept[node - 1, : size - _AXES]]))
-    found[:_AXES] = model.top[node - 1, :, :size]
-    return found
+    phi = np.diag(np.concatenate([np.zeros(_AXES), model.decay_factor[node - 1, : size - _AXES]]))
+    phi[:_AXES] = model.phi[node - 1, :, :size]
+    return phi
 
 
 def _along(apertures: Apertures, *, back: bool = False) -> Iterator[tuple[int, Indices, Indices]]:
@@ -145,17 +145,17 @@ def _ends(model: ErrorModel, run: _Filter, apertures: Apertures) -> tuple[FloatA
     """What smoothing adds to the sums of the apertures: weights on λ at the end of each (apertures, COLUMNS, m), and
     on the innovations at its nodes (nodes, apertures, COLUMNS, r)."""
     m, (count, nodes) = model.states.estimated, apertures.weights.shape[:2]
-    found = np.zeros((count, COLUMNS, m))
+    weights = np.zeros((count, COLUMNS, m))
     by_innovation = np.zeros((nodes, count, COLUMNS, model.rows.shape[1]))
     for step, on, node in _along(apertures):
-        now = found[on]
+        now = weights[on]
         if step:
-            moved = now @ model.top[node - 1, :, :m].swapaxes(1, 2)
-            now = np.concatenate([moved, now[:, :, _AXES:] * model.kept[node - 1, None, : m - _AXES]], axis=2)
+            moved = now @ model.phi[node - 1, :, :m].swapaxes(1, 2)
+            now = np.concatenate([moved, now[:, :, _AXES:] * model.decay_factor[node - 1, None, : m - _AXES]], axis=2)
             by_innovation[step, on] = now @ run.weight[node]
             now -= (now @ model.rows[node, :, :m].swapaxes(1, 2)) @ run.gain[node].swapaxes(1, 2)
-        found[on] = now - apertures.weights[on, step] @ run.covariance[node, :6]
-    return found, by_innovation
+        weights[on] = now - apertures.weights[on, step] @ run.covariance[node, :6]
+    return weights, by_innovation
 
 
 class _Path(NamedTuple):
@@ -188,9 +188,9 @@ def _later(
     carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
     for node in range(len(model.time_s) - 1, -1, -1):
         for at in output_of.get(node, ()):
-            shown = model.shown[at % count]
-            sums = shown[:, :m] @ run.covariance[node]
-            states.rows[at] = shown - sums @ carried
+            output_rows = model.output_rows[at % count]
+            sums = output_rows[:, :m] @ run.covariance[node]
+            states.rows[at] = output_rows - sums @ carried
             states.added[:, at] = ((sums @ now) * sums).sum(axis=2)
         for index in ending.get(node, ()):
             images.rows[index] = ends[index] @ carried
@@ -209,9 +209,9 @@ def _later(
             now[model.measuring] += (by_noise * model.noise[node, :, None, :]) @ by_noise.T
         factors = carried[:, : model.states.moving] @ _factors(model, node)
         now[driven] += factors @ factors.swapaxes(1, 2)
-        step = _transition(model, node, n)
-        back = step[:m, :m].T
-        carried, now = back @ carried @ step, back @ now @ back.T
+        phi = _transition(model, node, n)
+        back = phi[:m, :m].T
+        carried, now = back @ carried @ phi, back @ now @ back.T
     return states, images, path
 
 
@@ -224,7 +224,7 @@ def _within(
         now = sums.rows[on]
         now[:, :, :6] += apertures.weights[on, step]
         if radar is not None:
-            now[:, :, radar] += np.einsum("acx,ax->ac", apertures.weights[on, step], model.late[node, :6])
+            now[:, :, radar] += np.einsum("acx,ax->ac", apertures.weights[on, step], model.rates[node, :6])
         if step:
             if by_innovation is not None:
                 by_noise = now[:, :, : model.states.estimated] @ run.gain[node] - by_innovation[step, on]
@@ -237,8 +237,8 @@ def _within(
                 if error.first >= _AXES:
                     driven += now[:, :, error.first : error.first + 3] @ factor[:, _AXES:]
                 sums.added[error.source, on] += (driven**2).sum(axis=2)
-            moved = now[:, :, :_AXES] @ model.top[node - 1]
-            moved[:, :, _AXES:] += now[:, :, _AXES:] * model.kept[node - 1, None]
+            moved = now[:, :, :_AXES] @ model.phi[node - 1]
+            moved[:, :, _AXES:] += now[:, :, _AXES:] * model.decay_factor[node - 1, None]
             now = moved
         sums.rows[on] = now
 
@@ -249,8 +249,8 @@ def _from_start(model: ErrorModel, apertures: Apertures, free: _Sums) -> None:
     free.rows[:, TURNED], free.added[:, :, TURNED] = 0.0, 0.0
     free.rows[:, TURNED, VELOCITY:ATTITUDE] = apertures.starting
     if (radar := model.states.first.get(RADAR_TIME)) is not None:
-        late = model.late[apertures.first, VELOCITY:ATTITUDE]
-        free.rows[:, TURNED, radar] = (apertures.starting * late).sum(axis=1)
+        rate = model.rates[apertures.first, VELOCITY:ATTITUDE]
+        free.rows[:, TURNED, radar] = (apertures.starting * rate).sum(axis=1)
 
 
 def _forward(
@@ -269,26 +269,26 @@ def _forward(
     sums of the apertures (2, sources, apertures, COLUMNS), and covariances of the smoothed position with position and
     velocity at the nodes of the path (sources, nodes, 3, 6).
     """
-    own = model.states
-    m, n, s, size, sources = own.estimated, own.size, own.noisy, own.moving, len(own.sources)
+    errors = model.states
+    m, n, s, size, sources = errors.estimated, errors.size, errors.noisy, errors.moving, len(errors.sources)
     count, at_nodes = len(model.outputs), _smoothed_at(model)
     free, smooth = np.zeros((sources, count, _AXES)), np.zeros((sources, len(at_nodes), _AXES))
     judged = np.zeros_like(free)
-    found = np.zeros((2, sources, len(apertures.output), COLUMNS))
-    smooth[:s], found[:, :s] = states.added, [part.added for part in images]
+    of_images = np.zeros((2, sources, len(apertures.output), COLUMNS))
+    smooth[:s], of_images[:, :s] = states.added, [part.added for part in images]
     squares = np.zeros((sources, len(path.rows), 3, 6))
     squares[:s] = path.added
-    lasts = own.owner >= s
-    owned = np.eye(sources - s)[own.owner[lasts] - s].T
-    constant = own.initial[:, lasts]  # what each sigma of the constant sources does to every state
+    lasts = errors.owner >= s
+    owned = np.eye(sources - s)[errors.owner[lasts] - s].T
+    constant = errors.initial[:, lasts]  # what each sigma of the constant sources does to every state
     now = np.zeros((size, s, size))  # the noisy ones, state before source: both products are of large matrices
     for column in np.flatnonzero(~lasts):
-        now[:, own.owner[column]] += np.outer(own.initial[:size, column], own.initial[:size, column])
+        now[:, errors.owner[column]] += np.outer(errors.initial[:size, column], errors.initial[:size, column])
 
     def by_source(rows: FloatArray) -> FloatArray:
         """Variances (sources, q) of sums, rows (q, n)."""
-        turned = (rows[:, :size] @ now.reshape(size, -1)).reshape(-1, s, size)
-        noisy = (turned * rows[:, None, :size]).sum(axis=2)
+        product = (rows[:, :size] @ now.reshape(size, -1)).reshape(-1, s, size)
+        noisy = (product * rows[:, None, :size]).sum(axis=2)
         return np.hstack([noisy, (rows @ constant) ** 2 @ owned.T]).T
 
     none = np.empty(0, dtype=np.int64)
@@ -298,13 +298,13 @@ def _forward(
     driven = [error.source for error in model.states.drives]
     for node in range(len(model.time_s)):
         if node:
-            step = _transition(model, node, n)
-            constant, step = step @ constant, step[:size, :size]
-            now = ((step @ now.reshape(size, -1)).reshape(-1, size) @ step.T).reshape(size, s, size)
+            phi = _transition(model, node, n)
+            constant, phi = phi @ constant, phi[:size, :size]
+            now = ((phi @ now.reshape(size, -1)).reshape(-1, size) @ phi.T).reshape(size, s, size)
             factors = _factors(model, node)
             now[:, driven] += (factors @ factors.swapaxes(1, 2)).swapaxes(0, 1)
         for at in before_of.get(node, ()):
-            judged[:, at] += by_source(model.shown[at])
+            judged[:, at] += by_source(model.output_rows[at])
         if node and model.is_fix[node]:
             rows, gain = model.rows[node], run.gain[node]
             constant[:m] -= gain @ (rows @ constant)
@@ -313,11 +313,11 @@ def _forward(
             now[:, :, :m] -= ((now.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
             now[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
         add_to: list[tuple[FloatArray, FloatArray]] = []
-        add_to += [(free[:, at], model.shown[at]) for at in output_of.get(node, ())]
-        add_to += [(judged[:, at], model.shown[at]) for at in after_of.get(node, ())]
+        add_to += [(free[:, at], model.output_rows[at]) for at in output_of.get(node, ())]
+        add_to += [(judged[:, at], model.output_rows[at]) for at in after_of.get(node, ())]
         add_to += [(smooth[:, at], states.rows[at]) for at in smoothed_of.get(node, ())]
         for index in starting.get(node, ()):
-            add_to += [(part[:, index], sums.rows[index]) for part, sums in zip(found, images, strict=True)]
+            add_to += [(part[:, index], sums.rows[index]) for part, sums in zip(of_images, images, strict=True)]
         if add_to:  # all at once, for speed
             whole, first = by_source(np.concatenate([rows for _, rows in add_to])), 0
             for variances, rows in add_to:
@@ -331,7 +331,7 @@ def _forward(
             squares[s:, node] += ((fixed[:3, None] * fixed) @ owned.T).transpose(2, 0, 1)
     if moment == "closed":
         judged /= 2.0
-    return np.stack([free, smooth[:, :count]]), np.stack([judged, smooth[:, -count:]]), found, squares
+    return np.stack([free, smooth[:, :count]]), np.stack([judged, smooth[:, -count:]]), of_images, squares
 
 
 def _mean_square(squares: FloatArray, time_s: FloatArray, apertures: Apertures, length: float) -> FloatArray:
@@ -364,25 +364,25 @@ def _mean_square(squares: FloatArray, time_s: FloatArray, apertures: Apertures, 
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:
     """Factors (drives, moving, 9) of what process noise adds in the step to a node."""
-    found = np.zeros((len(model.states.drives), model.states.moving, 9))
-    found[:, :_AXES] = model.factors[node - 1, :, :_AXES]
+    factors = np.zeros((len(model.states.drives), model.states.moving, 9))
+    factors[:, :_AXES] = model.factors[node - 1, :, :_AXES]
     for place, error in enumerate(model.states.drives):
         if error.first >= _AXES:
-            found[place, error.first : error.first + 3] = model.factors[node - 1, place, _AXES:]
-    return found
+            factors[place, error.first : error.first + 3] = model.factors[node - 1, place, _AXES:]
+    return factors
 
 
 def _by_node(nodes: Indices) -> Mapping[int, list[int]]:
-    found: dict[int, list[int]] = {}
+    indices: dict[int, list[int]] = {}
     for index, node in enumerate(nodes.tolist()):
-        found.setdefault(node, []).append(index)
-    return found
+        indices.setdefault(node, []).append(index)
+    return indices
 
 
 def _all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
     """The model's sources, then the user's own contributors."""
-    own = (part.name for parts in spec.contributors.in_figures.values() for part in parts)
-    return *model.states.sources, *dict.fromkeys(own)
+    entered = (part.name for parts in spec.contributors.in_figures.values() for part in parts)
+    return *model.states.sources, *dict.fromkeys(entered)
 
 
 def _processed(
@@ -399,12 +399,12 @@ def _processed(
     of the sums of apertures (sources, apertures, COLUMNS), with the `rest` of `aperture.figures`."""
     judged, sources = np.maximum(judged, 0.0), model.states.sources
     groups = {name: judged[:, :, axes].sum(axis=2) for name, axes in STATE_AXES.items()}
-    found = {name: np.sqrt(judged[:, :, axes].sum(axis=0).max(axis=1)) for name, axes in STATE_AXES.items()}
+    sigmas = {name: np.sqrt(judged[:, :, axes].sum(axis=0).max(axis=1)) for name, axes in STATE_AXES.items()}
     for name, values in aperture.figures(image, spec.inputs, rest).items():
         groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
         groups[name][:, apertures.output] = np.maximum(values, 0.0)
-        found[name] = np.sqrt(groups[name].sum(axis=0))
-    found["ce90"][apertures.output] = aperture.circular(image.sum(axis=0), spec.inputs)
+        sigmas[name] = np.sqrt(groups[name].sum(axis=0))
+    sigmas["ce90"][apertures.output] = aperture.circular(image.sum(axis=0), spec.inputs)
     processing = POST_PROCESSED if post else REAL_TIME
     entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
     shares = {}
@@ -412,8 +412,8 @@ def _processed(
         total = values.sum(axis=0)
         with np.errstate(invalid="ignore"):
             by_source = dict(zip(sources, values / total, strict=True))
-        whole = composed(found[name], by_source, entered.get(name, ()))
-        found[name], by_source = whole.sigma, dict(whole.shares)
+        whole = composed(sigmas[name], by_source, entered.get(name, ()))
+        sigmas[name], by_source = whole.sigma, dict(whole.shares)
         shares[name] = np.stack([by_source.get(source, 0.0 * total) for source in _all_sources(spec, model)])
-    sigmas = np.sqrt(np.maximum(variances, 0.0).sum(axis=0))
-    return Processed(sigmas[:, 0:3], sigmas[:, 3:6], sigmas[:, 6:9], found, shares)
+    states = np.sqrt(np.maximum(variances, 0.0).sum(axis=0))
+    return Processed(states[:, 0:3], states[:, 3:6], states[:, 6:9], sigmas, shares)

@@ -31,8 +31,8 @@ PLAN = "plan"
 
 def plan_like(design: Design) -> Plan:
     """How the design flies waypoints, without any."""
-    own = design.trajectory
-    return Plan((), design.flight.speed, own.bank, own.climb_rate, own.ground)
+    trajectory = design.trajectory
+    return Plan((), design.flight.speed, trajectory.bank, trajectory.climb_rate, trajectory.ground)
 
 
 def lines_of(design: Design) -> Plan:
@@ -40,12 +40,12 @@ def lines_of(design: Design) -> Plan:
 
     Raises InputError if they cannot be laid out.
     """
-    own, flight = design.trajectory, design.flight
-    if own.lines != int(own.lines):
-        raise InputError("lines", f"{own.lines:g} is not a whole number")
-    places = own.waypoints or ((flight.latitude, 0.0, flight.altitude),)
+    trajectory, flight = design.trajectory, design.flight
+    if trajectory.lines != int(trajectory.lines):
+        raise InputError("lines", f"{trajectory.lines:g} is not a whole number")
+    places = trajectory.waypoints or ((flight.latitude, 0.0, flight.altitude),)
     first = Waypoint(*places[0][:3])
-    return strip(plan_like(design), first, flight.heading, own.length, own.spacing, int(own.lines))
+    return strip(plan_like(design), first, flight.heading, trajectory.length, trajectory.spacing, int(trajectory.lines))
 
 
 def planned(design: Design) -> PlannedFlight:
@@ -53,12 +53,12 @@ def planned(design: Design) -> PlannedFlight:
 
     Raises InputError under the key of the design, where it cannot be flown.
     """
-    own = design.trajectory
-    if own.flight not in (LINES, WAYPOINTS):
-        return PlannedFlight(named_flight(design, own.flight), own.duration, ())
-    with under(f"trajectory.{own.flight}"):
-        places = tuple(Waypoint(*row) for row in own.waypoints)
-        return fly(lines_of(design) if own.flight == LINES else replace(plan_like(design), waypoints=places))
+    trajectory = design.trajectory
+    if trajectory.flight not in (LINES, WAYPOINTS):
+        return PlannedFlight(named_flight(design, trajectory.flight), trajectory.duration, ())
+    with under(f"trajectory.{trajectory.flight}"):
+        places = tuple(Waypoint(*row) for row in trajectory.waypoints)
+        return fly(lines_of(design) if trajectory.flight == LINES else replace(plan_like(design), waypoints=places))
 
 
 def covariance_specification(design: Design, study: SimulationSpec, lines: tuple[Line, ...] = ()) -> CovarianceSpec:
@@ -70,13 +70,13 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
 
     Raises InputError if the plan limits a line that the flight does not have.
     """
-    own = design.trajectory
+    trajectory = design.trajectory
     names = [line.name for line in lines]
     limited: dict[str, Most] = {}
-    for number, (name, *most) in enumerate(own.limits, 1):
+    for number, (name, *most) in enumerate(trajectory.limits, 1):
         if name not in names:
-            said = f"the flight has no line {name!r}; its lines: {', '.join(dict.fromkeys(names)) or 'none'}"
-            raise InputError(f"trajectory.limits[{number}].line", said, name)
+            reason = f"the flight has no line {name!r}; its lines: {', '.join(dict.fromkeys(names)) or 'none'}"
+            raise InputError(f"trajectory.limits[{number}].line", reason, name)
         limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     x = inputs_of(design)

@@ -54,9 +54,9 @@ class ErrorModel:
 
     time_s (k); outputs: nodes of the results. before, after, middle (outputs): nodes of the states that a result's
     fix interval is judged by: of the fix that ends it, of that with which it begins, and smoothed. Where fixes are
-    lost, they are the result's own. shown (outputs, 9, n): position, velocity and roll, pitch, yaw as the
-    radar takes them, of all states. late (k, 9): what these change in a second. top (k - 1, 9, n): rows of the
-    transition from node to node, and kept (k - 1, n - 9) what is left of each further state, which none changes.
+    lost, they are the result's own. output_rows (outputs, 9, n): position, velocity and roll, pitch, yaw as the
+    radar takes them, of all states. rates (k, 9): what these change in a second. phi (k - 1, 9, n): rows of the
+    transition from node to node, and decay_factor (k - 1, n - 9) that of each further state, which none changes.
     factors (k - 1, drives, 12, 9): their square is the covariance of what a process noise adds in a step to the first
     nine states and to the three that it drives, where those are further ones. filter_noise (k - 1, m, m): as the
     filter assumes it. rows (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's
@@ -70,10 +70,10 @@ class ErrorModel:
     after: NDArray[np.int64]
     middle: NDArray[np.int64]
     truth: TruthStates
-    shown: FloatArray
-    late: FloatArray
-    top: FloatArray
-    kept: FloatArray
+    output_rows: FloatArray
+    rates: FloatArray
+    phi: FloatArray
+    decay_factor: FloatArray
     factors: FloatArray
     filter_noise: FloatArray
     rows: FloatArray
@@ -106,15 +106,15 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
         steps_between(trajectory, time_s[first : first + _BLOCK + 1], states)
         for first in range(0, len(time_s) - 1, _BLOCK)
     ]
-    top, kept, factors, filter_noise = (np.concatenate(part) for part in zip(*parts, strict=True))
+    phi, decay_factor, factors, filter_noise = (np.concatenate(part) for part in zip(*parts, strict=True))
     # Over a tenth of a second: of a spline in latitude and longitude, the velocity is what is at hand.
     speeding = (trajectory.velocity(time_s + 0.05) - trajectory.velocity(time_s - 0.05)) / 0.1
-    late = np.hstack([truth.velocity, speeding, trajectory.evaluate(time_s, 1)[:, 3:]])
-    shown = np.tile(np.eye(BIASES, states.size), (len(outputs), 1, 1))
-    shown[:, ATTITUDE:, ATTITUDE:BIASES] = euler_error_map(*truth.euler[outputs, 1:].T)
+    rates = np.hstack([truth.velocity, speeding, trajectory.evaluate(time_s, 1)[:, 3:]])
+    output_rows = np.tile(np.eye(BIASES, states.size), (len(outputs), 1, 1))
+    output_rows[:, ATTITUDE:, ATTITUDE:BIASES] = euler_error_map(*truth.euler[outputs, 1:].T)
     if (place := states.first.get(RADAR_TIME)) is not None:
-        shown[:, :, place] = late[outputs]
-    measured = measurements(study, states, trajectory, truth, late, scheduled)
+        output_rows[:, :, place] = rates[outputs]
+    measured = measurements(study, states, trajectory, truth, rates, scheduled)
     before, after, middle = _moments(time_s, outputs, measured["is_fix"], study.gnss.interval, spec.smoothed_after)
     return ErrorModel(
         states=states,
@@ -124,10 +124,10 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
         after=after,
         middle=middle,
         truth=truth,
-        shown=shown,
-        late=late,
-        top=top,
-        kept=kept,
+        output_rows=output_rows,
+        rates=rates,
+        phi=phi,
+        decay_factor=decay_factor,
         factors=factors,
         filter_noise=filter_noise,
         **measured,
@@ -163,25 +163,25 @@ def _moments(
 
 
 def steps_between(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[FloatArray, ...]:
-    """`top`, `kept`, `factors` and `filter_noise` of the steps between some nodes, in the fields of `ErrorModel`."""
+    """`phi`, `decay_factor`, `factors` and `filter_noise` of the steps between some nodes, in the fields of `ErrorModel`."""
     steps, decay, m = np.diff(time_s), states.decay, states.estimated
     powers = _powers(_dynamics(trajectory, time_s, states), decay, steps)
     flows = [
-        (_top(powers, part), np.exp(-decay * part * steps[:, None]), np.sqrt(weight * steps)[:, None])
+        (_phi(powers, part), np.exp(-decay * part * steps[:, None]), np.sqrt(weight * steps)[:, None])
         for part, weight in zip(0.5 * (1.0 + _POINTS), 0.5 * _WEIGHTS, strict=True)
     ]
 
     def driven_by(first: int, density: float) -> FloatArray:
         """Factor (k - 1, 12, 9) of white noise of this density on three states."""
-        found = np.zeros((len(steps), BIASES + 3, 9))
-        for n, (top, kept, root) in enumerate(flows):
+        matrix = np.zeros((len(steps), BIASES + 3, 9))
+        for n, (phi, decay_factor, root) in enumerate(flows):
             into = slice(3 * n, 3 * n + 3)
-            found[:, :BIASES, into] = top[:, :, first : first + 3] * root[:, None]
+            matrix[:, :BIASES, into] = phi[:, :, first : first + 3] * root[:, None]
             if first >= BIASES:
-                own = kept[:, first - BIASES : first - BIASES + 3] * root
-                found[:, BIASES:, into] = own[:, None] * np.eye(3)
-        found *= math.sqrt(density)
-        return found
+                decayed = decay_factor[:, first - BIASES : first - BIASES + 3] * root
+                matrix[:, BIASES:, into] = decayed[:, None] * np.eye(3)
+        matrix *= math.sqrt(density)
+        return matrix
 
     filter_noise = np.zeros((len(steps), m, m))
     for first, density in states.assumed:
@@ -189,7 +189,7 @@ def steps_between(trajectory: Trajectory, time_s: FloatArray, states: States) ->
         factor = driven_by(first, density)[:, : len(into)]
         filter_noise[:, into[:, None], into] += factor @ factor.swapaxes(1, 2)
     factors = np.stack([driven_by(error.first, error.drive) for error in states.drives], axis=1)
-    return _top(powers, 1.0), np.exp(-decay * steps[:, None]), factors, filter_noise
+    return _phi(powers, 1.0), np.exp(-decay * steps[:, None]), factors, filter_noise
 
 
 def _nodes(
@@ -207,8 +207,8 @@ def _nodes(
     parts = np.ceil(np.diff(anchors) * np.maximum(1.0 / longest, fastest / _LARGEST_TURN) - 1e-9)
     counted = np.cumsum(np.insert(np.maximum(parts, 1.0), 0, 0.0))
     if counted[-1] > most:
-        said = f"the flight takes {counted[-1]:.0f} steps, at most {most}. Give a shorter one or fewer fixes."
-        raise InputError("duration", said)
+        reason = f"the flight takes {counted[-1]:.0f} steps, at most {most}. Give a shorter one or fewer fixes."
+        raise InputError("duration", reason)
     return np.interp(np.arange(counted[-1] + 1.0), counted, anchors)
 
 
@@ -218,27 +218,27 @@ def _dynamics(trajectory: Trajectory, time_s: FloatArray, states: States) -> Flo
     now = true_states(trajectory, middle)
     sensed = specific_force_and_rate(trajectory, middle)
     ends = specific_force_and_rate(trajectory, time_s)[:, :3]
-    turned = np.einsum("kij,kj->ki", true_states(trajectory, time_s).matrix, ends)
-    force = (turned[1:] + turned[:-1] + 4.0 * np.einsum("kij,kj->ki", now.matrix, sensed[:, :3])) / 6.0
-    state, found = np.zeros(STATE_LENGTH), np.empty((len(middle), BIASES, BIASES + TRIADS))
+    in_navigation = np.einsum("kij,kj->ki", true_states(trajectory, time_s).matrix, ends)
+    force = (in_navigation[1:] + in_navigation[:-1] + 4.0 * np.einsum("kij,kj->ki", now.matrix, sensed[:, :3])) / 6.0
+    state, dynamics = np.zeros(STATE_LENGTH), np.empty((len(middle), BIASES, BIASES + TRIADS))
     for k in range(len(middle)):
         state[LATITUDE : HEIGHT + 1], state[VELOCITY : VELOCITY + 3] = now.position[k], now.velocity[k]
-        error_dynamics(state, force[k], now.matrix[k], found[k])
-    return _of_all_states(found, sensed, states)
+        error_dynamics(state, force[k], now.matrix[k], dynamics[k])
+    return _of_all_states(dynamics, sensed, states)
 
 
-def _of_all_states(own: FloatArray, sensed: FloatArray, states: States) -> FloatArray:
+def _of_all_states(rows: FloatArray, sensed: FloatArray, states: States) -> FloatArray:
     """Rows in all states (k, rows, n), of rows in position, velocity, attitude and one set of bias estimates (k,
     rows, 15), where the sensors measure `sensed` (k, 6).
 
     The true error of a sensor has the other sign, as an estimate is taken off.
     """
-    found = np.zeros((*own.shape[:2], states.size))
-    found[:, :, :BIASES] = own[:, :, :BIASES]
+    extended = np.zeros((*rows.shape[:2], states.size))
+    extended[:, :, :BIASES] = rows[:, :, :BIASES]
     for first in range(BIASES, states.inertial, TRIADS):
-        found[:, :, first : first + TRIADS] = own[:, :, BIASES:]
+        extended[:, :, first : first + TRIADS] = rows[:, :, BIASES:]
     for name, at in (("accelerometer", 0), ("gyro", GYRO)):
-        error = -own[:, :, BIASES + at : BIASES + at + 3]
+        error = -rows[:, :, BIASES + at : BIASES + at + 3]
         by_axis = error[:, :, :, None] * sensed[:, None, None, at : at + 3]  # error of an axis by what another senses
         off = ~np.eye(3, dtype=np.bool_)
         effects = {
@@ -249,27 +249,27 @@ def _of_all_states(own: FloatArray, sensed: FloatArray, states: States) -> Float
         }
         for group in effects.keys() & states.first.keys():
             first = states.first[group]
-            found[:, :, first : first + effects[group].shape[2]] = effects[group]
-    return found
+            extended[:, :, first : first + effects[group].shape[2]] = effects[group]
+    return extended
 
 
 def _powers(dynamics: FloatArray, decay: FloatArray, steps: FloatArray) -> list[FloatArray]:
     """The first nine rows of (F dt)^i / i!, i from 1 to 4."""
     whole = dynamics * steps[:, None, None]
-    found, rate = [whole], -decay * steps[:, None]
+    powers, rate = [whole], -decay * steps[:, None]
     for i in range(2, 5):
-        last = found[-1]
+        last = powers[-1]
         new = last[:, :, :BIASES] @ whole / i
         new[:, :, BIASES:] += last[:, :, BIASES:] * rate[:, None, :] / i
-        found.append(new)
-    return found
+        powers.append(new)
+    return powers
 
 
-def _top(powers: list[FloatArray], part: float) -> FloatArray:
+def _phi(powers: list[FloatArray], part: float) -> FloatArray:
     """The first nine rows of the transition over this part of each step, (k - 1, 9, n)."""
-    found = np.asarray(sum(power * part**i for i, power in enumerate(powers, 1)))
-    found[:, range(BIASES), range(BIASES)] += 1.0
-    return found
+    phi = np.asarray(sum(power * part**i for i, power in enumerate(powers, 1)))
+    phi[:, range(BIASES), range(BIASES)] += 1.0
+    return phi
 
 
 def measurements(
@@ -277,7 +277,7 @@ def measurements(
     states: States,
     trajectory: Trajectory,
     truth: TruthStates,
-    late: FloatArray,
+    rates: FloatArray,
     scheduled: FloatArray,
 ) -> dict[str, Any]:
     """What the fix at each node measures, in the fields of `ErrorModel`."""
@@ -287,10 +287,10 @@ def measurements(
     sigma[at] = fix_noise(study, truth.at(at))
     there = np.isfinite(sigma)
     arm, lever, swing = np.array(gnss.lever_arm), np.zeros((k, 3)), np.empty(3)
-    own = np.zeros((k, MEASURED, BIASES + TRIADS))
+    h = np.zeros((k, MEASURED, BIASES + TRIADS))
     for node in np.flatnonzero(there.any(axis=1)):
-        observe(truth.matrix[node], arm, truth.body_rate[node], lever[node], swing, own[node])
-    rows = _of_all_states(own, specific_force_and_rate(trajectory, truth.time_s), states)
+        observe(truth.matrix[node], arm, truth.body_rate[node], lever[node], swing, h[node])
+    rows = _of_all_states(h, specific_force_and_rate(trajectory, truth.time_s), states)
     position, velocity = slice(POSITION, POSITION + 3), slice(VELOCITY, VELOCITY + 3)
     if (place := states.first.get(SLOW_GNSS)) is not None:
         sizes = np.diag([gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise])
@@ -301,7 +301,7 @@ def measurements(
         rows[:, position, place : place + 3] = truth.matrix
         rows[:, velocity, place : place + 3] = truth.matrix @ skew(truth.body_rate)
     if (place := states.first.get("time offset")) is not None:
-        rows[:, :HEADING, place], rows[:, HEADING, place] = late[:, :ATTITUDE], late[:, ATTITUDE + 2]
+        rows[:, :HEADING, place], rows[:, HEADING, place] = rates[:, :ATTITUDE], rates[:, ATTITUDE + 2]
     noise = np.zeros((k, len(sources), MEASURED))
     for source, part in MEASURED_BY.items():
         if source in sources:

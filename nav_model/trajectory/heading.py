@@ -30,8 +30,8 @@ def heading_of(spec: CovarianceSpec, truth: TruthStates, sigma: FloatArray) -> H
     degrees = [f"{math.degrees(value):.3g}°" for value in (sigma[0], sigma.min(), sigma[-1])]
     two = spec.study.aiding.heading_noise is not None
     if at is not None:
-        turned = np.any(turning & (time_s <= at))
-        cause = "two antennas" if two else "a turn" if turned else "acceleration against the fixes"
+        has_turned = np.any(turning & (time_s <= at))
+        cause = "two antennas" if two else "a turn" if has_turned else "acceleration against the fixes"
         text = f"Heading is observed from {at:.0f} s on, by {cause}: {degrees[1]} at best, {degrees[2]} at the end."
     else:
         text = f"Heading is not observed: {degrees[0]} at the start, {degrees[2]} at the end."

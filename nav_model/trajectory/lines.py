@@ -23,11 +23,11 @@ def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *
     """
     half = 0.5 * spec.inputs.aperture if image else 0.0
     middle, margin = 0.5 * (start + stop), min(half, 0.5 * (stop - start))
-    found: NDArray[np.bool_] = (time_s >= start + margin - 1e-9) & (time_s <= stop - margin + 1e-9)
-    if not found.any() and start < spec.study.duration:
+    inside: NDArray[np.bool_] = (time_s >= start + margin - 1e-9) & (time_s <= stop - margin + 1e-9)
+    if not inside.any() and start < spec.study.duration:
         away = np.abs(time_s - middle)
-        found = (away == away.min()) & (away <= spec.study.every)
-    return found
+        inside = (away == away.min()) & (away <= spec.study.every)
+    return inside
 
 
 def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> LineResult:

@@ -101,8 +101,8 @@ def fly(plan: Plan) -> PlannedFlight:
     if len(points) < 2:
         raise InputError("waypoints", "a flight needs two waypoints or more")
     if not (1.0 <= plan.speed <= 3000.0 and 0.0 < plan.bank <= 80 * DEGREE and plan.climb_rate > 0.0):
-        said = "needs a speed from 1 to 3000 m/s, a bank of at most 80°, and a climb rate above zero"
-        raise InputError("plan", said)
+        reason = "needs a speed from 1 to 3000 m/s, a bank of at most 80°, and a climb rate above zero"
+        raise InputError("plan", reason)
     for number, point in enumerate(points, 1):
         if not point.height > plan.ground:
             raise InputError("waypoints", f"{_named(number, point)} is not above the ground: {point.height:g} m")
@@ -110,16 +110,16 @@ def fly(plan: Plan) -> PlannedFlight:
         raise InputError("waypoints", "must stay within 85° of the equator")
     for number, leg in enumerate(np.abs(_legs(points)), 1):
         if leg < _NEAREST:
-            said = f"{_named(number, points[number - 1])} and the next are at one place; remove one"
-            raise InputError("waypoints", said)
+            reason = f"{_named(number, points[number - 1])} and the next are at one place; remove one"
+            raise InputError("waypoints", reason)
     points, numbers = _with_turns(plan)
     legs = _legs(points)
     heading = np.unwrap(np.angle(legs))
     turns = [_Turn()]
     for number, point, angle in zip(numbers[1:], points[1:], np.diff(heading), strict=False):
         if abs(angle) > _LARGEST_TURN:
-            said = f"{_named(number, point)} needs a 180° turn. Add a waypoint to one side"
-            raise InputError("waypoints", said)
+            reason = f"{_named(number, point)} needs a 180° turn. Add a waypoint to one side"
+            raise InputError("waypoints", reason)
         turns.append(_turn(float(angle), plan.speed, plan.bank))
     turns.append(turns[0])
     return _flown(replace(plan, waypoints=points), numbers, heading, np.abs(legs), turns)
@@ -210,32 +210,32 @@ def _dubins(way: complex, ahead: complex, onward: complex, radius: float) -> lis
     def arc(sense: int, start: complex, stop: complex) -> float:
         return sense * (float(np.angle(stop / start)) * sense % math.tau)
 
-    found: list[tuple[list[float], float]] = []
+    ways: list[tuple[list[float], float]] = []
     for first, second in ((1, 1), (-1, -1), (1, -1), (-1, 1)):
         # From the centre of the first circle to that of the second.
         centres = way + 1j * radius * (second * onward - first * ahead)
         crossing = radius * (first - second)
         straight = math.sqrt(max(abs(centres) ** 2 - crossing**2, 0.0))
         if abs(centres) <= abs(crossing):
-            found.append(([], 0.0))
+            ways.append(([], 0.0))
             continue
         tangent = (
             centres / abs(centres) * complex(straight, crossing) / abs(centres)
             if crossing
             else centres / abs(centres)
         )
-        found.append(([arc(first, ahead, tangent), arc(second, tangent, onward)], straight))
+        ways.append(([arc(first, ahead, tangent), arc(second, tangent, onward)], straight))
     for sense in (1, -1):
         centres = way + 1j * radius * sense * (onward - ahead)
         if not 0.0 < abs(centres) < 4.0 * radius:
-            found.append(([], 0.0))
+            ways.append(([], 0.0))
             continue
         # The middle circle touches both, on the side where it is passed the longer way round.
         up = math.sqrt(4.0 * radius**2 - abs(centres) ** 2 / 4.0)
         middle = centres / 2.0 + 1j * sense * up * centres / abs(centres)
         there, back = 1j * sense * middle, 1j * sense * (middle - centres)
-        found.append(([arc(sense, ahead, there), arc(-sense, there, back), arc(sense, back, onward)], 0.0))
-    return found
+        ways.append(([arc(sense, ahead, there), arc(-sense, there, back), arc(sense, back, onward)], 0.0))
+    return ways
 
 
 def _corner_legs(arcs: Sequence[float], straight: float, radius: float, ahead: complex, lead: float) -> list[complex]:
@@ -263,14 +263,14 @@ def _flown(
     starts, ramps = stops - straight, np.minimum(6.0, straight / 3.0)
     rises, steepest = np.diff([point.height for point in plan.waypoints]), min(plan.climb_rate, plan.speed)
     for n, point in enumerate(plan.waypoints[:-1]):
-        said = f"the leg from {_named(numbers[n], point)}"
+        problem = f"the leg from {_named(numbers[n], point)}"
         if straight[n] < 0.0:
-            said += f" is {legs[n]:.0f} m long, and its turns need {needed[n]:.0f} m"
+            problem += f" is {legs[n]:.0f} m long, and its turns need {needed[n]:.0f} m"
             named = "; without a name it is no line, and the turn swings out" if point.line else ""
-            raise InputError("waypoints", f"{said} at a bank of {math.degrees(plan.bank):.3g}°{named}")
+            raise InputError("waypoints", f"{problem} at a bank of {math.degrees(plan.bank):.3g}°{named}")
         if abs(rises[n]) > steepest * (straight[n] - ramps[n]):
-            said += f" has {straight[n]:.0f} s for {rises[n]:+.0f} m"
-            raise InputError("waypoints", f"{said}, at most {steepest:g} m/s")
+            problem += f" has {straight[n]:.0f} s for {rises[n]:+.0f} m"
+            raise InputError("waypoints", f"{problem}, at most {steepest:g} m/s")
     duration = float(stops[-1])
     if duration > _LONGEST:
         raise InputError("plan", f"the flight takes {duration / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h")

@@ -150,11 +150,11 @@ def _processed(part: Processed) -> dict[str, Any]:
         "velocity_sigma_m_s": (part.velocity, ("north", "east", "down")),
         "attitude_sigma_rad": (part.attitude, ("roll", "pitch", "yaw")),
     }
-    found: dict[str, Any] = {
+    content: dict[str, Any] = {
         name: {axis: values[:, n].tolist() for n, axis in enumerate(axes)} for name, (values, axes) in named.items()
     }
     images = {name: values for name, values in part.figures.items() if name not in STATE_AXES}
-    return found | {FIGURES[name].column: _numbers(values) for name, values in images.items()}
+    return content | {FIGURES[name].column: _numbers(values) for name, values in images.items()}
 
 
 def _numbers(values: FloatArray) -> list[float | None]:

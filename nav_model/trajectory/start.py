@@ -36,13 +36,13 @@ def settled_start(study: SimulationSpec, states: States, start: TruthStates) -> 
     flight = TrajectorySpec("straight", speed, latitude, longitude, height, heading=math.atan2(east, north))
     level = replace(study, outages=(), gnss=replace(study.gnss, after_loss=(), bank_limit=None))
     trajectory, time_s = plan_trajectory(flight, interval), np.array([0.0, interval])
-    top, kept, _, noise = (part[0] for part in steps_between(trajectory, time_s, states))
+    phi, decay_factor, _, noise = (part[0] for part in steps_between(trajectory, time_s, states))
     fixed = measurements(
         level, states, trajectory, true_states(trajectory, time_s), np.zeros((2, BIASES)), time_s[1:]
     )
     h, r = fixed["rows"][1, :, :m], np.diag(fixed["variance"][1])
-    step = np.diag(np.concatenate([np.zeros(BIASES), kept[: m - BIASES]]))
-    step[:BIASES] = top[:, :m]
+    step = np.diag(np.concatenate([np.zeros(BIASES), decay_factor[: m - BIASES]]))
+    step[:BIASES] = phi[:, :m]
     unsettled, before = states.believed.copy(), np.full(ATTITUDE, np.inf)
     unsettled[:_YAW, :_YAW] = np.diag(_UNKNOWN) ** 2
     for matrix in (step, noise, unsettled):

@@ -82,8 +82,8 @@ def _items(items: list[Any], heights: Heights) -> Iterator[Item]:
             for part, inner in enumerate(transects["Items"], 1):
                 yield _item(inner, f"{where}, part {part}", heights)
         else:
-            told = "holds no lines. Open the plan in QGroundControl and save it again"
-            raise heights.refuse(f"{where} ({shown(item.get('complexItemType'))}) {told}.")
+            problem = "holds no lines. Open the plan in QGroundControl and save it again"
+            raise heights.refuse(f"{where} ({shown(item.get('complexItemType'))}) {problem}.")
 
 
 def _item(item: Any, where: str, heights: Heights) -> Item:

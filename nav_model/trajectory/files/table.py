@@ -126,8 +126,8 @@ def _columns(table: NumberTable, heights: Heights) -> tuple[dict[str, _Column], 
         if {"latitude", "longitude"} <= columns.keys():
             break
     else:
-        found = ", ".join(table.headers[0])[:120] if table.headers else "no names"
-        raise heights.refuse(f"columns latitude and longitude are missing; found {found}")
+        header_names = ", ".join(table.headers[0])[:120] if table.headers else "no names"
+        raise heights.refuse(f"columns latitude and longitude are missing; found {header_names}")
     if "time" not in columns:
         raise heights.refuse("has no column with the time, such as time_s. Give a path as KML or GPX.")
     references = [key for key in (ABOVE_ELLIPSOID, ABOVE_SEA, "height", ABOVE_GROUND) if key in columns]
