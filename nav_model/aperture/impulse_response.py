@@ -151,8 +151,8 @@ def _chirps(samples: int, zero_padding: int, reach: int) -> tuple[NDArray[np.com
     length = samples * zero_padding
 
     def chirp(at: NDArray[np.int64]) -> NDArray[np.complex128]:
-        turned: NDArray[np.complex128] = np.exp(-1j * np.pi / length * (at**2 % (2 * length)))
-        return turned
+        phases: NDArray[np.complex128] = np.exp(-1j * np.pi / length * (at**2 % (2 * length)))
+        return phases
 
     distances = np.arange(-reach - samples + 1, reach + 1)
     kernel = np.zeros(1 << len(distances).bit_length(), complex)
@@ -160,7 +160,7 @@ def _chirps(samples: int, zero_padding: int, reach: int) -> tuple[NDArray[np.com
     return chirp(np.arange(samples)), np.fft.fft(kernel)
 
 
-def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near: float) -> ImpulseResponse:
+def with_echoes(response: ImpulseResponse, echo: float, power_at_target: float, power_near_target: float) -> ImpulseResponse:
     """A response with the echoes and the scattered energy of phase errors beyond its main lobe. [P-9], [P-11]
 
     Parameters
@@ -169,7 +169,7 @@ def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near
         Of one aperture.
     echo : float
         Amplitude of the highest echo over the target's.
-    stays, stays_near : float
+    power_at_target, power_near_target : float
         Power that stays in the response; the same with only the errors within ten null distances.
     """
 
@@ -182,11 +182,11 @@ def with_echoes(response: ImpulseResponse, echo: float, stays: float, stays_near
         response,
         pslr_null_db=max(float(response.pslr_null_db), level),
         pslr_fixed_db=max(float(response.pslr_fixed_db), level),
-        islr_null_db=ratio(response.islr_null_db, stays),
-        islr_fixed_db=ratio(response.islr_fixed_db, stays),
-        islr_null_ten_db=ratio(response.islr_null_ten_db, stays_near),
-        islr_fixed_ten_db=ratio(response.islr_fixed_ten_db, stays_near),
-        peak_loss_db=response.peak_loss_db + 10 * float(np.log10(stays)),
+        islr_null_db=ratio(response.islr_null_db, power_at_target),
+        islr_fixed_db=ratio(response.islr_fixed_db, power_at_target),
+        islr_null_ten_db=ratio(response.islr_null_ten_db, power_near_target),
+        islr_fixed_ten_db=ratio(response.islr_fixed_ten_db, power_near_target),
+        peak_loss_db=response.peak_loss_db + 10 * float(np.log10(power_at_target)),
     )
 
 

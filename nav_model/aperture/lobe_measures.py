@@ -40,11 +40,11 @@ def measure_line(
     right_minimum = peak + (int(rising[0]) if len(rising) else len(power) - 1 - peak)
     falling = np.flatnonzero(power[:peak] > power[1 : peak + 1])
     left_minimum = int(falling[-1]) + 1 if len(falling) else 0
-    found = (left_minimum + _lowest(power, left_minimum), right_minimum + _lowest(power, right_minimum))
+    minima = (left_minimum + _lowest(power, left_minimum), right_minimum + _lowest(power, right_minimum))
     fixed = (centre - null * padding, centre + null * padding)
 
     results = []
-    for low, high in (found, fixed):
+    for low, high in (minima, fixed):
         lobe = _energy(power, low, high) / padding
         reach = ISLR_NULL_DISTANCES * max(centre - low, high - centre)
         near = _energy(power, low - reach, high + reach) / padding

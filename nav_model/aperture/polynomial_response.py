@@ -78,8 +78,8 @@ def polynomial_curve(
         return response_curve(np.exp(1j * phases), window, extent_cells, _CURVE_PADDING)
     line = _fast_line(window, next(limit for limit in _FAST_SPREADS if spread <= limit))
     reach, step = round(extent_cells * _CURVE_PADDING), _FAST_PADDING // _CURVE_PADDING
-    shown = slice(0, reach * step + 1, step)
-    power = np.stack([_power(line, quadratic_rad, cubic, shown) for cubic in (0.0, cubic_rad)])
+    within_reach = slice(0, reach * step + 1, step)
+    power = np.stack([_power(line, quadratic_rad, cubic, within_reach) for cubic in (0.0, cubic_rad)])
     with np.errstate(divide="ignore"):
         return np.arange(-reach, reach + 1) / _CURVE_PADDING, 10 * np.log10(power)
 

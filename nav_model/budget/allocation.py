@@ -111,15 +111,15 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
     }
     sizes, systematic = _sizes(budget, check)
     for source in locked.keys() - sizes.keys():
-        said = f"{source!r} is no source here; {check.label} has {', '.join(sizes) or 'none'}. Remove its lock."
-        raise InputError("lock", said, source)
+        reason = f"{source!r} is no source here; {check.label} has {', '.join(sizes) or 'none'}. Remove its lock."
+        raise InputError("lock", reason, source)
     target = check.limit * (1 - plan.reserve)
     free = [source for source in sizes if source not in locked]
     square = sum(value**2 for source, value in locked.items() if source not in systematic)
-    left = target - sum(value for source, value in locked.items() if source in systematic)
+    remainder = target - sum(value for source, value in locked.items() if source in systematic)
     blocked: tuple[str, ...] = ()
     # With nothing free, locks may use the whole of the target; rounding of their sum is no excess.
-    if locked and math.sqrt(square) >= left + (0 if free else 1e-12 * target):
+    if locked and math.sqrt(square) >= remainder + (0 if free else 1e-12 * target):
         alone = tuple(source for source, value in locked.items() if value >= target)
         blocked = alone or tuple(locked)
     allocated = dict(locked) | dict.fromkeys(free, 0.0)
@@ -128,10 +128,10 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
         linear = np.array([source in systematic for source in free])
         start = np.ones(len(free)) if plan.split == "equal" else estimates
         if plan.split == "cheapest":
-            start = _cheapest(estimates, linear, square, left)
-        split_up = start * _factor(start, linear, square, left)
+            start = _cheapest(estimates, linear, square, remainder)
+        split_up = start * _factor(start, linear, square, remainder)
         allocated |= dict(zip(free, split_up.tolist(), strict=True))
-    owners = {one.name: one.owner for one in budget.design.contributors}
+    owners = {contributor.name: contributor.owner for contributor in budget.design.contributors}
     entries = tuple(
         Entry(source, allocated[source], size, owners.get(source, ""), source in locked, source in systematic)
         for source, size in sizes.items()
@@ -157,14 +157,14 @@ def _combined(values: Array, linear: NDArray[np.bool_], square: float) -> float:
     return float(np.sqrt(square + np.sum(values[~linear] ** 2)) + np.sum(values[linear]))
 
 
-def _factor(values: Array, linear: NDArray[np.bool_], square: float, left: float) -> float:
-    """By what all values are multiplied to combine to what is `left`: the positive root of a quadratic equation."""
-    squares, sums, rest = float(np.sum(values[~linear] ** 2)), float(np.sum(values[linear])), left**2 - square
-    return rest / (left * sums + math.sqrt(squares * rest + sums**2 * square))
+def _factor(values: Array, linear: NDArray[np.bool_], square: float, target: float) -> float:
+    """By what all values are multiplied to combine to the `target`: the positive root of a quadratic equation."""
+    squares, sums, rest = float(np.sum(values[~linear] ** 2)), float(np.sum(values[linear])), target**2 - square
+    return rest / (target * sums + math.sqrt(squares * rest + sums**2 * square))
 
 
-def _cheapest(estimates: Array, linear: NDArray[np.bool_], square: float, left: float) -> Array:
-    """The point nearest to today's, each axis in units of its estimate, of all that combine to what is `left`.
+def _cheapest(estimates: Array, linear: NDArray[np.bool_], square: float, target: float) -> Array:
+    """The point nearest to today's, each axis in units of its estimate, of all that combine to the `target`.
 
     Lagrange's condition for a random entry e is a = e / (1 + t e²), and for a systematic one a = e (1 - t r e), not
     below zero, with r the root of the sum of squares of all random ones; one multiplier t holds for all. Where even
@@ -173,7 +173,7 @@ def _cheapest(estimates: Array, linear: NDArray[np.bool_], square: float, left: 
     from scipy.optimize import brentq  # here, as a budget without an allocation does not need SciPy
 
     scale = float(np.max(estimates))
-    e, square, left = estimates / scale, square / scale**2, left / scale
+    e, square, target = estimates / scale, square / scale**2, target / scale
 
     def at(multiplier: float) -> Array:
         values = np.where(linear, 0.0, e / (1 + multiplier * e**2))
@@ -184,22 +184,22 @@ def _cheapest(estimates: Array, linear: NDArray[np.bool_], square: float, left: 
         return np.where(linear, e * np.maximum(1 - multiplier * e, 0), 0.0)
 
     def solved(along: Callable[[float], Array], low: float, high: float) -> Array:
-        found = brentq(lambda t: _combined(along(t), linear, square) - left, low, high, xtol=1e-300, rtol=1e-14)
-        return scale * along(float(found))
+        multiplier = brentq(lambda t: _combined(along(t), linear, square) - target, low, high, xtol=1e-300, rtol=1e-14)
+        return scale * along(float(multiplier))
 
     if np.all(linear):
         most = 1 / float(np.min(e))  # there, every entry is zero
-        least = -(left + float(np.sum(e))) / float(np.sum(e**2))
+        least = -(target + float(np.sum(e))) / float(np.sum(e**2))
         return solved(linear_at, least, most)
-    if _combined(e, linear, square) >= left:
+    if _combined(e, linear, square) >= target:
         high = 1.0
-        while _combined(at(high), linear, square) > left:
+        while _combined(at(high), linear, square) > target:
             high *= 8
             if high > 1e60:
                 return solved(linear_at, 0.0, 1 / float(np.min(e)))
         return solved(at, 0.0, high)
     pole = -1 / float(np.max(e[~linear])) ** 2
     short = 0.5
-    while _combined(at(pole * (1 - short)), linear, square) < left:
+    while _combined(at(pole * (1 - short)), linear, square) < target:
         short /= 8
     return solved(at, pole * (1 - short), 0.0)

@@ -45,10 +45,10 @@ def _of_one(
     motion: Motion, oscillator: Oscillator, window: str, numbers: tuple[tuple[str, float], ...]
 ) -> Mapping[str, Fast]:
     """Those of one design, kept while it changes elsewhere: a new design shares the parts that are as they were."""
-    found = _through(motion, oscillator, window, {key: np.asarray(number) for key, number in numbers})
-    for made in found.values():
+    by_source = _through(motion, oscillator, window, {key: np.asarray(number) for key, number in numbers})
+    for made in by_source.values():
         made.frequency.flags.writeable = made.amplitude.flags.writeable = False
-    return found
+    return by_source
 
 
 def _through(motion: Motion, oscillator: Oscillator, window: str, numbers: Mapping[str, Array]) -> Mapping[str, Fast]:
@@ -149,10 +149,10 @@ def not_flown(design: Design) -> tuple[str, ...]:
         UNSENSED: motion.unsensed_lines or motion.unsensed_spectrum,
         OSCILLATOR: design.oscillator.phase_noise,
     }
-    if not (left := [name for name, rows in given.items() if rows]):
+    if not (uncounted := [name for name, rows in given.items() if rows]):
         return ()
     bias = " and the bias caused by vibration" if given[VIBRATION] and motion.rectification else ""
-    return (f"The runs leave out the design's {', '.join(left)}{bias}; the Budget page includes them [P-8].",)
+    return (f"The runs leave out the design's {', '.join(uncounted)}{bias}; the Budget page includes them [P-8].",)
 
 
 def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:

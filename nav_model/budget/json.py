@@ -90,7 +90,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "real_time": _sigmas_of(budget, REAL_TIME, *OF_BUDGET),
             "post_processed": _sigmas_of(budget, POST_PROCESSED, *OF_BUDGET),
         },
-        "contributors": [_contributor(one, sar.wavelength) for one in design.contributors],
+        "contributors": [_contributor(contributor, sar.wavelength) for contributor in design.contributors],
         "verdict": verdict_json(verdict),
         "other_verdict": verdict_json(budget.other_verdict),
         "cautions": list(cautions(budget)),
@@ -109,10 +109,10 @@ def to_json(budget: Budget) -> dict[str, Any]:
     }
 
 
-def allocation_json(found: Allocation) -> dict[str, Any]:
+def allocation_json(allocation: Allocation) -> dict[str, Any]:
     """An allocation under the contract's keys."""
-    entries = [asdict(entry) | {"margin": entry.margin} for entry in found.entries]
-    return asdict(found) | {"closes": found.closes, "entries": entries}
+    entries = [asdict(entry) | {"margin": entry.margin} for entry in allocation.entries]
+    return asdict(allocation) | {"closes": allocation.closes, "entries": entries}
 
 
 def verdict_json(verdict: Verdict) -> dict[str, Any]:
@@ -174,10 +174,10 @@ _CHECK = (
 
 def _check(check: Check) -> dict[str, Any]:
     """A check under the contract's names, where its basis is called "figure"; levels in decibels."""
-    said: dict[str, Any] = {"figure" if name == "basis" else name: getattr(check, name) for name in _CHECK}
+    content: dict[str, Any] = {"figure" if name == "basis" else name: getattr(check, name) for name in _CHECK}
     if check.dimension == "level":
-        said |= {name: _decibels(said[name]) for name in ("value", "sigma", "limit")}
-    return said
+        content |= {name: _decibels(content[name]) for name in ("value", "sigma", "limit")}
+    return content
 
 
 def _spectral(budget: Budget) -> dict[str, Any]:
@@ -199,13 +199,13 @@ def _spectral(budget: Budget) -> dict[str, Any]:
     }
 
 
-def _contributor(one: Contributor, wavelength: float) -> dict[str, Any]:
+def _contributor(contributor: Contributor, wavelength: float) -> dict[str, Any]:
     """A contributor with its 1σ in the figure that it enters, allowance included; zero for none."""
-    dimension, sigma = FIGURES[one.enters].dimension, float(size_of(one, wavelength))
+    dimension, sigma = FIGURES[contributor.enters].dimension, float(size_of(contributor, wavelength))
     if dimension == "level":
         sigma = _decibels(max(sigma, NOTHING))
     unit = {"angle": "rad", "length": "m", "speed": "m/s", "level": "dB", "loss": "dB"}[dimension]
-    return {"name": one.name, "enters": one.enters, "sigma": sigma, "unit": unit, "owner": one.owner}
+    return {"name": contributor.name, "enters": contributor.enters, "sigma": sigma, "unit": unit, "owner": contributor.owner}
 
 
 def _decibels(amplitude: float) -> float:

@@ -39,8 +39,8 @@ def outage_times(design: Design, times: ArrayLike | None) -> Array:
     longest = design.coast.param["duration"].bounds[1]
     wrong = time[~((time >= 0) & (time <= longest))]
     if time.ndim != 1 or wrong.size:
-        said = f"{wrong[0]:g}" if wrong.size else shown(times)
-        raise InputError("times", f"{said} is not allowed. Give seconds from 0 to {longest:g}.", times)
+        wrong_time = f"{wrong[0]:g}" if wrong.size else shown(times)
+        raise InputError("times", f"{wrong_time} is not allowed. Give seconds from 0 to {longest:g}.", times)
     return time
 
 
@@ -167,8 +167,8 @@ def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:
         Figure -> one sigma, (n,): m, m/s, rad.
     """
     level, upright = (_bridged(channel, time, x.duration, x.leg_after) for channel in channels(x))
-    found = (level[0], upright[0], level[1], upright[1], np.sqrt(level[2] ** 2 + x.bias**2) / x.g)
-    return dict(zip(STEADY, found, strict=True))
+    sigmas = (level[0], upright[0], level[1], upright[1], np.sqrt(level[2] ** 2 + x.bias**2) / x.g)
+    return dict(zip(STEADY, sigmas, strict=True))
 
 
 def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Array:

@@ -80,12 +80,12 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
 def cautions(budget: Budget) -> tuple[str, ...]:
     """Cautions about this budget, in sentences."""
     steady, coast, design = budget.steady_state, budget.coast, budget.design
-    said: list[str] = []
+    sentences: list[str] = []
     if steady.lambda_dt > WIDE_SAWTOOTH:
         moments = (steady.closed, steady.prior, steady.posterior)
         closed, prior, posterior = (moment["horizontal_position"] for moment in moments)
         prior, posterior = prior / closed, posterior / closed
-        said.append(
+        sentences.append(
             f"λ·dt = {steady.lambda_dt:.2g} exceeds 0.5, a wide sawtooth: horizontal position is {prior:.2f} "
             f"times the average just before a fix and {posterior:.2f} times just after it [T-8]."
         )
@@ -95,40 +95,40 @@ def cautions(budget: Budget) -> tuple[str, ...]:
     ):
         ratio = float(refined[-1] / polynomial[-1]) if len(polynomial) else 1.0
         if ratio > 1.05:
-            said.append(
+            sentences.append(
                 f"At {coast.time[-1]:.4g} s the {label} polynomial is optimistic by "
                 f"{100 * (1 - 1 / ratio):.0f} %; requirements are checked with Schuler and Coriolis terms [T-17]."
             )
     table = design.oscillator.phase_noise
     if table and table[0][0] * budget.sar.aperture_time > 1:
-        said.append(
+        sentences.append(
             f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle per aperture. Slower noise is "
             "not included."
         )
     growth = budget.sar.along_track_growth
     if not budget.post_processed and growth > 1 + _GROWTH_SAID:
-        said.append(
+        sentences.append(
             "In real time the along-track quadratic phase takes the velocity error at the aperture's start [S-2]. "
             f"With that in mid-aperture it is {growth:.3g} times as large; the verdict does not count that."
         )
     if budget.post_processed:
         change = budget.beside("turn_of_quadratic")
         if abs(change) > _TURN_SAID:
-            said.append(
+            sentences.append(
                 "The line of sight turns over the aperture. The along-track phase [S-2] has its effect on velocity "
                 f"errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
                 f"along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
             )
         change = budget.beside("turn_of_detrended")
         if abs(change) > _TURN_SAID:
-            said.append(
+            sentences.append(
                 f"The residual after autofocus of order {budget.sar.autofocus_order} is along the line of sight of "
                 f"mid-aperture. With the turn it is {100 * abs(change):.2g} % "
                 f"{'larger' if change > 0 else 'smaller'}, not counted in the verdict [P-5]."
             )
-    said += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
-    said += [sentence for holds, sentence in _STANDING if holds(design)]
-    return tuple(said)
+    sentences += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
+    sentences += [sentence for holds, sentence in _STANDING if holds(design)]
+    return tuple(sentences)
 
 
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (

@@ -37,9 +37,9 @@ def measures(x: Inputs, quadratic: Array) -> dict[str, Array]:
             return (math.nan,) * len(RESPONSE)
         return tuple(measures_of(_response(min(phase, NO_IMAGE), x.window, *beside), 1.0).values())
 
-    found = np.vectorize(measured, otypes=[float] * len(RESPONSE))(quadratic, *_beside(x))
+    values = np.vectorize(measured, otypes=[float] * len(RESPONSE))(quadratic, *_beside(x))
     cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
-    return dict(zip(RESPONSE, (found[0] * cell, *found[1:]), strict=True))
+    return dict(zip(RESPONSE, (values[0] * cell, *values[1:]), strict=True))
 
 
 def _response(quadratic: float, window: str, *beside: float) -> ImpulseResponse:

@@ -108,7 +108,7 @@ class Design:
         """
         given = dict(values or {})
         texts = {key: str(given.pop(key, "")) for key in TOP_KEYS}
-        parts = {part.section: part(**own) for part, own in _by_part(given)}
+        parts = {part.section: part(**content) for part, content in _by_part(given)}
         self.__dict__.update(outdated=outdated, entries=entries)
         self._fill(dict(texts), parts, dict(written or {}), dict(origins or {}))
 
@@ -195,8 +195,8 @@ class Design:
         given = dict(changes)
         texts = {key: str(given.pop(key)) for key in TOP_KEYS if key in given}
         touched = {key.partition(".")[0] for key in given}
-        kept = {key: self._values[key] for section in touched for key in _KEYS.get(section, ())}
-        parts = {part.section: part(**own) for part, own in _by_part(kept | given) if part.section in touched}
+        unchanged = {key: self._values[key] for section in touched for key in _KEYS.get(section, ())}
+        parts = {part.section: part(**values) for part, values in _by_part(unchanged | given) if part.section in touched}
         units: Mapping[str, str] = self.written
         if any(units.get(key) != unit for key, unit in written.items()):
             units = {**units, **written}
@@ -297,10 +297,10 @@ def _check_origin(key: str, origin: object) -> None:
 
 def _by_part(values: Mapping[str, Value]) -> list[tuple[type[Part], dict[str, Any]]]:
     """Values sorted into the keyword arguments of each part."""
-    own: dict[str, dict[str, Any]] = {part.section: {} for part in PARTS}
+    by_section: dict[str, dict[str, Any]] = {part.section: {} for part in PARTS}
     for key, value in values.items():
         section, _, name = key.rpartition(".")
         if key not in PRESET_KEYS and name not in INPUTS.get(section, {}):
             raise InputError(key, f"unknown key; allowed are {', '.join(all_keys())}", value)
-        own[section][name] = value
-    return [(part, own[part.section]) for part in PARTS]
+        by_section[section][name] = value
+    return [(part, by_section[part.section]) for part in PARTS]

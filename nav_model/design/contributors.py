@@ -154,15 +154,15 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
         Naming the contributor and the key that is wrong, what was given and what is allowed.
     """
     keys = ("name", "value", "enters", "kind", "processing", "allowance", "owner", "source")
-    found = []
+    contributors = []
     for where, texts in read_records("contributors", tables, keys, ("value", "enters")):
         if (enters := texts["enters"]) not in FIGURES:
             raise InputError(f"{where}.enters", not_a_choice(enters, FIGURES), enters)
         given: dict[str, Any] = texts | read_size(f"{where}.value", texts["value"], enters, FIGURES[enters].accepts)
         with under(f"{where}.allowance"):
             given["allowance"] = _ALLOWANCE.read(texts.get("allowance", "0 %")).value
-        found.append(Contributor(**given))
-    return tuple(found)
+        contributors.append(Contributor(**given))
+    return tuple(contributors)
 
 
 def read_records(

@@ -265,8 +265,8 @@ class BaseQuantity(Declared, param.Number[_T]):
             value = float(Fraction(alternative.constant) / exact if reciprocal and alternative else exact)
             self._validate(value)
         except (InputError, OverflowError, ZeroDivisionError) as error:
-            said = f"{shown(text.strip())} is not allowed. {self.allowed(unit, reciprocal)}"
-            raise InputError(where, said, text) from error
+            problem = f"{shown(text.strip())} is not allowed. {self.allowed(unit, reciprocal)}"
+            raise InputError(where, problem, text) from error
         return Parsed(value, f"{alternative.key}:{unit}" if reciprocal and alternative else unit)
 
     def _plain(self, text: Any, where: str) -> float:

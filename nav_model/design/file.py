@@ -100,8 +100,8 @@ def _toml_error(message: str, text: str, where: str) -> InputError:
         headers = [header[1] for header in re.finditer(r"(?m)^\s*\[\s*([\w.]+)\s*\]", "\n".join(lines[:number]))]
         key = line.partition("=")[0].strip()
         return InputError(".".join((*headers[-1:], key)), f"is given twice (line {number} of {where}). Remove one.")
-    shown = line if len(line) <= 60 else line[:57] + "..."
-    return InputError(where, f"not a design file (TOML): {message}: {shown!r}")
+    excerpt = line if len(line) <= 60 else line[:57] + "..."
+    return InputError(where, f"not a design file (TOML): {message}: {excerpt!r}")
 
 
 def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, Any]:
@@ -127,8 +127,8 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
             for filled in preset_fill(section, text)[0].keys() - {key}:
                 _drop(tables, section, filled.rpartition(".")[2])
         elif key not in OUTDATED:
-            found = _input_named(section, name)
-            _drop(tables, section, found[0] if found else name)
+            declared = _input_named(section, name)
+            _drop(tables, section, declared[0] if declared else name)
         table[name] = text
     return tables
 
@@ -176,10 +176,10 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
         key = f"{section}.{name}"
         if key in (*PRESET_KEYS, *OUTDATED):
             continue
-        found = _input_named(section, name)
-        if found is None:
+        declared = _input_named(section, name)
+        if declared is None:
             raise InputError(key, _unknown(section))
-        target, declaration = found
+        target, declaration = declared
         if target in given:
             raise InputError(key, f"means the same as {section}.{given[target]}. Give one of them.")
         given[target] = name

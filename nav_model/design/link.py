@@ -104,7 +104,7 @@ def from_query(query: str) -> Design:
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     origins: dict[str, str] = {}
-    own: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     names = [short for short, _ in pairs]
     for short in names:
         if names.count(short) > 1:
@@ -118,7 +118,7 @@ def from_query(query: str) -> Design:
         if short in TOP_KEYS:
             values[short] = text
         elif short in ENTRY_KEYS:
-            own[short] = _tables(short, text)
+            entries[short] = _tables(short, text)
         elif short.removeprefix(_ORIGIN_PREFIX) in _SHORT and short.startswith(_ORIGIN_PREFIX):
             origins[_SHORT[short.removeprefix(_ORIGIN_PREFIX)]] = text
         elif short not in _PRESET_SHORT and short.removeprefix(_ORIGIN_PREFIX) not in _OUTDATED:
@@ -126,7 +126,7 @@ def from_query(query: str) -> Design:
                 raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
             _read(_SHORT[short], text, values, written)
     outdated = tuple(_OUTDATED[short] for short in names if short in _OUTDATED)
-    design = Design(values, written, outdated=outdated, entries=read_entries(own))
+    design = Design(values, written, outdated=outdated, entries=read_entries(entries))
     return design.replace({}, origins=origins or noted_origins(design))
 
 

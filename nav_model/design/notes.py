@@ -15,7 +15,7 @@ def noted_origins(design: Design) -> dict[str, str]:
     A line that quotes another value is outdated and no origin; any other line is plain text. Of two lines on one key
     the first counts.
     """
-    found: dict[str, str] = {}
+    origins: dict[str, str] = {}
     for line in design.description.splitlines():
         key, _, note = line.partition(" = ")
         quoted, _, origin = note.partition(": ")
@@ -26,5 +26,5 @@ def noted_origins(design: Design) -> dict[str, str]:
         except (KeyError, InputError):
             continue
         if origin.strip() and len(origin) <= LONGEST_ORIGIN:
-            found.setdefault(key, origin)
-    return found
+            origins.setdefault(key, origin)
+    return origins

@@ -29,7 +29,7 @@ class Part(param.Parameterized):
 
     def given(self) -> bool:
         """Whether the section is told: always, unless it is optional and all its inputs have their defaults."""
-        return not self.optional or any(getattr(self, name) != one.default for name, one in self.inputs().items())
+        return not self.optional or any(getattr(self, name) != declaration.default for name, declaration in self.inputs().items())
 
 
 def preset(kind: str) -> Any:

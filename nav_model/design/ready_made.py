@@ -97,16 +97,16 @@ def ready_made(name: str, texts: Sequence[str], design: Design) -> Contributor:
     if name not in READY_MADE:
         raise InputError("contributor", not_a_choice(name, READY_MADE), name)
     made = READY_MADE[name]
-    values, said = [], []
+    values, parts = [], []
     for box, text in zip(made.boxes, texts, strict=True):
         try:
             values.append(parse_quantity(text, box.dimension).value)
         except InputError as error:
             reason = f"{shown(text)} does not fit. Write for example {box.example}."
             raise InputError(box.label, reason, text) from error
-        said.append(f"{box.label.lower()} {text.strip()}")
-    taken = {one.name for one in design.contributors}
-    own = next(each for n in range(1, len(taken) + 2) if (each := name if n == 1 else f"{name} {n}") not in taken)
+        parts.append(f"{box.label.lower()} {text.strip()}")
+    taken = {contributor.name for contributor in design.contributors}
+    free_name = next(each for n in range(1, len(taken) + 2) if (each := name if n == 1 else f"{name} {n}") not in taken)
     value = float(f"{made.of(design, *values):.6g}")
-    source = f"{made.formula}: {', '.join(said)} [P-16]"
-    return Contributor(own, value, made.enters, made.dimension, made.kind, source=source, unit=made.unit)
+    source = f"{made.formula}: {', '.join(parts)} [P-16]"
+    return Contributor(free_name, value, made.enters, made.dimension, made.kind, source=source, unit=made.unit)

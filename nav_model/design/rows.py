@@ -57,8 +57,8 @@ class Rows(Table):
                 text = _said(amount, dimension) if sayable else f"{amount:g} (SI)"
                 above = "more than zero and " if self.curve else "zero or more and "
                 above = "" if DIMENSIONS[dimension].decibels else above
-                said = f"It must be {above}at most {format_bound(most, _unit(dimension), dimension, low=False)}."
-                raise InputError(self.key, f"{text} at {frequency:g} Hz is not allowed. {said}", val)
+                bound = f"It must be {above}at most {format_bound(most, _unit(dimension), dimension, low=False)}."
+                raise InputError(self.key, f"{text} at {frequency:g} Hz is not allowed. {bound}", val)
         if self.curve and val:
             self._validate_curve(val)
 

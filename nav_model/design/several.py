@@ -87,8 +87,8 @@ class Axes(_Several):
         for number in val:
             if not abs(number) <= most:  # NaN lands here too
                 largest = format_bound(most, self.unit, self.dimension, low=False)
-                said = f"is not allowed. Each axis must be at most {largest} in size."
-                raise InputError(self.key, f"{self._one(number, 6)} {said}", val)
+                problem = f"is not allowed. Each axis must be at most {largest} in size."
+                raise InputError(self.key, f"{self._one(number, 6)} {problem}", val)
 
     def show(self, value: tuple[float, ...], digits: int | None = 6) -> str:
         """A value in SI as text in the usual unit, "60, 0, 0 arcsec", which `read` takes back; without `digits`
@@ -114,8 +114,8 @@ class Axes(_Several):
         if not text.strip().removesuffix(unit).strip():
             raise InputError(self.key, f"Enter the {in_sentence(self.label)}, for example {example}.", text)
         if len(parts) not in (1, count):
-            said = f"has {len(parts)} values. Give one for all axes, or {_COUNTS[count]} separated by commas."
-            raise InputError(self.key, f"{shown(text.strip())} {said}", text)
+            problem = f"has {len(parts)} values. Give one for all axes, or {_COUNTS[count]} separated by commas."
+            raise InputError(self.key, f"{shown(text.strip())} {problem}", text)
         last = _unit_of(parts[-1]) or unit
         with under(self.key):
             numbers = [parse_quantity(with_unit(part, last), self.dimension).value for part in parts]

@@ -122,17 +122,17 @@ class Table(Declared, param.Parameter[Any]):
 
     def _named(self, row: str, where: str) -> dict[str, str]:
         """The cells of a row written as text, by column."""
-        found: dict[str, str] = {}
+        cells: dict[str, str] = {}
         places = [name for name, column in self.columns.items() if column is None or not column.allow_None]
         for place, text in enumerate(row.split("\t" if "\t" in row else ",")):
             name, equals, cell = (part.strip() for part in text.partition("="))
             if not equals:
                 if place >= len(places):
-                    said = f"{shown(row)} has too many cells. Write for example {self.example}."
-                    raise InputError(where, said, row)
+                    reason = f"{shown(row)} has too many cells. Write for example {self.example}."
+                    raise InputError(where, reason, row)
                 name, cell = places[place], name
-            found[name] = cell
-        return found
+            cells[name] = cell
+        return cells
 
     def _with_units(self, cells: dict[str, str]) -> dict[str, str]:
         return {
@@ -158,13 +158,13 @@ class Table(Declared, param.Parameter[Any]):
     def cells(self, value: Any, digits: int | None = None, *, bare: bool = True) -> list[list[str]]:
         """Rows of texts, one for each column; `bare`: numbers in their usual units, without them."""
 
-        def told(column: BaseQuantity[Any] | None, cell: Any) -> str:
+        def cell_text(column: BaseQuantity[Any] | None, cell: Any) -> str:
             if column is None or cell is None:
                 return cell or ""
             text = column.show(cell, digits)
             return text.removesuffix(column.unit).strip() if bare else text
 
-        return [[told(*pair) for pair in zip(self.columns.values(), row, strict=True)] for row in value]
+        return [[cell_text(*pair) for pair in zip(self.columns.values(), row, strict=True)] for row in value]
 
     def _told(self, rows: list[list[str]]) -> Iterator[list[str]]:
         """Rows as text has them: what may be left out with its name, and no empty cells at the end."""

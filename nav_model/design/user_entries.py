@@ -165,28 +165,28 @@ class UserEntries:
 
     def __post_init__(self) -> None:
         for named in (self.contributors, self.limits):
-            found: dict[str, OneSigma] = {}
-            for one in named:
-                if found.setdefault(one.name.casefold(), one) is not one:
-                    raise InputError(one.where, f"is the name of two {one.table}. Rename one.", one.name)
-                if len(found) > MOST:
-                    raise InputError(one.table, f"are too many. Give at most {MOST}.")
+            by_name: dict[str, OneSigma] = {}
+            for entry in named:
+                if by_name.setdefault(entry.name.casefold(), entry) is not entry:
+                    raise InputError(entry.where, f"is the name of two {entry.table}. Rename one.", entry.name)
+                if len(by_name) > MOST:
+                    raise InputError(entry.table, f"are too many. Give at most {MOST}.")
 
     def tables(self) -> dict[str, Any]:
         """What a design file has of it; `read_entries` takes it back."""
-        found: dict[str, Any] = {
-            "contributors": [one.record() for one in self.contributors],
-            "limits": [one.record() for one in self.limits],
+        content: dict[str, Any] = {
+            "contributors": [entry.record() for entry in self.contributors],
+            "limits": [entry.record() for entry in self.limits],
             "allocation": self.allocation and self.allocation.record(),
         }
-        return {key: table for key, table in found.items() if table}
+        return {key: table for key, table in content.items() if table}
 
     def identity(self) -> list[str]:
         """Lines for a design's hash; none where there is nothing.
 
         Names and order of the entries' fields are part of it: another name for one changes the hash of saved designs.
         """
-        lines = [repr(one) for one in (*self.contributors, *self.limits, self.allocation) if one]
+        lines = [repr(entry) for entry in (*self.contributors, *self.limits, self.allocation) if entry]
         frozen = self.allocation.required if self.allocation else ()
         return [*lines, repr([(key, value) for key, value, _ in frozen])] if frozen else lines
 
@@ -213,9 +213,9 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
     InputError
         As `read_entries`.
     """
-    dimensions = {one.name: one.dimension for one in contributors}
+    dimensions = {contributor.name: contributor.dimension for contributor in contributors}
     dimensions |= {name: figure.dimension for name, figure in FIGURES.items()}
-    found = []
+    limits = []
     for where, texts in read_records("limits", tables, ("name", "on", "limit", "at", "confidence"), ("on", "limit")):
         on = texts["on"]
         if on not in dimensions:
@@ -230,8 +230,8 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
             if key in texts:
                 with under(f"{where}.{key}"):
                     size[key] = declaration.read(texts[key]).value
-        found.append(Limit(texts["name"], on, **size))
-    return tuple(found)
+        limits.append(Limit(texts["name"], on, **size))
+    return tuple(limits)
 
 
 def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
@@ -246,8 +246,8 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
         raise InputError("allocation", "must be a section, [allocation]", table)
     for key in table:
         if key not in _ALLOCATION:
-            said = f"unknown key; [allocation] has {', '.join(_ALLOCATION)}"
-            raise InputError(f"allocation.{key}", said, table[key])
+            reason = f"unknown key; [allocation] has {', '.join(_ALLOCATION)}"
+            raise InputError(f"allocation.{key}", reason, table[key])
     fitting = {name: figure.accepts for name, figure in FIGURES.items()}
     fitting |= {limit.name: fitting.get(limit.on, (limit.dimension,)) for limit in limits}
     locks, given = [], table.get("locks", {})
@@ -256,8 +256,8 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
         if not isinstance(entries, dict):
             raise InputError("allocation.locks", "must be sections, [allocation.locks.REQUIREMENT]", entries)
         if requirement not in fitting:
-            said = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
-            raise InputError("allocation.locks", said, requirement)
+            reason = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
+            raise InputError("allocation.locks", reason, requirement)
         for source, text in entries.items():
             size = read_size(f"{where}.{source}", text, requirement, fitting[requirement])
             locks.append(Lock(requirement, source, **size))

@@ -33,10 +33,10 @@ def with_cited(marks: Collection[str]) -> tuple[tuple[Equation, ...], tuple[Symb
 
     What a cited equation itself cites is included.
     """
-    wanted, found = {equation.mark for equation in EQUATIONS}, set(marks)
-    while not found <= wanted:
-        wanted |= found
-        found = {mark for e in ALL_EQUATIONS if e.mark in wanted for mark in _CITED.findall(e.says)}
+    wanted, cited = {equation.mark for equation in EQUATIONS}, set(marks)
+    while not cited <= wanted:
+        wanted |= cited
+        cited = {mark for e in ALL_EQUATIONS if e.mark in wanted for mark in _CITED.findall(e.says)}
     equations = tuple(equation for equation in ALL_EQUATIONS if equation.mark in wanted)
     symbols = tuple(symbol for symbol in ALL_SYMBOLS if not symbol.marks or not wanted.isdisjoint(symbol.marks))
     return equations, symbols

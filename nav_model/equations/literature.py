@@ -25,7 +25,7 @@ def references_of(equations: Collection[Equation]) -> tuple[str, ...]:
 
     derived = [equation.mark for equation in equations if equation.source not in WORKS]
     return (
-        *(f"{work} Used for {_listed(found)}." for short, work in WORKS.items() if (found := marks(short))),
+        *(f"{work} Used for {_listed(cited)}." for short, work in WORKS.items() if (cited := marks(short))),
         f"{_listed(derived)} are derived in NavBudget and verified against Riccati and covariance solutions and "
         "Monte Carlo runs in its test suite.",
         "The table of inputs gives the source of each sensor and radar value.",

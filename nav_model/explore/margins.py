@@ -21,7 +21,7 @@ ALL = "all requirements"
 
 def limits(design: Design) -> dict[str, float]:
     """Limit at one sigma [SI] of every figure with a requirement, in the order of the verdict."""
-    return {name: one.at_one_sigma for name, one in verdict.required(design).items()}
+    return {name: check.at_one_sigma for name, check in verdict.required(design).items()}
 
 
 def ratios(design: Design, changes: Mapping[str, Replacement] | None = None) -> dict[str, Array]:

@@ -71,12 +71,12 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
     keys = [key for key in stated(design) if design[key] != 0]
     slopes = log_derivatives(design, keys, (figure,))[figure]
     halved, doubled = (_scaled(design, keys, figure, factor) for factor in (0.5, 2.0))
-    found = [
+    of_inputs = [
         Sensitivity(key, str(quantity(key).label), float(slope), float(half), float(double))
         for key, slope, half, double in zip(keys, slopes, halved, doubled, strict=True)
         if slope != 0
     ]
-    return tuple(sorted((*found, *_of_contributors(design, figure)), key=lambda item: -abs(item.slope)))
+    return tuple(sorted((*of_inputs, *_of_contributors(design, figure)), key=lambda item: -abs(item.slope)))
 
 
 def _of_contributors(design: Design, figure: str) -> Iterator[Sensitivity]:
@@ -86,8 +86,8 @@ def _of_contributors(design: Design, figure: str) -> Iterator[Sensitivity]:
 
     def scaled(name: str, factor: complex) -> complex:
         changed = tuple(replace(part, size=factor * part.size) if part.name == name else part for part in parts)
-        own = Contributors(FrozenMapping({figure: changed}))
-        return complex(figures(replace(x, contributors=own), (figure,))[figure].flat[0])
+        contributors = Contributors(FrozenMapping({figure: changed}))
+        return complex(figures(replace(x, contributors=contributors), (figure,))[figure].flat[0])
 
     for part in parts:
         now = scaled(part.name, 1.0).real
@@ -132,9 +132,9 @@ def log_derivatives(
     stepped = dict(base)
     for i, key in enumerate(keys):
         stepped[key] = base.get(key, design[key]) * (1 + 1j * _STEP * identity[i])
-    found = figures(inputs_of(design, stepped), names)
+    values = figures(inputs_of(design, stepped), names)
     whole = (len(keys), *shape)
-    return {name: np.broadcast_to(value.imag / (value.real * _STEP), whole) for name, value in found.items()}
+    return {name: np.broadcast_to(value.imag / (value.real * _STEP), whole) for name, value in values.items()}
 
 
 def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> Array:
@@ -161,10 +161,10 @@ def sentence(item: Sensitivity, figure_label: str) -> str:
     down = item.slope > 0
     verb, change = ("Halving", item.halved) if down else ("Doubling", item.doubled)
     name = in_sentence(item.label) + (", which makes the image coarser," if item.coarser else "")
-    said = in_sentence(figure_label)
+    subject = in_sentence(figure_label)
     if np.isnan(change):
-        return f"{verb} the {name} is out of reach; one percent of it moves the {said} by {abs(item.slope):.2g} %."
+        return f"{verb} the {name} is out of reach; one percent of it moves the {subject} by {abs(item.slope):.2g} %."
     if abs(change) < 5e-4:
-        return f"{verb} the {name} changes the {said} by less than 0.05 %."
+        return f"{verb} the {name} changes the {subject} by less than 0.05 %."
     effect = "cuts" if change < 0 else "raises"
-    return f"{verb} the {name} {effect} the {said} by {100 * abs(change):.2g} %."
+    return f"{verb} the {name} {effect} the {subject} by {100 * abs(change):.2g} %."

@@ -85,12 +85,12 @@ def search(
         raise InputError("imu catalogue", "no unit gives both random walks; add one that does")
     pairs = [(imu, receiver) for imu in known for receiver in (None, *receivers.values())]
     filled = [dict(_filling(imu, receiver, biases)) for imu, receiver in pairs]
-    changes = [_changes(own, biases) for own in filled]
+    changes = [_changes(entries, biases) for entries in filled]
     keys = sorted({key for change in changes for key in change} & set(VARIABLES))
     columns = {key: np.array([_filled(design, change, key) for change in changes], float) for key in keys}
-    found = {name: np.broadcast_to(ratio, len(pairs)) for name, ratio in ratios(design, columns).items()}
-    whole = worst(found)
-    tightest = np.argmax(np.stack([found[name] for name in names]), axis=0)
+    by_limit = {name: np.broadcast_to(ratio, len(pairs)) for name, ratio in ratios(design, columns).items()}
+    whole = worst(by_limit)
+    tightest = np.argmax(np.stack([by_limit[name] for name in names]), axis=0)
     sources, shares = _dominant(design, names, columns, tightest)
     rows = [
         Candidate(
@@ -101,7 +101,7 @@ def search(
             tightest=names[tightest[i]],
             dominant=sources[i],
             share=float(shares[i]),
-            margins={name: float(1 - found[name][i]) for name in names},
+            margins={name: float(1 - by_limit[name][i]) for name in names},
             changes={"imu.preset": imu.name, **changes[i]},
             written={key: item.unit for key, item in filled[i].items()},
             doubts=tuple(_doubts(filled[i])),
@@ -151,8 +151,8 @@ def one_currency(entries: Iterable[Entry]) -> str:
 
 def _offered(parts: Sequence[Entry], key: str) -> float | None:
     """What the parts cost, weigh or take together; None where one does not say it."""
-    said = [part.offer[key].value for part in parts if key in part.offer]
-    return sum(said) if len(said) == len(parts) else None
+    values = [part.offer[key].value for part in parts if key in part.offer]
+    return sum(values) if len(values) == len(parts) else None
 
 
 def left_out(imus: Mapping[str, Entry], biases: Biases = "design") -> dict[str, str]:

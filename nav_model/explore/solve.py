@@ -191,21 +191,21 @@ def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, li
         from scipy.optimize.elementwise import find_root  # late: the command line starts without it
 
         def over_limit(x: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
-            found: Array = _excess(design, keys, names, i, x)[j, np.arange(len(i))]
-            return found
+            log_ratio: Array = _excess(design, keys, names, i, x)[j, np.arange(len(i))]
+            return log_ratio
 
         # By Chandrupatla's method, Advances in Engineering Software 28(3), 1997.
-        found = find_root(over_limit, (grid[i, k - 1], grid[i, k]), args=(i, j), tolerances=_TOLERANCES)
-        met = np.maximum(found.bracket[0], found.x - _DOWN)
-        roots[i, j] = np.exp(np.where(found.f_x <= 0, found.x, met))
+        root = find_root(over_limit, (grid[i, k - 1], grid[i, k]), args=(i, j), tolerances=_TOLERANCES)
+        met = np.maximum(root.bracket[0], root.x - _DOWN)
+        roots[i, j] = np.exp(np.where(root.f_x <= 0, root.x, met))
     return roots, outcomes
 
 
 def _excess(design: Design, keys: list[str], names: list[str], rows: NDArray[np.intp], log_values: Array) -> Array:
     """log(value/limit), shape (requirements, points); point n has input keys[rows[n]] at exp(log_values[n])."""
     changes = {key: np.where(rows == i, np.exp(log_values), _current(design, key)) for i, key in enumerate(keys)}
-    found = ratios(design, changes)
-    excess: Array = np.log(np.stack(np.broadcast_arrays(*(found[name] for name in names), log_values)[:-1]))
+    by_limit = ratios(design, changes)
+    excess: Array = np.log(np.stack(np.broadcast_arrays(*(by_limit[name] for name in names), log_values)[:-1]))
     return excess
 
 
@@ -230,11 +230,11 @@ def offer(design: Design, solution: Solution) -> Offer | None:
     if solution.together.value is None:
         return None
     offers = (rounded_offer(design, solution.key, solution.together.value, digits) for digits in _DIGITS)
-    return next((found for found in offers if _closes(design, found)), None)
+    return next((candidate for candidate in offers if _closes(design, candidate)), None)
 
 
-def _closes(design: Design, found: Offer) -> bool:
-    return analyse(design.replace(found.changes)).verdict.closes
+def _closes(design: Design, candidate: Offer) -> bool:
+    return analyse(design.replace(candidate.changes)).verdict.closes
 
 
 def rounded_offer(design: Design, key: str, value: float, digits: int = 3) -> Offer:

@@ -159,13 +159,13 @@ def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str
     met with all values at once. Limits on measures of the impulse response are not allocated.
     """
     budget, factors = analyse(design), dict[str, float]()
-    for check in (one for one in budget.verdict.checks if one.on not in RESPONSE):
-        found = allocate(budget, check.name)
-        if not found.closes:
+    for check in (judged for judged in budget.verdict.checks if judged.on not in RESPONSE):
+        allocation = allocate(budget, check.name)
+        if not allocation.closes:
             raise InputError(
-                "allocation", f"{check.label} does not close: {', '.join(found.blocked_by)} locked too high"
+                "allocation", f"{check.label} does not close: {', '.join(allocation.blocked_by)} locked too high"
             )
-        for entry in found.entries:
+        for entry in allocation.entries:
             factors[entry.source] = min(factors.get(entry.source, math.inf), entry.allocated / entry.estimated)
     if not any(quantity(key).source in factors for key in now):
         raise InputError(unit, "no limit that is allocated depends on its noise")
@@ -202,7 +202,7 @@ def judge_log(lines: tuple[Required, ...], log: LogAnalysis) -> tuple[Acceptance
         if not any(axis.quantity == quantity_of for axis in log.axes):
             raise InputError(log.provenance.file_name, f"has no {quantity_of}; the sheet requires values of both")
     by_key = {line.key: line for line in lines}
-    found = []
+    acceptances = []
     for axis in log.axes:
         line, taus = by_key[_TRIADS[axis.quantity]], axis.deviation.tau_s
         near = int(np.argmin(np.abs(np.log(taus / AVERAGING))))
@@ -214,5 +214,5 @@ def judge_log(lines: tuple[Required, ...], log: LogAnalysis) -> tuple[Acceptance
         degrees = pooled_degrees(0, round(float(taus[near]) * axis.rate_hz), axis.lengths)
         reading = float(axis.deviation.deviation[near]) * math.sqrt(float(taus[near]))
         limit = accepted_share(degrees) * line.value
-        found.append(Acceptance(axis.name, line.key, reading, limit, line.value, degrees))
-    return tuple(found)
+        acceptances.append(Acceptance(axis.name, line.key, reading, limit, line.value, degrees))
+    return tuple(acceptances)

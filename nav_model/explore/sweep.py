@@ -83,8 +83,8 @@ def _run(
 ) -> int:
     ready = _ready(plan, parts, target.suffix)
     missing = [n for n in range(plan.parts) if n not in ready]
-    kept = plan.rows - sum(_size(plan, n) for n in missing)
-    done = kept
+    stored = plan.rows - sum(_size(plan, n) for n in missing)
+    done = stored
     progress(done, plan.rows)
     with _executor(workers, scheduler) as (executor, at_once):
         for n, content in _results(executor, at_once, plan, missing, target.suffix):
@@ -94,7 +94,7 @@ def _run(
             progress(done, plan.rows)
     _join(plan, ready, target)
     shutil.rmtree(parts)
-    return kept
+    return stored
 
 
 def _size(plan: Plan, n: int) -> int:
@@ -221,7 +221,7 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     places = plan.indices(start, stop)
     columns: dict[str, Column] = {"row": np.arange(start, stop)}
     for axis, place in zip(plan.axes, places, strict=True):
-        columns[axis.key] = [axis.shown[k] for k in place]
+        columns[axis.key] = [axis.values[k] for k in place]
     columns.setdefault("processing.mode", [plan.design.processing.mode] * (stop - start))
     names = list(limits(_varied(plan.design, ())))
     limited = [name for name, key in REQUIRED.items() if name in names or f"requirements.{key}" in columns]
@@ -236,15 +236,15 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
             plan.design, tuple(tuple(plan.axes[i].changes[k].items()) for i, k in zip(slow, group, strict=True))
         )
         fast = {
-            axis.key: np.array([axis.shown[k] for k in place[rows]], float)
+            axis.key: np.array([axis.values[k] for k in place[rows]], float)
             for axis, place in zip(plan.axes, places, strict=True)
             if axis.key in VARIABLES
         }
-        found = figures(inputs_of(design, fast), {*plan.results, *limited})
+        sigmas = figures(inputs_of(design, fast), {*plan.results, *limited})
         for name in plan.results:
-            results[name][rows] = found[name]
+            results[name][rows] = sigmas[name]
         for name, limit in limits(design).items():
-            margins[name][rows] = 1 - found[name] / limit
+            margins[name][rows] = 1 - sigmas[name] / limit
     columns |= {FIGURES[name].column: values for name, values in results.items()}
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
@@ -270,16 +270,16 @@ def whole_sweep(
     >>> columns = whole_sweep(parse_plan(text))
     >>> columns["closes"]
     """
-    found: list[dict[str, Column]] = []
+    columns_of_chunks: list[dict[str, Column]] = []
     for n in range(plan.parts):
         start = n * plan.rows_per_part
         progress(start / plan.rows, f"{start} of {plan.rows} designs")
-        found.append(evaluate(plan, start, start + _size(plan, n)))
+        columns_of_chunks.append(evaluate(plan, start, start + _size(plan, n)))
     return {
-        name: np.concatenate([part[name] for part in found])
+        name: np.concatenate([part[name] for part in columns_of_chunks])
         if isinstance(column, np.ndarray)
-        else [value for part in found for value in part[name]]
-        for name, column in found[0].items()
+        else [value for part in columns_of_chunks for value in part[name]]
+        for name, column in columns_of_chunks[0].items()
     }
 
 

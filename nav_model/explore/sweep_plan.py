@@ -52,7 +52,7 @@ class Axis:
     """One input varied: what its column shows, and the changes (SI) each value makes."""
 
     key: str
-    shown: tuple[Value, ...]
+    values: tuple[Value, ...]
     changes: tuple[Mapping[str, Value], ...]
 
 
@@ -75,7 +75,7 @@ class Plan:
     @property
     def rows(self) -> int:
         """How many designs."""
-        lengths = [len(axis.shown) for axis in self.axes]
+        lengths = [len(axis.values) for axis in self.axes]
         return lengths[0] if self.together else math.prod(lengths)
 
     @property
@@ -89,7 +89,7 @@ class Plan:
         content = {
             "format": _FORMAT,
             "design": self.design.content_hash,
-            "axes": [[axis.key, axis.shown, [dict(change) for change in axis.changes]] for axis in self.axes],
+            "axes": [[axis.key, axis.values, [dict(change) for change in axis.changes]] for axis in self.axes],
             "together": self.together,
             "results": self.results,
             "rows_per_part": self.rows_per_part,
@@ -103,7 +103,7 @@ class Plan:
         rows = np.arange(start, stop)
         if self.together:
             return tuple(rows for _ in self.axes)
-        return tuple(np.unravel_index(rows, [len(axis.shown) for axis in self.axes]))
+        return tuple(np.unravel_index(rows, [len(axis.values) for axis in self.axes]))
 
 
 def read_plan(path: str | Path) -> Plan:
@@ -137,7 +137,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     for i, axis in enumerate(axes):
         if axis.key in {other.key for other in axes[:i]}:
             raise InputError(axis.key, "is varied twice; give it one list or range")
-    lengths = {axis.key: len(axis.shown) for axis in axes}
+    lengths = {axis.key: len(axis.values) for axis in axes}
     if combine == "together" and len(set(lengths.values())) > 1:
         raise InputError("combine", f"together needs lists of one length; they have {lengths}")
     flight = read_flight(tables["simulate"], folder) if "simulate" in tables else None
@@ -180,13 +180,13 @@ def _part_size(tables: Mapping[str, Any], usual: int) -> int:
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     """Dotted keys, whether the file quotes them or nests them."""
-    found: list[tuple[str, Any]] = []
+    pairs: list[tuple[str, Any]] = []
     for key, content in table.items():
         if isinstance(content, dict) and "from" not in content:
-            found += _flat(content, f"{prefix}{key}.")
+            pairs += _flat(content, f"{prefix}{key}.")
         else:
-            found.append((f"{prefix}{key}", content))
-    return found
+            pairs.append((f"{prefix}{key}", content))
+    return pairs
 
 
 def _check_size(varied: Sequence[tuple[str, Any]]) -> None:

@@ -142,16 +142,16 @@ def uncertain_verdict(
         raise InputError("requirements", "The design has no requirement. Give at least one limit.")
     columns = _samples(inputs, seed, points)
     total = SCRAMBLINGS * points
-    found = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}
-    largest = worst(found)
-    tightest = np.argmax(np.stack([found[name] for name in names]), axis=0)
+    by_limit = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}
+    largest = worst(by_limit)
+    tightest = np.argmax(np.stack([by_limit[name] for name in names]), axis=0)
     margins = 1 - largest[np.isfinite(largest)]
     low, middle, high = (float(q) for q in np.quantile(margins, _QUANTILES))
     return UncertainVerdict(
         designs=total,
         closes=_probability(np.less_equal(largest, 1)),
         margin=(low, middle, high),
-        each={name: _probability(np.less_equal(ratio, 1)) for name, ratio in found.items()},
+        each={name: _probability(np.less_equal(ratio, 1)) for name, ratio in by_limit.items()},
         limiting={name: float(np.mean(tightest == i)) for i, name in enumerate(names)},
         histogram=_histogram(margins),
     )

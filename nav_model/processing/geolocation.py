@@ -141,12 +141,12 @@ def ground_covariance(
     return along, across, covariance + 0.0  # a zero has no sign
 
 
-def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: float = 0.9) -> Array:
+def circular_error(variance_x: ArrayLike, variance_y: ArrayLike, covariance: ArrayLike, share: float = 0.9) -> Array:
     """Radius about the truth that contains this share of a normal error in the plane: CE90, or CEP at one half.
 
     Parameters
     ----------
-    one, other, both : array_like
+    variance_x, variance_y, covariance : array_like
         Variances of the two axes and their covariance, m².
     share : float
 
@@ -160,7 +160,7 @@ def circular_error(one: ArrayLike, other: ArrayLike, both: ArrayLike, share: flo
     >>> f"{float(circular_error(1.0, 1.0, 0.0)):.4f} {float(circular_error(1.0, 0.0, 0.0)):.4f}"
     '2.1460 1.6449'
     """
-    a, b, ab = (as_numbers(x) for x in (one, other, both))
+    a, b, ab = (as_numbers(x) for x in (variance_x, variance_y, covariance))
     middle, spread = (a + b) / 2, np.sqrt((a - b) ** 2 / 4 + ab**2)
     large = middle + spread
     small = np.where(spread == 0, middle, (a * b - ab**2) / large)

@@ -160,7 +160,7 @@ def _of_the_aperture(named: Array, left_3: Array, t: Array) -> dict[str, Array]:
     of_turn, of_cubic = (rows @ named @ rows.T for rows in (_QUADRATICS, _CUBICS))
     quadratic, cubic = named[:, 2, 2] * 9 / 4, named[:, 3, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
-    found: dict[str, Any] = {
+    columns: dict[str, Any] = {
         "quadratic": quadratic,
         "cubic": cubic,
         "left_1": left_2 + quadratic * (4 / 9 / 5),
@@ -180,4 +180,4 @@ def _of_the_aperture(named: Array, left_3: Array, t: Array) -> dict[str, Array]:
         "cubic_with_curved": of_cubic[:, 0, 2],
         "cubic_turned_curved": of_cubic[:, 1, 2],
     }
-    return found
+    return columns

@@ -96,7 +96,7 @@ def _made(
         winner=result.winner,
         phase=4 * np.pi / budget.sar.wavelength * result.best_sigma,
         here=(budget.sar.aperture_time, of_design),
-        names=tuple(name for name, shown in zip(names, inside, strict=True) if shown),
+        names=tuple(name for name, visible in zip(names, inside, strict=True) if visible),
         x=x[inside],
         y=y[inside],
     )

@@ -209,10 +209,10 @@ def gather(
     responses = {name: _joined([c.measures.responses[name] for c in parts]) for name in parts[0].measures.responses}
     bands = {name: band(value) for name, value in values.items()}
     to_phase = 4 * np.pi / case.wavelength
-    left = bands["residual_rms"].high
+    residual = bands["residual_rms"].high
     if case.autofocus_order == 1:
-        left = np.hypot(bands["quadratic"].high, bands["along_track_quadratic"].high)
-    smeared = to_phase * left > _NO_IMAGE_RAD
+        residual = np.hypot(bands["quadratic"].high, bands["along_track_quadratic"].high)
+    smeared = to_phase * residual > _NO_IMAGE_RAD
     first = parts[0].measures
     rms, rms_error = _root_mean_square(values["residual_rms"])
     quadratic, quadratic_error = _root_mean_square(values["quadratic"])

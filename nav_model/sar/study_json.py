@@ -132,7 +132,7 @@ def _band(values: Band, index: Any) -> dict[str, Any]:
 
 def _plain(value: NDArray[np.float64]) -> Any:
     if value.ndim:
-        return [_plain(one) for one in value]
+        return [_plain(item) for item in value]
     return float(value) if math.isfinite(value) else None
 
 

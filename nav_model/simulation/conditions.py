@@ -8,29 +8,29 @@ from nav_model.design.declaration import in_sentence
 from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
-from nav_model.simulation.departures import untold, velocity_told
+from nav_model.simulation.departures import unmodelled, closed_form_velocity_noise
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 
 def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
     """A sentence each, the most general first."""
-    flight, said = design.flight, []
+    flight, sentences = design.flight, []
     if spec.trajectory.kind == "file":
-        said.append(
+        sentences.append(
             "The flight comes from the file or plan; the formulas take the design's speed, latitude, altitude and "
             "heading."
         )
     else:
         local = float(normal_gravity(math.sin(flight.latitude), flight.altitude))
-        said.append(
+        sentences.append(
             f"The simulator uses WGS 84 normal gravity, {local:.5f} m/s² at the start of the flight; the "
             f"formulas use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
         )
-    more = {key: v for key, v in added(spec, velocity_told(design)).items() if not key.startswith("filter.")}
+    more = {key: v for key, v in added(spec, closed_form_velocity_noise(design)).items() if not key.startswith("filter.")}
     if more:
         listed = ", ".join(f"{_named(key)} {STUDY_KEYS[key].show(value)}" for key, value in more.items())
-        said.append(f"Simulated in addition to the design and not in the formulas: {listed}.")
+        sentences.append(f"Simulated in addition to the design and not in the formulas: {listed}.")
     if design.imu.accelerometer_bias or design.imu.gyro_bias:
         filter_knows = (
             f"the filter of {spec.filter.states} states estimates them, so an outage starts with smaller biases than "
@@ -39,47 +39,47 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             else "the filter of 9 states does not estimate them, so its covariance is optimistic; in level flight "
             "tilt absorbs most of an accelerometer bias"
         )
-        said.append(f"Residual biases are constant turn-on biases, drawn for each run: {filter_knows}.")
+        sentences.append(f"Residual biases are constant turn-on biases, drawn for each run: {filter_knows}.")
     if design.gnss.correlated:
-        said.append(
+        sentences.append(
             "The slow GNSS error is simulated, but this filter does not model it: expect an optimistic verdict. The "
             "formulas [T-3], [T-9] include white fix noise only; the curve with Schuler and Coriolis terms [T-17] "
             "starts from a filter that models it."
         )
-    said += not_flown(design)
+    sentences += not_flown(design)
     declared = [Trajectory.param[name] for name in AIDING]
-    given = [in_sentence(one.label) for one in declared if getattr(design.trajectory, str(one.name)) != one.default]
+    given = [in_sentence(declaration.label) for declaration in declared if getattr(design.trajectory, str(declaration.name)) != declaration.default]
     if given:
-        said.append(f"The runs have what the flight plan says of {', '.join(given)}; the formulas do not.")
-    said += _of_the_filter(spec)
-    said.append(
+        sentences.append(f"The runs have what the flight plan says of {', '.join(given)}; the formulas do not.")
+    sentences += _of_the_filter(spec)
+    sentences.append(
         "Errors start at the formula's steady-state sigmas "
         f"(yaw {STUDY_KEYS['filter.initial_yaw'].show(spec.initial.yaw)}), without correlations, which build "
         "up first. Fixes come at the IMU sample nearest to each multiple of the interval."
     )
-    return tuple(said)
+    return tuple(sentences)
 
 
 def _of_the_filter(spec: SimulationSpec) -> list[str]:
     """How this filter differs from the exact one for the simulated errors."""
-    said = []
-    missing = [what for what in untold(spec) if "bias" not in what and "GNSS" not in what and "tuning" not in what]
+    sentences = []
+    missing = [what for what in unmodelled(spec) if "bias" not in what and "GNSS" not in what and "tuning" not in what]
     if missing:
-        said.append(
+        sentences.append(
             f"The filter has no state for {', '.join(missing)}: expect an optimistic verdict where it matters."
         )
     mixed = [name for name, m in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)) if _mixed(m)]
     if spec.filter.states == 15 and mixed:
-        said.append(
+        sentences.append(
             f"The {' and '.join(mixed)} bias is a Gauss-Markov process on top of a constant or a random walk, and "
             "the filter has one state for the sum, a random walk of the same drive 2σ²/τ: exact for times short "
             "against the correlation time, pessimistic for long ones. The filter of 21 states keeps the two apart."
         )
-    told = {key: value for key, value in added(spec).items() if key.endswith("noise_scale")}
-    if told:
-        listed = " and ".join(f"{_named(key)} {value:g}" for key, value in told.items())
-        said.append(f"The filter is mistuned on purpose: {listed}, applied to standard deviations.")
-    return said
+    scales = {key: value for key, value in added(spec).items() if key.endswith("noise_scale")}
+    if scales:
+        listed = " and ".join(f"{_named(key)} {value:g}" for key, value in scales.items())
+        sentences.append(f"The filter is mistuned on purpose: {listed}, applied to standard deviations.")
+    return sentences
 
 
 def _mixed(model: TriadModel) -> bool:

@@ -83,7 +83,7 @@ class Chain:
     bare: the closed form without residual biases. fixes: as long after the last fix, by a settled filter on a flat
     Earth [T-8]. settling: the same filter from the study's start and through its outages. earth: the simulator's
     filter with the design's white noises, flown straight and level. flight: the same along the study's flight.
-    velocity: of one fix, that the closed form has, as `velocity_told`.
+    velocity: of one fix, that the closed form has, as `closed_form_velocity_noise`.
     """
 
     bare: FloatArray
@@ -94,10 +94,10 @@ class Chain:
     velocity: float | None
 
 
-def velocity_told(design: Design) -> float | None:
+def closed_form_velocity_noise(design: Design) -> float | None:
     """Velocity noise of one fix, horizontal [m/s], that the closed form has; None without velocity fixes."""
-    own = inputs_of(design).velocity_of_fix
-    return None if own is None else float(own[0])
+    velocity = inputs_of(design).velocity_of_fix
+    return None if velocity is None else float(velocity[0])
 
 
 def chain(design: Design, spec: SimulationSpec) -> Chain:
@@ -109,7 +109,7 @@ def chain(design: Design, spec: SimulationSpec) -> Chain:
 def _chain(design: Design, spec: SimulationSpec) -> Chain:
     x, imu, gnss = inputs_of(design), spec.imu, spec.gnss
     velocity = x.velocity_of_fix
-    told = (None, None) if velocity is None else (float(velocity[0]), float(velocity[1]))
+    velocity_noise = (None, None) if velocity is None else (float(velocity[0]), float(velocity[1]))
     plain = replace(
         spec,
         imu=ImuModel(
@@ -122,8 +122,8 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
             gnss.position_noise,
             gnss.vertical_position_noise,
             gnss.interval,
-            velocity_noise=told[0],
-            vertical_velocity_noise=told[1],
+            velocity_noise=velocity_noise[0],
+            vertical_velocity_noise=velocity_noise[1],
         ),
         aiding=Aiding(),
         filter=FilterModel(states=9),
@@ -143,9 +143,9 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
         variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
         flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
     earth, flight = (
-        fly_without_errors(one).filter_sigma[POSTERIOR] for one in (replace(plain, trajectory=_straight(spec)), plain)
+        fly_without_errors(study).filter_sigma[POSTERIOR] for study in (replace(plain, trajectory=_straight(spec)), plain)
     )
-    return Chain(flat[0], flat[1], _settling(plain, float(x.g)), earth, flight, told[0])
+    return Chain(flat[0], flat[1], _settling(plain, float(x.g)), earth, flight, velocity_noise[0])
 
 
 def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
@@ -157,7 +157,7 @@ def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
     dynamics, force, none, work = np.zeros((9, 9)), np.array([0.0, 0.0, -gravity]), np.zeros(6), np.empty((4, 9, 9))
     dynamics[range(3), range(3, 6)] = 1.0
     dynamics[3, 7], dynamics[4, 6] = gravity, -gravity
-    found, before = [], 0
+    sigmas, before = [], 0
     for sample in np.flatnonzero(events & (FIX | OUTPUT)).tolist():
         elapsed = (sample - before) / imu.rate
         propagate(covariance, dynamics, force, elapsed, accelerometer, gyro, none, none, work)
@@ -165,8 +165,8 @@ def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
         for state, noise in enumerate(noises if events[sample] & FIX else ()):
             update(covariance, np.eye(9)[state], 0.0, noise**2, np.zeros(9), work)
         if events[sample] & OUTPUT:
-            found.append(np.sqrt(np.diagonal(covariance)))
-    return np.stack(found)
+            sigmas.append(np.sqrt(np.diagonal(covariance)))
+    return np.stack(sigmas)
 
 
 def _straight(spec: SimulationSpec) -> TrajectorySpec:
@@ -204,7 +204,7 @@ def departures(result: SimulationResult, links: Chain, settling_s: float = 60.0)
     phase_of = np.where(result.coast_s > 0.0, "coast", np.where(young, "settling", "aided"))
     phases = [(n, phase) for n in range(len(stops) + 1) for phase in ("settling", "aided", "coast")]
     low, high = (math.sqrt(bound) for bound in chi_square_band(float(result.spec.runs), 1.0 - _CHANCE))
-    found = []
+    stretches = []
     for column, (group, axis, _unit) in enumerate(STATES):
         ratio = believed[:, column] / closed[:, column]
         for number, phase in phases:
@@ -225,7 +225,7 @@ def departures(result: SimulationResult, links: Chain, settling_s: float = 60.0)
             factors = [float(after[worst, column] / before[worst, column]) for before, after in pairwise(curve)]
             steps = list(zip(CAUSES, (*factors, 1.0 if by_chance else off), strict=True))
             named = _that_matter(steps)
-            found.append(
+            stretches.append(
                 Departure(
                     group,
                     axis,
@@ -239,7 +239,7 @@ def departures(result: SimulationResult, links: Chain, settling_s: float = 60.0)
                     in_words(named, result.spec, links.velocity),
                 )
             )
-    return found
+    return stretches
 
 
 def _that_matter(steps: list[tuple[str, float]]) -> tuple[tuple[str, float], ...]:
@@ -254,8 +254,8 @@ def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec, velocit
 
 
 def cause_in_words(key: str, spec: SimulationSpec, velocity: float | None) -> str:
-    """A key of `CAUSES` in words, with its input in this study; ``velocity`` as `velocity_told`."""
-    behind = {"filter": instruments_beside(spec, velocity), "errors": untold(spec)}.get(key, [])
+    """A key of `CAUSES` in words, with its input in this study; ``velocity`` as `closed_form_velocity_noise`."""
+    behind = {"filter": instruments_beside(spec, velocity), "errors": unmodelled(spec)}.get(key, [])
     return CAUSES[key] + (f": {', '.join(behind)}" if behind else "")
 
 
@@ -279,7 +279,7 @@ def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str
     return [words for holds, words in cases if holds]
 
 
-def untold(spec: SimulationSpec) -> list[str]:
+def unmodelled(spec: SimulationSpec) -> list[str]:
     """Inputs that are simulated but not modelled by the filter, or modelled differently."""
     triads, tuning = (spec.imu.gyro, spec.imu.accelerometer), spec.filter
     biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in triads)

@@ -73,7 +73,7 @@ def specification(
 
     Raises InputError naming the key of the design, or the option, that cannot be flown.
     """
-    imu, gnss, own = design.imu, design.gnss, design.trajectory
+    imu, gnss, section = design.imu, design.gnss, design.trajectory
     settled, velocity = analyse(design).steady_state.closed, _velocity_noise(design, more)
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
@@ -83,7 +83,7 @@ def specification(
     slow = gnss.correlated_noise if gnss.correlated else 0.0
     gyro = more.triad("gyro", imu.angle_random_walk, imu.gyro_bias)
     accelerometer = more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias)
-    biased = any(one.turn_on_bias or one.bias_instability or one.rate_random_walk for one in (gyro, accelerometer))
+    biased = any(triad.turn_on_bias or triad.bias_instability or triad.rate_random_walk for triad in (gyro, accelerometer))
     return SimulationSpec(
         imu=ImuModel(
             gyro=gyro,
@@ -101,12 +101,12 @@ def specification(
             velocity_noise=velocity[0],
             vertical_velocity_noise=velocity[1],
             lever_arm=more.lever_arm(),
-            lever_arm_error=own.lever_arm_error,
-            time_offset=own.time_offset,
-            bank_limit=own.bank_limit,
-            after_loss=own.after_loss,
+            lever_arm_error=section.lever_arm_error,
+            time_offset=section.time_offset,
+            bank_limit=section.bank_limit,
+            after_loss=section.after_loss,
         ),
-        aiding=Aiding(own.heading_noise, own.barometer_noise),
+        aiding=Aiding(section.heading_noise, section.barometer_noise),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states or (15 if biased else 9)),
         initial=InitialErrors(
@@ -121,23 +121,23 @@ def specification(
         outages=tuple((float(start), float(stop)) for start, stop in outages),
         every=every,
         keep_runs=keep_runs,
-        radar_time_offset=own.radar_time_offset,
+        radar_time_offset=section.radar_time_offset,
     )
 
 
 def _velocity_noise(design: Design, more: SimulationInputs) -> tuple[float | None, float | None]:
     """Velocity noise of one fix at the density of the design's, horizontal and vertical, unless the study gives
     another."""
-    own = inputs_of(design).velocity_of_fix
+    velocity = inputs_of(design).velocity_of_fix
     other: float | None = more["receiver.velocity_noise"]
-    return (other, other) if other is not None or own is None else (float(own[0]), float(own[1]))
+    return (other, other) if other is not None or velocity is None else (float(velocity[0]), float(velocity[1]))
 
 
 def named_flight(design: Design, kind: str) -> TrajectorySpec:
     """The flight of one of `NAMED_TRAJECTORIES` from the design's place, at its speed and heading."""
     if kind not in NAMED_TRAJECTORIES:
-        said = f"{kind!r} is not a trajectory. Choose {', '.join(NAMED_TRAJECTORIES)}, or a CSV file."
-        raise InputError("trajectory", said, kind)
+        reason = f"{kind!r} is not a trajectory. Choose {', '.join(NAMED_TRAJECTORIES)}, or a CSV file."
+        raise InputError("trajectory", reason, kind)
     flight = design.flight
     return TrajectorySpec(
         kind=kind,  # type: ignore[arg-type]  # checked above
@@ -271,7 +271,7 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
 
     ``refined_sigma_m`` of each position axis is null outside outages.
     """
-    from nav_model.simulation.departures import velocity_told
+    from nav_model.simulation.departures import closed_form_velocity_noise
     from nav_model.simulation.result import to_json
 
     document = to_json(study.result)
@@ -281,20 +281,20 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
         ]
     document["departures"] = [
         {
-            "group": found.group,
-            "axis": found.axis,
-            "phase": found.phase,
-            "start_s": found.start_s,
-            "stop_s": found.stop_s,
-            "filter_over_closed_form": found.ratio,
-            "simulated_over_closed_form": found.simulated,
-            "steps": [{"cause": cause, "factor": factor} for cause, factor in found.steps],
-            "reason": found.reason,
+            "group": departure.group,
+            "axis": departure.axis,
+            "phase": departure.phase,
+            "start_s": departure.start_s,
+            "stop_s": departure.stop_s,
+            "filter_over_closed_form": departure.ratio,
+            "simulated_over_closed_form": departure.simulated,
+            "steps": [{"cause": cause, "factor": factor} for cause, factor in departure.steps],
+            "reason": departure.reason,
         }
-        for found in study.departures
+        for departure in study.departures
     ]
     document["conditions"] = list(study.conditions)
-    beyond = added(study.result.spec, velocity_told(study.design))
+    beyond = added(study.result.spec, closed_form_velocity_noise(study.design))
     document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in beyond.items()}
     document["design"] = study.design.name
     return document

@@ -48,23 +48,23 @@ def reported(truth: TruthStates, noise: FloatArray, arm: FloatArray) -> FloatArr
 
     truth: at the times that the receiver takes for those of the fixes. noise: (n, MEASURED), NED.
     """
-    turned = truth.matrix @ arm
+    arm_n = truth.matrix @ arm
     swing = np.einsum("kij,kj->ki", truth.matrix, np.cross(truth.body_rate, arm))
     latitude, _, height = truth.position.T
     scale = np.column_stack([*metres_per_radian(latitude, height), np.full(len(height), -1.0)])
-    position = truth.position + (turned + noise[:, POSITION : POSITION + 3]) / scale
+    position = truth.position + (arm_n + noise[:, POSITION : POSITION + 3]) / scale
     velocity = truth.velocity + swing + noise[:, VELOCITY : VELOCITY + 3]
     both = truth.euler[:, 2] + noise[:, HEADING], height - noise[:, BAROMETER]
     return np.column_stack([position, velocity, *both])
 
 
 @kernel
-def first_order(kept: FloatArray, values: FloatArray) -> None:
-    """A first-order Gauss-Markov process (n, 3), in place of what each step adds, with what is `kept` (n) of the
+def first_order(factors: FloatArray, values: FloatArray) -> None:
+    """A first-order Gauss-Markov process (n, 3), in place of what each step adds, with the `factors` (n) of the
     value before."""
     for k in range(1, len(values)):
         for i in range(3):
-            values[k, i] += kept[k] * values[k - 1, i]
+            values[k, i] += factors[k] * values[k - 1, i]
 
 
 @kernel
@@ -135,8 +135,8 @@ def take_fix(
     residual[2] = report[2] - state[HEIGHT] + lever[2]
     for i in range(3):
         residual[VELOCITY + i] = state[VELOCITY + i] + swing[i] - report[VELOCITY + i]
-    turned = math.atan2(matrix[1, 0], matrix[0, 0]) - report[HEADING]
-    residual[HEADING] = turned - 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
+    change = math.atan2(matrix[1, 0], matrix[0, 0]) - report[HEADING]
+    residual[HEADING] = change - 2.0 * math.pi * math.floor(change / (2.0 * math.pi) + 0.5)
     residual[BAROMETER] = report[BAROMETER] - state[HEIGHT]
     squared = arm[0] ** 2 + arm[1] ** 2 + arm[2] ** 2
     for i in range(len(estimate)):

@@ -152,12 +152,12 @@ def propagate(
             covariance[i, j] = total
             covariance[j, i] = total
     for j in range(rows, n):
-        kept = math.exp(-decay_rate[j - BIASES] * dt)
+        factor = math.exp(-decay_rate[j - BIASES] * dt)
         for i in range(rows):
-            covariance[i, j] = kept * product[i, j]
+            covariance[i, j] = factor * product[i, j]
             covariance[j, i] = covariance[i, j]
         for i in range(rows, j + 1):
-            covariance[i, j] *= kept * math.exp(-decay_rate[i - BIASES] * dt)
+            covariance[i, j] *= factor * math.exp(-decay_rate[i - BIASES] * dt)
             covariance[j, i] = covariance[i, j]
         # Exact for a Gauss-Markov bias, however long the step.
         decay = 2.0 * decay_rate[j - BIASES]

@@ -66,7 +66,7 @@ class SimulationResult:
     root mean of the runs' own variances; nominal_sigma the covariance along the true path. closed_form_sigma:
     (outputs, 9) or None. percentiles: percent -> |error| after the fix (outputs, states). nees_curve:
     (outputs,) with its chi-square band `nees_curve_band` for the mean over the runs. rms_band: factors on a
-    true sigma between which the rms of this many runs lies with 95 % probability. kept: (runs, outputs,
+    true sigma between which the rms of this many runs lies with 95 % probability. run_errors: (runs, outputs,
     states) errors after the fix where the study kept them.
     """
 
@@ -86,7 +86,7 @@ class SimulationResult:
     nees_curve: FloatArray
     nees_curve_band: tuple[float, float]
     worst: RunRecord
-    kept: FloatArray | None
+    run_errors: FloatArray | None
     wall_s: float
 
     @property
@@ -141,12 +141,12 @@ def nees_consistency(mean: float, mean_square: float, runs: int, outputs: int, s
     from run to run (Satterthwaite): between `states` (one independent time) and `states` x `outputs`. With
     fewer than ten runs the spread is not known well enough and the widest band is taken.
     """
-    own = float(states)
+    freedom = float(states)
     if runs >= 10:
         variance = max((mean_square - mean * mean) * runs / (runs - 1), 1e-300)
-        own = min(max(2.0 * mean * mean / variance, float(states)), float(states) * outputs)
-    low, high = chi_square_band(own * runs)
-    return Consistency(mean, states * low, states * high, states, own * runs)
+        freedom = min(max(2.0 * mean * mean / variance, float(states)), float(states) * outputs)
+    low, high = chi_square_band(freedom * runs)
+    return Consistency(mean, states * low, states * high, states, freedom * runs)
 
 
 def summarise(
@@ -188,7 +188,7 @@ def summarise(
         nees_curve=total.nees / runs,
         nees_curve_band=(states * low, states * high),
         worst=total.worst,
-        kept=np.stack([total.kept[run] for run in sorted(total.kept)]) if spec.keep_runs else None,
+        run_errors=np.stack([total.run_errors[run] for run in sorted(total.run_errors)]) if spec.keep_runs else None,
         wall_s=wall_s,
     )
 
@@ -257,8 +257,8 @@ def to_arrays(result: SimulationResult) -> dict[str, FloatArray]:
     }
     if result.closed_form_sigma is not None:
         arrays["closed_form_sigma"] = result.closed_form_sigma
-    if result.kept is not None:
-        arrays["run_errors"] = result.kept
+    if result.run_errors is not None:
+        arrays["run_errors"] = result.run_errors
     return arrays
 
 

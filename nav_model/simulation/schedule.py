@@ -74,8 +74,8 @@ def fix_noise(spec: SimulationSpec, truth: TruthStates) -> FloatArray:
     lost = in_outage(spec, time_s)[0]
     if gnss.bank_limit is not None:
         lost |= np.abs(truth.euler[:, 0]) > gnss.bank_limit
-    found = np.full((len(lost), MEASURED), np.inf)
-    position = found[:, POSITION : POSITION + 3]
+    noise = np.full((len(lost), MEASURED), np.inf)
+    position = noise[:, POSITION : POSITION + 3]
     position[:] = gnss.axis_noise
     since, until = time_s - np.maximum.accumulate(np.where(lost, time_s, -np.inf)), 0.0
     for duration, sigma in gnss.after_loss:
@@ -83,13 +83,13 @@ def fix_noise(spec: SimulationSpec, truth: TruthStates) -> FloatArray:
         position[degraded] = np.maximum(position[degraded], sigma)
         until += duration
     if gnss.velocity_noise is not None:
-        found[:, VELOCITY : VELOCITY + 3] = gnss.axis_velocity_noise
+        noise[:, VELOCITY : VELOCITY + 3] = gnss.axis_velocity_noise
     if spec.aiding.heading_noise is not None:
-        found[:, HEADING] = spec.aiding.heading_noise
-    found[lost] = np.inf
+        noise[:, HEADING] = spec.aiding.heading_noise
+    noise[lost] = np.inf
     if spec.aiding.barometer_noise is not None:
-        found[:, BAROMETER] = spec.aiding.barometer_noise
-    return found
+        noise[:, BAROMETER] = spec.aiding.barometer_noise
+    return noise
 
 
 @lru_cache(maxsize=2)

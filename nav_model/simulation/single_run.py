@@ -87,42 +87,42 @@ def _write(
     covariance: FloatArray,
     error: FloatArray,
     variance: FloatArray,
-    own: FloatArray,
+    state_error: FloatArray,
 ) -> None:
     """Errors and variances at output `k`, attitude as roll, pitch, yaw; the error in the filter's own states goes
-    to `own`."""
+    to `state_error`."""
     n = covariance.shape[0]
     latitude = truth.position[k, 0]
     meridian, prime = curvature_radii_kernel(math.sin(latitude))
     height = truth.position[k, 2]
-    own[POSITION] = (state[LATITUDE] - latitude) * (meridian + height)
-    own[POSITION + 1] = (state[LONGITUDE] - truth.position[k, 1]) * (prime + height) * math.cos(latitude)
-    own[POSITION + 2] = height - state[HEIGHT]
+    state_error[POSITION] = (state[LATITUDE] - latitude) * (meridian + height)
+    state_error[POSITION + 1] = (state[LONGITUDE] - truth.position[k, 1]) * (prime + height) * math.cos(latitude)
+    state_error[POSITION + 2] = height - state[HEIGHT]
     for i in range(3):
-        own[VELOCITY + i] = state[VELOCITY + i] - truth.velocity[k, i]
+        state_error[VELOCITY + i] = state[VELOCITY + i] - truth.velocity[k, i]
         # Half the difference of two opposite elements of C C_true', a rotation that is close to none.
         row, column = (i + 1) % 3, (i + 2) % 3
-        one, other = 0.0, 0.0
+        rotation, other = 0.0, 0.0
         for j in range(3):
-            one += matrix[row, j] * truth.matrix[k, column, j]
+            rotation += matrix[row, j] * truth.matrix[k, column, j]
             other += matrix[column, j] * truth.matrix[k, row, j]
-        own[ATTITUDE + i] = 0.5 * (one - other)
+        state_error[ATTITUDE + i] = 0.5 * (rotation - other)
     for i in range(BIASES, n):
-        own[i] = bias_error[i - BIASES]
+        state_error[i] = bias_error[i - BIASES]
     for i in range(n):
-        error[i] = own[i]
+        error[i] = state_error[i]
         variance[i] = covariance[i, i]
     for i in range(3):
-        turned, spread = 0.0, 0.0
+        angle, spread = 0.0, 0.0
         for j in range(3):
-            turned += error_map[k, i, j] * own[ATTITUDE + j]
+            angle += error_map[k, i, j] * state_error[ATTITUDE + j]
             for m in range(3):
                 spread += error_map[k, i, j] * covariance[ATTITUDE + j, ATTITUDE + m] * error_map[k, i, m]
-        error[ATTITUDE + i], variance[ATTITUDE + i] = turned, spread
+        error[ATTITUDE + i], variance[ATTITUDE + i] = angle, spread
 
 
 @kernel
-def _fly(
+def _advance_run(
     state: FloatArray,
     bias: FloatArray,
     covariance: FloatArray,
@@ -149,7 +149,7 @@ def _fly(
     matrix, mean_matrix = np.empty((3, 3)), np.empty((3, 3))
     # Samples in turn; then vectors of working space.
     window, scratch, force, rate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.empty(3)
-    estimate, own, bias_error = np.zeros(n), np.empty(n), np.empty(len(bias))
+    estimate, state_error, bias_error = np.zeros(n), np.empty(n), np.empty(len(bias))
     quaternion = state[QUATERNION : QUATERNION + 4]
     write_matrix(quaternion, matrix)
     # Not a literal 0, for which Numba would compile what takes these indices a second time.
@@ -236,10 +236,10 @@ def _fly(
                     covariance,
                     record.error[phase, output],
                     record.variance[phase, output],
-                    own,
+                    state_error,
                 )
                 if phase == 1:
-                    record.nees[output] = normalised_square(covariance, own, work[0])
+                    record.nees[output] = normalised_square(covariance, state_error, work[0])
         if events[k] & OUTPUT:
             output += 1
 
@@ -322,7 +322,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     outputs, fixes = len(truth.time_s), len(report)
     both = (2, outputs, n)
     record = _Record(np.empty(both), np.empty(both), np.empty(outputs), np.empty(fixes))
-    _fly(
+    _advance_run(
         state,
         bias,
         np.diag(believed_sigma(spec) ** 2),
@@ -371,9 +371,9 @@ def _reports(
     used = np.flatnonzero(comes.any(axis=0))
     before = generator.standard_normal(3)
     drawn = generator.standard_normal((len(truth.time_s), 3 + len(used)))
-    kept = np.exp(-np.diff(schedule.fixes.time_s, prepend=0.0) / gnss.markov_time)
-    slow = np.vstack([before, np.sqrt(1.0 - kept * kept)[:, None] * drawn[:, :3]]) * sigma
-    first_order(np.concatenate([[0.0], kept]), slow)
+    correlation = np.exp(-np.diff(schedule.fixes.time_s, prepend=0.0) / gnss.markov_time)
+    slow = np.vstack([before, np.sqrt(1.0 - correlation * correlation)[:, None] * drawn[:, :3]]) * sigma
+    first_order(np.concatenate([[0.0], correlation]), slow)
     noise = np.zeros((len(drawn), MEASURED))
     noise[:, used] = np.where(comes, schedule.fix_noise, 0.0)[:, used] * drawn[:, 3:]
     noise[:, :3] += slow[1:]

@@ -34,15 +34,15 @@ def refused(name: str, value: object, allowed: str) -> InputError:
     name: a field of `SimulationSpec`, or a field of one of its parts after the part's type and a dot.
     """
     key = _GIVEN_AS.get(name, name.rpartition(".")[2])
-    said = repr(value)
+    text = repr(value)
     if "." in key and isinstance(value, float | int):
         from nav_model.design.declaration import BaseQuantity
         from nav_model.design.parts import declaration_of
 
         declaration = declaration_of(key)
         assert isinstance(declaration, BaseQuantity)
-        said = declaration.show(float(value))
-    return InputError(key, f"{said} cannot be simulated; {allowed}", value)
+        text = declaration.show(float(value))
+    return InputError(key, f"{text} cannot be simulated; {allowed}", value)
 
 
 def _refuse(name: str, value: object, allowed: str) -> InputError:

@@ -26,7 +26,7 @@ class Statistics:
     error, square, variance: shape (2, outputs, states), sums of error, error^2 and the filter's variance,
     before and after the fix. nees: (outputs,) sum. run_nees: sum and sum of squares over runs of a run's mean
     NEES. nis: sum, number of fixes, and of what they measured. histogram: (outputs, states, BINS) counts of
-    |error| after the fix. kept: run -> error history.
+    |error| after the fix. run_errors: run -> error history.
     """
 
     scale: FloatArray
@@ -41,7 +41,7 @@ class Statistics:
     fixes: int = 0
     measured: int = 0
     worst: RunRecord | None = None
-    kept: dict[int, FloatArray] = field(default_factory=dict)
+    run_errors: dict[int, FloatArray] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, scale: FloatArray) -> Statistics:
@@ -67,7 +67,7 @@ class Statistics:
         self.histogram[rows, columns, _bin(np.abs(error) / self.scale)] += 1
         self.worst = _worse(self.worst, record)
         if keep:
-            self.kept[record.run] = error
+            self.run_errors[record.run] = error
 
     def merge(self, later: Statistics) -> None:
         """Take in the sums over later runs. Merging the same chunks in the same order gives the same bits."""
@@ -86,10 +86,10 @@ class Statistics:
             setattr(self, name, getattr(self, name) + getattr(later, name))
         if later.worst is not None:
             self.worst = _worse(self.worst, later.worst)
-        repeated = self.kept.keys() & later.kept.keys()
+        repeated = self.run_errors.keys() & later.run_errors.keys()
         if repeated:
             raise RuntimeError(f"run {min(repeated)} arrived twice")
-        self.kept |= later.kept
+        self.run_errors |= later.run_errors
 
     def percentile(self, percent: float) -> FloatArray:
         """Percentile of |error| after the fix, shape (outputs, states); within a bin, 4.7 % wide,
@@ -102,11 +102,11 @@ class Statistics:
         edges = np.concatenate([[edges[0]], edges, [edges[-1]]])
         below = np.cumsum(self.histogram, axis=-1, dtype=np.float64)
         rank = percent / 100.0 * (self.runs - 1) + 0.5
-        found = np.argmax(below >= rank, axis=-1)
-        count = np.take_along_axis(self.histogram, found[..., None], axis=-1)[..., 0].astype(np.float64)
-        before = np.take_along_axis(below, found[..., None], axis=-1)[..., 0] - count
+        bins = np.argmax(below >= rank, axis=-1)
+        count = np.take_along_axis(self.histogram, bins[..., None], axis=-1)[..., 0].astype(np.float64)
+        before = np.take_along_axis(below, bins[..., None], axis=-1)[..., 0] - count
         share = (rank - before) / np.maximum(count, 1.0)
-        value: FloatArray = self.scale * edges[found] * (edges[found + 1] / edges[found]) ** share
+        value: FloatArray = self.scale * edges[bins] * (edges[bins + 1] / edges[bins]) ** share
         return value
 
 
@@ -123,8 +123,8 @@ def largest_horizontal_error(record: RunRecord) -> float:
     return float(np.max(np.hypot(error[:, 0], error[:, 1])))
 
 
-def _worse(one: RunRecord | None, other: RunRecord) -> RunRecord:
-    if one is None:
+def _worse(worst: RunRecord | None, other: RunRecord) -> RunRecord:
+    if worst is None:
         return other
-    order = [(largest_horizontal_error(record), -record.run) for record in (one, other)]
-    return one if order[0] > order[1] else other
+    order = [(largest_horizontal_error(record), -record.run) for record in (worst, other)]
+    return worst if order[0] > order[1] else other

@@ -159,8 +159,8 @@ class SimulationInputs:
 
     def _section(self, section: str) -> Iterator[tuple[str, float]]:
         for key, value in self.given:
-            own, _, name = key.partition(".")
-            if own == section:
+            prefix, _, name = key.partition(".")
+            if prefix == section:
                 yield name, value
 
     def triad(self, section: str, random_walk: float, turn_on_bias: float) -> TriadModel:
@@ -217,20 +217,20 @@ def added(spec: SimulationSpec, velocity: float | None = None) -> dict[str, floa
 
     velocity: noise of the design's own velocity fixes [m/s], which are not an addition.
     """
-    found: dict[str, float | None] = {}
+    values: dict[str, float | None] = {}
     for section, triad in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)):
         for name in (key.partition(".")[2] for key in STUDY_KEYS if key.startswith(section + ".")):
-            found[f"{section}.{name}"] = getattr(triad, name)
+            values[f"{section}.{name}"] = getattr(triad, name)
         if not triad.bias_instability:
-            del found[f"{section}.correlation_time"]  # of nothing
-    found["receiver.velocity_noise"] = None if spec.gnss.velocity_noise == velocity else spec.gnss.velocity_noise
+            del values[f"{section}.correlation_time"]  # of nothing
+    values["receiver.velocity_noise"] = None if spec.gnss.velocity_noise == velocity else spec.gnss.velocity_noise
     for way, length in zip(("forward", "right", "down"), spec.gnss.lever_arm, strict=True):
-        found[f"receiver.lever_{way}"] = length
+        values[f"receiver.lever_{way}"] = length
     for name in ("process_noise_scale", "gnss_noise_scale", "propagation_rate"):
-        found[f"filter.{name}"] = getattr(spec.filter, name)
-    found["filter.initial_yaw"] = spec.initial.yaw
+        values[f"filter.{name}"] = getattr(spec.filter, name)
+    values["filter.initial_yaw"] = spec.initial.yaw
     return {
         key: value
-        for key, value in found.items()
+        for key, value in values.items()
         if value is not None and (value != STUDY_KEYS[key].default or key.endswith("correlation_time"))
     }

@@ -248,5 +248,5 @@ def _check_motion(samples: FloatArray, lines: list[int], name: str) -> None:
         worst = int(np.argmax(values))
         if values[worst] > limit:
             needed, most = (f"{value * scale:.4g} {unit}" for value in (values[worst], limit))
-            said = f"the path needs an {what} of {needed}; at most {most} can be flown"
-            raise InputError(name, f"line {lines[worst + 1]}: {said}")
+            problem = f"the path needs an {what} of {needed}; at most {most} can be flown"
+            raise InputError(name, f"line {lines[worst + 1]}: {problem}")

@@ -72,7 +72,7 @@ def _select(
     cone = 1.0 / np.sqrt(1.0 + 2.0 * half_tangent * half_tangent)
     for i in range(attitude_ci.shape[0]):
         a = attitude_ci[i]
-        found = 0
+        number = 0
         for k in range(stars.shape[0]):
             x, y, z = stars[k, 0], stars[k, 1], stars[k, 2]
             depth = a[2, 0] * x + a[2, 1] * y + a[2, 2] * z
@@ -83,10 +83,10 @@ def _select(
                 continue
             if abs(a[1, 0] * x + a[1, 1] * y + a[1, 2] * z) > limit:
                 continue
-            if found < most:
-                chosen[i, found] = k
-            found += 1
-        count[i] = found
+            if number < most:
+                chosen[i, number] = k
+            number += 1
+        count[i] = number
 
 
 def select_stars(camera: StarCamera, sky: Sky, attitude_bi: Array) -> tuple[np.ndarray, np.ndarray]:

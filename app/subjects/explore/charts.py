@@ -76,7 +76,7 @@ def sweep_chart(
     The result is the worst requirement, or the first figure where the design has no requirement.
     """
     axes = [axis.key for axis in plan.axes]
-    lengths = [len(axis.shown) for axis in plan.axes]
+    lengths = [len(axis.values) for axis in plan.axes]
     result = ALL if limits(design) else plan.results[0]
     found = sweep_ratios(columns) if result == ALL else sweep_sigma(columns, result) * design.requirements.confidence
     others = tuple(i for i, key in enumerate(axes) if key not in keys)

@@ -145,7 +145,7 @@ class SweepPanel(Question):
         swept: Swept | None = self.run.result
         if swept is not None:
             self._table.html = html_of(sweep_table(swept.plan, swept.columns))
-            keys = [axis.key for axis in swept.plan.axes if _is_range(axis.shown)][:2]
+            keys = [axis.key for axis in swept.plan.axes if _is_range(axis.values)][:2]
             if keys:
                 self._draw(swept, keys)
             self._answer()

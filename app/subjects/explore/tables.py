@@ -291,7 +291,7 @@ def _swept_name(key: str) -> str:
 def _swept_cells(plan: Plan, row: int) -> list[tuple[str, float | str]]:
     cells: list[tuple[str, float | str]] = []
     for axis, place in zip(plan.axes, plan.indices(row, row + 1), strict=True):
-        value = axis.shown[int(place[0])]
+        value = axis.values[int(place[0])]
         text = input_in_words(plan.design, axis.key, value) if isinstance(value, float) else str(value)
         cells.append((text, value if isinstance(value, float) else text))
     return cells

@@ -123,8 +123,8 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
     if not isinstance(name, str) or not name:
         raise InputError(f"{kind} catalogue", "an entry has no name")
     if len(name) > _LONGEST_NAME or not name.isprintable() or name != name.strip():
-        said = f"the name {shown(name)} is not one line of at most {_LONGEST_NAME} characters without outer spaces"
-        raise InputError(f"{kind} catalogue", said)
+        reason = f"the name {shown(name)} is not one line of at most {_LONGEST_NAME} characters without outer spaces"
+        raise InputError(f"{kind} catalogue", reason)
     values: dict[str, SourcedValue] = {}
     extra: dict[str, SourcedValue] = {}
     offer: dict[str, SourcedValue] = {}
@@ -156,9 +156,9 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
 def _offered(key: str, text: str, where: str) -> Parsed:
     """A price, mass or power with its unit."""
     units = OFFERED[key]
-    found = _AMOUNT.fullmatch(text)
-    number, unit = found.groups() if found else ("", "")
-    if found and (unit in units if units else re.fullmatch("[A-Z]{3}", unit)):
+    match = _AMOUNT.fullmatch(text)
+    number, unit = match.groups() if match else ("", "")
+    if match and (unit in units if units else re.fullmatch("[A-Z]{3}", unit)):
         return Parsed(float(number) * units.get(unit, 1.0), unit)
     choice = ", ".join(units) or "the three letters of a currency, as in 4200 EUR"
     raise InputError(where, f"{shown(text)} is not a {key}. Write a number and a unit: {choice}.", text)

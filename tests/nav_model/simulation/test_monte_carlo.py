@@ -34,7 +34,7 @@ def test_the_sum_is_the_runs_one_by_one(short):
     errors = np.stack([record.error for record in records])
     assert result.rms == pytest.approx(np.sqrt(np.mean(errors**2, axis=0)), rel=1e-12)
     assert result.mean == pytest.approx(np.mean(errors, axis=0), abs=1e-12)
-    assert np.array_equal(result.kept, errors[:, POSTERIOR])
+    assert np.array_equal(result.run_errors, errors[:, POSTERIOR])
     sigma = np.stack([record.filter_sigma for record in records])
     assert result.filter_sigma == pytest.approx(np.sqrt(np.mean(sigma**2, axis=0)), rel=1e-12)
     assert result.nees.mean == pytest.approx(np.mean([record.nees for record in records]), rel=1e-12)
@@ -47,7 +47,7 @@ def test_the_sum_is_the_runs_one_by_one(short):
 def test_percentiles_from_the_histogram_match_the_sorted_errors(short):
     result = simulate(replace(short, runs=400, duration=20.0, outages=()))
     for percent in (50.0, 90.0, 95.0):
-        exact = np.percentile(np.abs(result.kept), percent, axis=0)
+        exact = np.percentile(np.abs(result.run_errors), percent, axis=0)
         assert result.percentiles[percent] == pytest.approx(exact, rel=0.05)
 
 
