@@ -13,7 +13,7 @@ from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO, cast
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.processes import kill_workers
 
 DONE, OPEN, BAD_INPUT, SURROUNDINGS, OWN_FAULT = 0, 1, 2, 3, 4
@@ -58,7 +58,7 @@ def run_to_end(command: Callable[[], int]) -> int:
     except BrokenPipeError:
         return DONE if taken and taken.bytes else SURROUNDINGS
     except OSError as fault:
-        where = f"{shown(fault.filename)}: " if fault.filename else ""
+        where = f"{quoted(fault.filename)}: " if fault.filename else ""
         return _told(f"{where}{fault.strerror or fault}", SURROUNDINGS)
     except MemoryError:
         return _told("this machine has too little free memory", SURROUNDINGS)

@@ -12,7 +12,7 @@ from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 
 _WAIT = 15.0  # seconds that a writer waits for another before it gets an error
 _POSTGRESQL = {
@@ -55,7 +55,7 @@ def engine_at(address: str | Path) -> Engine:
     except ValueError as error:  # a NUL in a folder's name
         if isinstance(error, InputError):
             raise
-        raise InputError("library", f"{shown(str(address))} cannot be used: {error}") from error
+        raise InputError("library", f"{quoted(str(address))} cannot be used: {error}") from error
     except (ArgumentError, NoSuchModuleError, ImportError) as error:
         raise InputError("library", f"cannot be used: {error}") from error
     except OSError as error:

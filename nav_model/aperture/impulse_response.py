@@ -160,7 +160,7 @@ def _chirps(samples: int, zero_padding: int, reach: int) -> tuple[NDArray[np.com
     return chirp(np.arange(samples)), np.fft.fft(kernel)
 
 
-def with_echoes(response: ImpulseResponse, echo: float, power_at_target: float, power_near_target: float) -> ImpulseResponse:
+def with_echoes(response: ImpulseResponse, echo: float, coherent: float, coherent_near: float) -> ImpulseResponse:
     """A response with the echoes and the scattered energy of phase errors beyond its main lobe. [P-9], [P-11]
 
     Parameters
@@ -169,7 +169,7 @@ def with_echoes(response: ImpulseResponse, echo: float, power_at_target: float, 
         Of one aperture.
     echo : float
         Amplitude of the highest echo over the target's.
-    power_at_target, power_near_target : float
+    coherent, coherent_near : float
         Power that stays in the response; the same with only the errors within ten null distances.
     """
 
@@ -182,11 +182,11 @@ def with_echoes(response: ImpulseResponse, echo: float, power_at_target: float, 
         response,
         pslr_null_db=max(float(response.pslr_null_db), level),
         pslr_fixed_db=max(float(response.pslr_fixed_db), level),
-        islr_null_db=ratio(response.islr_null_db, power_at_target),
-        islr_fixed_db=ratio(response.islr_fixed_db, power_at_target),
-        islr_null_ten_db=ratio(response.islr_null_ten_db, power_near_target),
-        islr_fixed_ten_db=ratio(response.islr_fixed_ten_db, power_near_target),
-        peak_loss_db=response.peak_loss_db + 10 * float(np.log10(power_at_target)),
+        islr_null_db=ratio(response.islr_null_db, coherent),
+        islr_fixed_db=ratio(response.islr_fixed_db, coherent),
+        islr_null_ten_db=ratio(response.islr_null_ten_db, coherent_near),
+        islr_fixed_ten_db=ratio(response.islr_fixed_ten_db, coherent_near),
+        peak_loss_db=response.peak_loss_db + 10 * float(np.log10(coherent)),
     )
 
 

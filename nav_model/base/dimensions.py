@@ -14,7 +14,7 @@ from functools import lru_cache
 from statistics import NormalDist
 from typing import NamedTuple
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.unit_text import LONGEST, TABLES, Product, plain_signs, product_of, root_of, size_of, spelled
 
 _FINE = Context(prec=40)
@@ -207,4 +207,4 @@ def _refused(unit: str, kind: Dimension, rms: str = "") -> InputError:
         *most, last = [*kind.units, "Hz"] if interval else kind.units
         choice = f"{', '.join(most)} or {last}" if most else last
         reason = f"is not a unit of {'time' if interval else kind.name}. Use {choice}."
-    return InputError("quantity", f"{shown(unit)} {reason}", unit)
+    return InputError("quantity", f"{quoted(unit)} {reason}", unit)

@@ -58,10 +58,10 @@ def not_a_choice(given: Any, options: Iterable[object]) -> str:
     """
     *most, last = map(str, options)
     either = f"{', '.join(most)} or {last}" if most else last
-    return f"{shown(given)} is not a choice here. Choose {either}."
+    return f"{quoted(given)} is not a choice here. Choose {either}."
 
 
-def shown(content: Any) -> str:
+def quoted(content: Any) -> str:
     """What was given, short enough for a one-line message, however long or deep it is."""
     try:
         text = repr(content)

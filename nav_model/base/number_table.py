@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.file_kind import text_encoding
 
 _PIECE = 1_000_000  # characters
@@ -167,10 +167,10 @@ class NumberTable:
                     value = seconds_of(text) if place in times else math.nan
                     if math.isnan(value):
                         raise InputError(
-                            self.file_name, f"{where}, column {place + 1}: {shown(text)} is not a number"
+                            self.file_name, f"{where}, column {place + 1}: {quoted(text)} is not a number"
                         ) from None
                 if math.isinf(value):
-                    raise InputError(self.file_name, f"{where}, column {place + 1}: {shown(text)} is not finite")
+                    raise InputError(self.file_name, f"{where}, column {place + 1}: {quoted(text)} is not finite")
                 block[row, column] = value
             if len(marks) == 2:
                 raise InputError(

@@ -20,7 +20,7 @@ from functools import cache, lru_cache
 from typing import NamedTuple
 
 from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.unit_text import LONGEST, RAISED, plain_signs
 
 _KEY = "quantity"  # in errors, until the caller puts the key of the input in its place
@@ -69,7 +69,7 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
     try:
         return Parsed(float(exact), symbol)
     except OverflowError as error:
-        raise InputError(_KEY, f"{shown(text)} is too large.", text) from error
+        raise InputError(_KEY, f"{quoted(text)} is too large.", text) from error
 
 
 def parse_exact(
@@ -94,7 +94,7 @@ def parse_exact(
     if match and len(stripped) <= LONGEST and (unit := stripped[match.end() :].strip()) in table.units:
         return table.amount(_decimal(match[0], text), unit), unit
     article = "an" if table.name[0] in "aeiou" else "a"
-    refused = f"{shown(text)} is not {article} {table.name}. {advice or f'Try {table.examples[0]}.'}"
+    refused = f"{quoted(text)} is not {article} {table.name}. {advice or f'Try {table.examples[0]}.'}"
     if len(stripped) > LONGEST:
         raise InputError(_KEY, refused, text)
     if dimension == "angle" and not _OF_PLACES.isdisjoint(stripped):
@@ -109,11 +109,11 @@ def parse_exact(
     unit = stripped[match.end() :]
     if not unit.strip():
         example = join_quantity(match[0], table.examples[0].lstrip("-.0123456789e "))
-        raise InputError(_KEY, f"{shown(text)} has no unit. Write for example {example}.", text)
+        raise InputError(_KEY, f"{quoted(text)} has no unit. Write for example {example}.", text)
     if re.match(r",\d", unit):
-        raise InputError(_KEY, f"{shown(text)} can be read in two ways. Write it without the comma.", text)
+        raise InputError(_KEY, f"{quoted(text)} can be read in two ways. Write it without the comma.", text)
     if re.match(r"\s+\d", unit):
-        raise InputError(_KEY, f"{shown(text)} has a space in its number. Write it without.", text)
+        raise InputError(_KEY, f"{quoted(text)} has a space in its number. Write it without.", text)
     if dimension == "interval":
         rate = None
         with suppress(InputError):
@@ -125,7 +125,7 @@ def parse_exact(
     scale = table.scale(unit.strip())
     if scale.per_metre and not (baseline is not None and math.isfinite(baseline)):
         asked = "Write" if baseline is None else "Give gnss.baseline, for example 10 km, or write"
-        raise InputError(_KEY, f"{shown(text)} grows with the base line. {asked} the sum at yours.", text)
+        raise InputError(_KEY, f"{quoted(text)} grows with the base line. {asked} the sum at yours.", text)
     along = baseline if scale.per_metre and baseline else 0.0
     return table.amount(_decimal(match[0], text), scale.unit, along), scale.unit
 
@@ -156,11 +156,11 @@ def _place(text: str, letters: str) -> Fraction | None:
         return None
     minutes, seconds = Fraction(match[4] or 0), Fraction(match[5] or 0)
     if not (minutes < 60 and seconds < 60):
-        raise InputError(_KEY, f"{shown(text)} has 60 minutes or seconds, or more.", text)
+        raise InputError(_KEY, f"{quoted(text)} has 60 minutes or seconds, or more.", text)
     letter = (match[1] or "") + (match[6] or "")
     if letter not in ("", *letters) or (letter and match[2]):
         advice = f"with {letters[0]} or {letters[1]}" if letters else "without a point of the compass"
-        raise InputError(_KEY, f"{shown(text)} is not such an angle. Write it {advice}, or with a sign.", text)
+        raise InputError(_KEY, f"{quoted(text)} is not such an angle. Write it {advice}, or with a sign.", text)
     degrees = Fraction(match[3]) + minutes / 60 + seconds / 3600
     return -degrees if letter in ("S", "W") or match[2] == "-" else degrees
 
@@ -184,7 +184,7 @@ def _decimal(number: str, text: str) -> Fraction:
     number = number.replace("−", "-")
     exponent = number.lower().partition("e")[2]
     if exponent and abs(int(exponent)) > MAX_EXPONENT:
-        raise InputError(_KEY, f"{shown(text)} is too large or too small.", text)
+        raise InputError(_KEY, f"{quoted(text)} is too large or too small.", text)
     return Fraction(number)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.errors import InputError, not_a_choice, quoted
 from nav_model.budget.contributors import as_phase
 from nav_model.budget.result import Budget
 from nav_model.budget.verdict import Check
@@ -100,7 +100,7 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
     if check.on in RESPONSE:
         raise InputError(
             "requirement",
-            f"{shown(check.name)} limits a measure of the impulse response, which is no sum of its sources. "
+            f"{quoted(check.name)} limits a measure of the impulse response, which is no sum of its sources. "
             "Allocate a limit on the quadratic phase instead.",
             check.name,
         )
@@ -184,8 +184,8 @@ def _cheapest(estimates: Array, linear: NDArray[np.bool_], square: float, target
         return np.where(linear, e * np.maximum(1 - multiplier * e, 0), 0.0)
 
     def solved(along: Callable[[float], Array], low: float, high: float) -> Array:
-        multiplier = brentq(lambda t: _combined(along(t), linear, square) - target, low, high, xtol=1e-300, rtol=1e-14)
-        return scale * along(float(multiplier))
+        best = brentq(lambda t: _combined(along(t), linear, square) - target, low, high, xtol=1e-300, rtol=1e-14)
+        return scale * along(float(best))
 
     if np.all(linear):
         most = 1 / float(np.min(e))  # there, every entry is zero

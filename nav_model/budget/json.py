@@ -199,13 +199,13 @@ def _spectral(budget: Budget) -> dict[str, Any]:
     }
 
 
-def _contributor(contributor: Contributor, wavelength: float) -> dict[str, Any]:
+def _contributor(entry: Contributor, wavelength: float) -> dict[str, Any]:
     """A contributor with its 1σ in the figure that it enters, allowance included; zero for none."""
-    dimension, sigma = FIGURES[contributor.enters].dimension, float(size_of(contributor, wavelength))
+    dimension, sigma = FIGURES[entry.enters].dimension, float(size_of(entry, wavelength))
     if dimension == "level":
         sigma = _decibels(max(sigma, NOTHING))
     unit = {"angle": "rad", "length": "m", "speed": "m/s", "level": "dB", "loss": "dB"}[dimension]
-    return {"name": contributor.name, "enters": contributor.enters, "sigma": sigma, "unit": unit, "owner": contributor.owner}
+    return {"name": entry.name, "enters": entry.enters, "sigma": sigma, "unit": unit, "owner": entry.owner}
 
 
 def _decibels(amplitude: float) -> float:

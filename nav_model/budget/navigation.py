@@ -13,7 +13,7 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Sawtooth
 from nav_model.analytic.doubling import carried, drift, measured, updated, without_slow_error
 from nav_model.base.arrays import Array, as_numbers
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.real_time import RealTime
@@ -39,7 +39,7 @@ def outage_times(design: Design, times: ArrayLike | None) -> Array:
     longest = design.coast.param["duration"].bounds[1]
     wrong = time[~((time >= 0) & (time <= longest))]
     if time.ndim != 1 or wrong.size:
-        wrong_time = f"{wrong[0]:g}" if wrong.size else shown(times)
+        wrong_time = f"{wrong[0]:g}" if wrong.size else quoted(times)
         raise InputError("times", f"{wrong_time} is not allowed. Give seconds from 0 to {longest:g}.", times)
     return time
 

@@ -12,7 +12,7 @@ import hashlib
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.frozen import FrozenMapping
 from nav_model.design.contributors import Contributor
 from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE, BaseQuantity
@@ -195,8 +195,8 @@ class Design:
         given = dict(changes)
         texts = {key: str(given.pop(key)) for key in TOP_KEYS if key in given}
         touched = {key.partition(".")[0] for key in given}
-        unchanged = {key: self._values[key] for section in touched for key in _KEYS.get(section, ())}
-        parts = {part.section: part(**values) for part, values in _by_part(unchanged | given) if part.section in touched}
+        same = {key: self._values[key] for section in touched for key in _KEYS.get(section, ())}
+        parts = {part.section: part(**values) for part, values in _by_part(same | given) if part.section in touched}
         units: Mapping[str, str] = self.written
         if any(units.get(key) != unit for key, unit in written.items()):
             units = {**units, **written}
@@ -290,7 +290,7 @@ def _check_origin(key: str, origin: object) -> None:
     if key not in all_keys():
         raise InputError(where, f"unknown key; in quotes, one of {', '.join(all_keys())}", origin)
     if not isinstance(origin, str) or not origin.strip() or len(origin.splitlines()) != 1:
-        raise InputError(where, f"{shown(origin)} is not a line of text in quotes", origin)
+        raise InputError(where, f"{quoted(origin)} is not a line of text in quotes", origin)
     if len(origin) > LONGEST_ORIGIN:
         raise InputError(where, f"longer than {LONGEST_ORIGIN} characters")
 

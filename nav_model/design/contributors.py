@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.errors import InputError, not_a_choice, shown, under
+from nav_model.base.errors import InputError, not_a_choice, quoted, under
 from nav_model.base.units import format_quantity, parse_quantity
 from nav_model.design.declaration import BaseQuantity, Quantity
 from nav_model.design.figures import FIGURES, label_of
@@ -57,12 +57,12 @@ class OneSigma:
     @property
     def where(self) -> str:
         """How messages name it."""
-        return f"{self.table}[{shown(self.name)[1:-1]}]"
+        return f"{self.table}[{quoted(self.name)[1:-1]}]"
 
     def refuse_accuracy(self, where: str) -> None:
         """Refuse a value such as "2 m CEP" where it is not a 1σ."""
         if self.unit and DIMENSIONS[self.dimension].scale(self.unit).how:
-            raise InputError(where, f"{shown(self.show())} states an accuracy, but this is not a 1σ.", self.show())
+            raise InputError(where, f"{quoted(self.show())} states an accuracy, but this is not a 1σ.", self.show())
 
     def show(self, digits: int | None = None) -> str:
         """The value with its unit; without `digits` the shortest text that reads back to the same value."""
@@ -181,12 +181,12 @@ def read_records(
         name = table.get("name")
         if not isinstance(name, str) or not name.strip():
             raise InputError(f"{kind}[{number}].name", "Give a name as text in quotes.", name)
-        where = f"{kind}[{shown(name.strip())[1:-1]}]"
+        where = f"{kind}[{quoted(name.strip())[1:-1]}]"
         for key, text in table.items():
             if key not in keys:
                 raise InputError(f"{where}.{key}", f"unknown key. Here go {', '.join(keys)}.", text)
             if not isinstance(text, str) and type(text) not in (int, float):
-                raise InputError(f"{where}.{key}", f"{shown(text)} is not text in quotes", text)
+                raise InputError(f"{where}.{key}", f"{quoted(text)} is not text in quotes", text)
         for key in needed:
             if key not in table:
                 raise InputError(f"{where}.{key}", "is missing")
@@ -207,12 +207,12 @@ def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> d
     examples = " or ".join(
         {"length": "1 mm", "angle": "5°"}.get(each, DIMENSIONS[each].examples[0]) for each in allowed
     )
-    raise InputError(where, f"{shown(text)} does not fit {label_of(figure)}. Write for example {examples}.", text)
+    raise InputError(where, f"{quoted(text)} does not fit {label_of(figure)}. Write for example {examples}.", text)
 
 
 def check_text(where: str, text: object) -> None:
     """Refuse what is not one printable line, or is too long a one."""
     if not isinstance(text, str) or len(text.splitlines()) > 1 or (text and not text.isprintable()):
-        raise InputError(where, f"{shown(text)} is not a line of text", text)
+        raise InputError(where, f"{quoted(text)} is not a line of text", text)
     if len(text) > _LONGEST:
         raise InputError(where, f"longer than {_LONGEST} characters")

@@ -14,7 +14,7 @@ from typing import Any, TypeVar, cast
 import param
 
 from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.errors import InputError, not_a_choice, quoted
 from nav_model.base.units import (
     Parsed,
     exact_bound,
@@ -173,7 +173,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         if val is None and self.allow_None:
             return
         if isinstance(val, bool) or not isinstance(val, int | float):
-            raise InputError(self.key, f"{shown(val)} is not a number. {self.allowed()}", val)
+            raise InputError(self.key, f"{quoted(val)} is not a number. {self.allowed()}", val)
         low, high = self.limits
         include_low, include_high = self.inclusive_bounds
         inside = (val >= low if include_low else val > low) and (val <= high if include_high else val < high)
@@ -246,7 +246,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         dimension = alternative.dimension if reciprocal and alternative else self.dimension
         if not isinstance(text, str):
             example = DIMENSIONS[dimension].examples[0]
-            raise InputError(where, f'{shown(text)} is not text in quotes. Write for example "{example}".', text)
+            raise InputError(where, f'{quoted(text)} is not text in quotes. Write for example "{example}".', text)
         try:
             advice = "" if in_sentence(self.label) == dimension else self._asked(reciprocal)
             if baseline is None and where in ON_BASE_LINE:
@@ -255,17 +255,17 @@ class BaseQuantity(Declared, param.Number[_T]):
             exact, unit = parse_exact(text, dimension, advice, baseline=baseline, letters=letters)
             words = unit.partition(" ")[2] if DIMENSIONS[dimension].scale(unit).how else ""
             if words and where.partition(".")[0] in _NO_ERRORS:
-                reason = f"{shown(text)} states an accuracy, but the {in_sentence(self.label)} is not a 1σ"
+                reason = f"{quoted(text)} states an accuracy, but the {in_sentence(self.label)} is not a 1σ"
                 raise InputError(where, f"{reason}. Write {unit.partition(' ')[0]} alone.", text)
             if "vertical" in where and re.search(r"CEP|DRMS|CE\d|R\d", words):
-                raise InputError(where, f"{shown(text)} is of a circle. Write for example LE90 or 95 %.", text)
+                raise InputError(where, f"{quoted(text)} is of a circle. Write for example LE90 or 95 %.", text)
         except InputError as error:
             raise InputError(where, error.reason, text) from error
         try:
             value = float(Fraction(alternative.constant) / exact if reciprocal and alternative else exact)
             self._validate(value)
         except (InputError, OverflowError, ZeroDivisionError) as error:
-            problem = f"{shown(text.strip())} is not allowed. {self.allowed(unit, reciprocal)}"
+            problem = f"{quoted(text.strip())} is not allowed. {self.allowed(unit, reciprocal)}"
             raise InputError(where, problem, text) from error
         return Parsed(value, f"{alternative.key}:{unit}" if reciprocal and alternative else unit)
 
@@ -277,7 +277,7 @@ class BaseQuantity(Declared, param.Number[_T]):
             except ValueError:
                 number = None
         if isinstance(number, bool) or not isinstance(number, int | float):
-            raise InputError(where, f"{shown(text)} is not a number. {self.allowed()}", text)
+            raise InputError(where, f"{quoted(text)} is not a number. {self.allowed()}", text)
         number = math.inf if abs(number) >= 1e300 else float(number)  # no float holds a huge integer
         self._validate(number)
         return number

@@ -12,7 +12,7 @@ from typing import Any
 
 import tomli_w
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
@@ -156,7 +156,7 @@ def _build(tables: dict[str, Any]) -> Design:
         elif key not in (*INPUTS, ORIGINS):
             raise InputError(key, _unknown(""))
         elif not isinstance(content, dict):
-            raise InputError(key, f"must be a section, [{key}], not {shown(content)}", content)
+            raise InputError(key, f"must be a section, [{key}], not {quoted(content)}", content)
     for section in INPUTS:
         _read_section(section, tables.get(section, {}), values, written)
     outdated = tuple(key for key in OUTDATED if key.partition(".")[2] in tables.get(key.partition(".")[0], {}))
@@ -208,13 +208,13 @@ def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:
 
 def _text(key: str, content: Any) -> str:
     if not isinstance(content, str):
-        raise InputError(key, f"{shown(content)} is not text in quotes", content)
+        raise InputError(key, f"{quoted(content)} is not text in quotes", content)
     if len(content) > _MAX_TEXT:
         raise InputError(key, f"longer than {_MAX_TEXT} characters")
     try:
         content.encode()
     except UnicodeEncodeError as error:  # bytes of a command line that are no text
-        raise InputError(key, f"{shown(content)} is not Unicode text", content) from error
+        raise InputError(key, f"{quoted(content)} is not Unicode text", content) from error
     return content
 
 

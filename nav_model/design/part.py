@@ -28,8 +28,8 @@ class Part(param.Parameterized):
         }
 
     def given(self) -> bool:
-        """Whether the section is told: always, unless it is optional and all its inputs have their defaults."""
-        return not self.optional or any(getattr(self, name) != declaration.default for name, declaration in self.inputs().items())
+        """Whether the section is written: always, unless it is optional and all its inputs have their defaults."""
+        return not self.optional or any(getattr(self, name) != q.default for name, q in self.inputs().items())
 
 
 def preset(kind: str) -> Any:

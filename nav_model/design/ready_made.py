@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
-from nav_model.base.errors import InputError, not_a_choice, shown
+from nav_model.base.errors import InputError, not_a_choice, quoted
 from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.design.contributors import RANDOM, SYSTEMATIC, Contributor
@@ -102,11 +102,11 @@ def ready_made(name: str, texts: Sequence[str], design: Design) -> Contributor:
         try:
             values.append(parse_quantity(text, box.dimension).value)
         except InputError as error:
-            reason = f"{shown(text)} does not fit. Write for example {box.example}."
+            reason = f"{quoted(text)} does not fit. Write for example {box.example}."
             raise InputError(box.label, reason, text) from error
         parts.append(f"{box.label.lower()} {text.strip()}")
     taken = {contributor.name for contributor in design.contributors}
-    free_name = next(each for n in range(1, len(taken) + 2) if (each := name if n == 1 else f"{name} {n}") not in taken)
+    unused = next(each for n in range(1, len(taken) + 2) if (each := name if n == 1 else f"{name} {n}") not in taken)
     value = float(f"{made.of(design, *values):.6g}")
     source = f"{made.formula}: {', '.join(parts)} [P-16]"
-    return Contributor(free_name, value, made.enters, made.dimension, made.kind, source=source, unit=made.unit)
+    return Contributor(unused, value, made.enters, made.dimension, made.kind, source=source, unit=made.unit)

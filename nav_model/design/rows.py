@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.units import format_bound, format_quantity, parse_quantity
 from nav_model.design.table import Table
 
@@ -81,7 +81,7 @@ class Rows(Table):
         elif isinstance(row, dict) and row.keys() == {"frequency", "amplitude"}:
             pair = row["frequency"], row["amplitude"]
         if not isinstance(pair, list | tuple) or len(pair) != 2 or not all(isinstance(part, str) for part in pair):
-            raise InputError(self.key, f"{shown(row)} is not a row. Write for example {self.example}.", row)
+            raise InputError(self.key, f"{quoted(row)} is not a row. Write for example {self.example}.", row)
         refused = ""
         for dimension in self.dimensions:
             try:

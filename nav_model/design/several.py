@@ -7,7 +7,7 @@ from typing import Any
 
 import param
 
-from nav_model.base.errors import InputError, shown, under
+from nav_model.base.errors import InputError, quoted, under
 from nav_model.base.units import (
     exact_bound,
     format_bound,
@@ -44,7 +44,7 @@ class _Several(Declared, param.Parameter[Any]):
 
     def _parts(self, text: Any, example: str) -> list[str]:
         if not isinstance(text, str):
-            raise InputError(self.key, f"{shown(text)} is not text in quotes. Write for example {example!r}.", text)
+            raise InputError(self.key, f"{quoted(text)} is not text in quotes. Write for example {example!r}.", text)
         return [part.strip() for part in re.split(r"[,;]", text)]
 
 
@@ -82,7 +82,7 @@ class Axes(_Several):
     def _validate(self, val: Any) -> None:
         count = len(self.default)
         if not isinstance(val, tuple) or len(val) != count:
-            raise InputError(self.key, f"{shown(val)} is not {_COUNTS[count]} numbers.", val)
+            raise InputError(self.key, f"{quoted(val)} is not {_COUNTS[count]} numbers.", val)
         most = self.softbounds[1]
         for number in val:
             if not abs(number) <= most:  # NaN lands here too
@@ -115,7 +115,7 @@ class Axes(_Several):
             raise InputError(self.key, f"Enter the {in_sentence(self.label)}, for example {example}.", text)
         if len(parts) not in (1, count):
             problem = f"has {len(parts)} values. Give one for all axes, or {_COUNTS[count]} separated by commas."
-            raise InputError(self.key, f"{shown(text.strip())} {problem}", text)
+            raise InputError(self.key, f"{quoted(text.strip())} {problem}", text)
         last = _unit_of(parts[-1]) or unit
         with under(self.key):
             numbers = [parse_quantity(with_unit(part, last), self.dimension).value for part in parts]

@@ -6,7 +6,7 @@ from typing import Any
 
 import param
 
-from nav_model.base.errors import InputError, shown, under
+from nav_model.base.errors import InputError, quoted, under
 from nav_model.design.declaration import BaseQuantity, Declared
 
 MOST_ROWS = 60
@@ -50,7 +50,7 @@ class Table(Declared, param.Parameter[Any]):
     def _validate(self, val: Any) -> None:
         width = len(self.columns)
         if not isinstance(val, tuple) or not all(isinstance(row, tuple) and len(row) == width for row in val):
-            raise InputError(self.key, f"{shown(val)} is not a table. Write for example {self.example}.", val)
+            raise InputError(self.key, f"{quoted(val)} is not a table. Write for example {self.example}.", val)
         if len(val) > self.most:
             raise InputError(self.key, f"{len(val)} rows are too many. Give at most {self.most}.", val)
         self._check(val)
@@ -89,7 +89,7 @@ class Table(Declared, param.Parameter[Any]):
                 raise InputError(self.key, f"The table is longer than {_MOST_TEXT} characters. Shorten it.")
             rows = [part for part in re.split(r"[;\n]", text) if part.strip()]
         if not isinstance(rows, list):
-            raise InputError(self.key, f"{shown(text)} is not a table. Write for example {self.example}.", text)
+            raise InputError(self.key, f"{quoted(text)} is not a table. Write for example {self.example}.", text)
         if len(rows) > self.most:
             raise InputError(self.key, f"{len(rows)} rows are too many. Give at most {self.most}.")
         value = tuple(self._row(row, number) for number, row in enumerate(rows, 1))
@@ -104,7 +104,7 @@ class Table(Declared, param.Parameter[Any]):
         elif isinstance(row, list) and len(row) == len(self.columns) and all(isinstance(cell, str) for cell in row):
             cells = self._with_units(dict(zip(self.columns, row, strict=True)))
         if not isinstance(cells, dict):
-            raise InputError(where, f"{shown(row)} is not a row. Write for example {self.example}.", row)
+            raise InputError(where, f"{quoted(row)} is not a row. Write for example {self.example}.", row)
         for name, cell in cells.items():
             if name not in self.columns:
                 raise InputError(f"{where}.{name}", f"unknown key; a row has {', '.join(self.columns)}", cell)
@@ -128,7 +128,7 @@ class Table(Declared, param.Parameter[Any]):
             name, equals, cell = (part.strip() for part in text.partition("="))
             if not equals:
                 if place >= len(places):
-                    reason = f"{shown(row)} has too many cells. Write for example {self.example}."
+                    reason = f"{quoted(row)} has too many cells. Write for example {self.example}."
                     raise InputError(where, reason, row)
                 name, cell = places[place], name
             cells[name] = cell
@@ -179,6 +179,6 @@ class Table(Declared, param.Parameter[Any]):
 
 def _check_name(name: str, text: object) -> None:
     if not isinstance(text, str) or text != text.strip() or set(text) & set(",;=\t") or not text.isprintable():
-        raise InputError(name, f"{shown(text)} is not a name. Give a text without , ; and =.", text)
+        raise InputError(name, f"{quoted(text)} is not a name. Give a text without , ; and =.", text)
     if len(text) > _LONGEST_NAME:
         raise InputError(name, f"longer than {_LONGEST_NAME} characters", text)

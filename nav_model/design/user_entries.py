@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from nav_model.base.errors import InputError, not_a_choice, shown, under
+from nav_model.base.errors import InputError, not_a_choice, quoted, under
 from nav_model.base.units import format_quantity
 from nav_model.design.contributors import (
     MOST,
@@ -221,8 +221,8 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
         if on not in dimensions:
             raise InputError(
                 f"{where}.on",
-                f"The requirement {shown(texts['name'])} limits {shown(on)}, which is no contributor and no value of "
-                "the budget. Remove that requirement first, or let it limit another value.",
+                f"The requirement {quoted(texts['name'])} limits {quoted(on)}, which is no contributor and no value "
+                "of the budget. Remove that requirement first, or let it limit another value.",
                 on,
             )
         size = read_size(f"{where}.limit", texts["limit"], on, (dimensions[on],))
@@ -256,7 +256,9 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
         if not isinstance(entries, dict):
             raise InputError("allocation.locks", "must be sections, [allocation.locks.REQUIREMENT]", entries)
         if requirement not in fitting:
-            reason = f"{shown(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
+            reason = (
+                f"{quoted(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
+            )
             raise InputError("allocation.locks", reason, requirement)
         for source, text in entries.items():
             size = read_size(f"{where}.{source}", text, requirement, fitting[requirement])

@@ -8,7 +8,7 @@ from nav_model.design.declaration import in_sentence
 from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
-from nav_model.simulation.departures import unmodelled, closed_form_velocity_noise
+from nav_model.simulation.departures import closed_velocity_noise, unmodelled
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
@@ -27,7 +27,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             f"The simulator uses WGS 84 normal gravity, {local:.5f} m/s² at the start of the flight; the "
             f"formulas use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
         )
-    more = {key: v for key, v in added(spec, closed_form_velocity_noise(design)).items() if not key.startswith("filter.")}
+    more = {key: v for key, v in added(spec, closed_velocity_noise(design)).items() if not key.startswith("filter.")}
     if more:
         listed = ", ".join(f"{_named(key)} {STUDY_KEYS[key].show(value)}" for key, value in more.items())
         sentences.append(f"Simulated in addition to the design and not in the formulas: {listed}.")
@@ -48,7 +48,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
         )
     sentences += not_flown(design)
     declared = [Trajectory.param[name] for name in AIDING]
-    given = [in_sentence(declaration.label) for declaration in declared if getattr(design.trajectory, str(declaration.name)) != declaration.default]
+    given = [in_sentence(q.label) for q in declared if getattr(design.trajectory, str(q.name)) != q.default]
     if given:
         sentences.append(f"The runs have what the flight plan says of {', '.join(given)}; the formulas do not.")
     sentences += _of_the_filter(spec)
@@ -63,7 +63,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
 def _of_the_filter(spec: SimulationSpec) -> list[str]:
     """How this filter differs from the exact one for the simulated errors."""
     sentences = []
-    missing = [what for what in unmodelled(spec) if "bias" not in what and "GNSS" not in what and "tuning" not in what]
+    missing = [it for it in unmodelled(spec) if "bias" not in it and "GNSS" not in it and "tuning" not in it]
     if missing:
         sentences.append(
             f"The filter has no state for {', '.join(missing)}: expect an optimistic verdict where it matters."

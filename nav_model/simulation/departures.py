@@ -83,7 +83,7 @@ class Chain:
     bare: the closed form without residual biases. fixes: as long after the last fix, by a settled filter on a flat
     Earth [T-8]. settling: the same filter from the study's start and through its outages. earth: the simulator's
     filter with the design's white noises, flown straight and level. flight: the same along the study's flight.
-    velocity: of one fix, that the closed form has, as `closed_form_velocity_noise`.
+    velocity: of one fix, that the closed form has, as `closed_velocity_noise`.
     """
 
     bare: FloatArray
@@ -94,7 +94,7 @@ class Chain:
     velocity: float | None
 
 
-def closed_form_velocity_noise(design: Design) -> float | None:
+def closed_velocity_noise(design: Design) -> float | None:
     """Velocity noise of one fix, horizontal [m/s], that the closed form has; None without velocity fixes."""
     velocity = inputs_of(design).velocity_of_fix
     return None if velocity is None else float(velocity[0])
@@ -143,7 +143,7 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
         variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
         flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
     earth, flight = (
-        fly_without_errors(study).filter_sigma[POSTERIOR] for study in (replace(plain, trajectory=_straight(spec)), plain)
+        fly_without_errors(s).filter_sigma[POSTERIOR] for s in (replace(plain, trajectory=_straight(spec)), plain)
     )
     return Chain(flat[0], flat[1], _settling(plain, float(x.g)), earth, flight, velocity_noise[0])
 
@@ -254,7 +254,7 @@ def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec, velocit
 
 
 def cause_in_words(key: str, spec: SimulationSpec, velocity: float | None) -> str:
-    """A key of `CAUSES` in words, with its input in this study; ``velocity`` as `closed_form_velocity_noise`."""
+    """A key of `CAUSES` in words, with its input in this study; ``velocity`` as `closed_velocity_noise`."""
     behind = {"filter": instruments_beside(spec, velocity), "errors": unmodelled(spec)}.get(key, [])
     return CAUSES[key] + (f": {', '.join(behind)}" if behind else "")
 

@@ -83,7 +83,7 @@ def specification(
     slow = gnss.correlated_noise if gnss.correlated else 0.0
     gyro = more.triad("gyro", imu.angle_random_walk, imu.gyro_bias)
     accelerometer = more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias)
-    biased = any(triad.turn_on_bias or triad.bias_instability or triad.rate_random_walk for triad in (gyro, accelerometer))
+    biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
     return SimulationSpec(
         imu=ImuModel(
             gyro=gyro,
@@ -271,7 +271,7 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
 
     ``refined_sigma_m`` of each position axis is null outside outages.
     """
-    from nav_model.simulation.departures import closed_form_velocity_noise
+    from nav_model.simulation.departures import closed_velocity_noise
     from nav_model.simulation.result import to_json
 
     document = to_json(study.result)
@@ -294,7 +294,7 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
         for departure in study.departures
     ]
     document["conditions"] = list(study.conditions)
-    beyond = added(study.result.spec, closed_form_velocity_noise(study.design))
+    beyond = added(study.result.spec, closed_velocity_noise(study.design))
     document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in beyond.items()}
     document["design"] = study.design.name
     return document

@@ -20,7 +20,7 @@ from urllib.parse import urlencode
 
 import tomli_w
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.toml_text import read_toml
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import STUDY_PREFIX, pairs_of
@@ -72,7 +72,7 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
     """
     tables = read_toml(data, where, "a study file", MAX_BYTES)
     if tables.get("study") != KIND:
-        reason = "is missing" if "study" not in tables else f"{shown(tables['study'])} is not allowed"
+        reason = "is missing" if "study" not in tables else f"{quoted(tables['study'])} is not allowed"
         raise InputError("study", f'{reason}; a study of a suborbital flight says study = "{KIND}"')
     values: dict[str, Value] = {}
     for key, content in tables.items():
@@ -84,7 +84,7 @@ def parse_study(data: bytes, where: str = "study") -> StudyFile:
         if key not in _SECTIONS:
             raise InputError(key, f"unknown key; a study has seed, {_sections()} and [trajectory]")
         if not isinstance(content, dict):
-            raise InputError(key, f"must be a section, [{key}], not {shown(content)}")
+            raise InputError(key, f"must be a section, [{key}], not {quoted(content)}")
         for name, inner in content.items():
             full = f"{key}.{name}"
             if full not in INPUTS:
@@ -107,13 +107,13 @@ def _trajectory(content: Any) -> tuple[str, bytes] | None:
     if content is None:
         return None
     if not isinstance(content, dict):
-        raise InputError("trajectory", f"must be a section, [trajectory], not {shown(content)}")
+        raise InputError("trajectory", f"must be a section, [trajectory], not {quoted(content)}")
     unknown = [key for key in content if key not in ("name", "csv")]
     if unknown:
         raise InputError(f"trajectory.{unknown[0]}", "unknown key; [trajectory] has name, csv")
     for key in ("name", "csv"):
         if not isinstance(content.get(key), str) or not content[key].strip():
-            reason = "is missing" if key not in content else f"{shown(content[key])} is not text in quotes"
+            reason = "is missing" if key not in content else f"{quoted(content[key])} is not text in quotes"
             raise InputError(f"trajectory.{key}", reason)
     return content["name"][:200], content["csv"].encode("utf-8")
 
@@ -171,7 +171,7 @@ def from_link(query: str, design: Design | None = None) -> Settings:
             raise InputError(key, "is given twice in the link")
         if key == _IMU:
             if text != OF_DESIGN or design is None:
-                raise InputError(key, f"{shown(text)} is not allowed. It must be {OF_DESIGN!r}.")
+                raise InputError(key, f"{quoted(text)} is not allowed. It must be {OF_DESIGN!r}.")
             of_design = True
             continue
         values[key] = read_value(key, text)

@@ -40,12 +40,12 @@ def lines_of(design: Design) -> Plan:
 
     Raises InputError if they cannot be laid out.
     """
-    trajectory, flight = design.trajectory, design.flight
-    if trajectory.lines != int(trajectory.lines):
-        raise InputError("lines", f"{trajectory.lines:g} is not a whole number")
-    places = trajectory.waypoints or ((flight.latitude, 0.0, flight.altitude),)
+    route, flight = design.trajectory, design.flight
+    if route.lines != int(route.lines):
+        raise InputError("lines", f"{route.lines:g} is not a whole number")
+    places = route.waypoints or ((flight.latitude, 0.0, flight.altitude),)
     first = Waypoint(*places[0][:3])
-    return strip(plan_like(design), first, flight.heading, trajectory.length, trajectory.spacing, int(trajectory.lines))
+    return strip(plan_like(design), first, flight.heading, route.length, route.spacing, int(route.lines))
 
 
 def planned(design: Design) -> PlannedFlight:

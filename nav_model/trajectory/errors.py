@@ -163,7 +163,7 @@ def _moments(
 
 
 def steps_between(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[FloatArray, ...]:
-    """`phi`, `decay_factor`, `factors` and `filter_noise` of the steps between some nodes, in the fields of `ErrorModel`."""
+    """`phi`, `decay_factor`, `factors` and `filter_noise` of the steps between nodes, as in `ErrorModel`."""
     steps, decay, m = np.diff(time_s), states.decay, states.estimated
     powers = _powers(_dynamics(trajectory, time_s, states), decay, steps)
     flows = [

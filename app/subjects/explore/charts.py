@@ -81,7 +81,7 @@ def sweep_chart(
     found = sweep_ratios(columns) if result == ALL else sweep_sigma(columns, result) * design.requirements.confidence
     others = tuple(i for i, key in enumerate(axes) if key not in keys)
     best = np.min(found.reshape(lengths), axis=others)
-    values = [np.array(plan.axes[axes.index(key)].shown, float) for key in keys]
+    values = [np.array(plan.axes[axes.index(key)].values, float) for key in keys]
     spaced = [_even_log(axis) for axis in values]
     of_rest = " Each point shows the best of the other inputs." if others else ""
     knowledge = f"The sweep's {plan.rows} designs through the formulas of the budget.{of_rest}"

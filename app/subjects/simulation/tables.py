@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from app.document.blocks import Answer, Block, Bullets, Row, Table, Text, numbers, table
 from app.document.numbers import NONE, number
-from nav_model.simulation.departures import SMALL, Departure, cause_in_words, closed_form_velocity_noise
+from nav_model.simulation.departures import SMALL, Departure, cause_in_words, closed_velocity_noise
 from nav_model.simulation.design_study import SimulationStudy, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
@@ -54,7 +54,7 @@ def conditions_told(study: SimulationStudy, _: str) -> Bullets:
 def run_table(study: SimulationStudy, key: str) -> Table:
     """The parameters of the runs."""
     spec = study.result.spec
-    beyond = added(spec, closed_form_velocity_noise(study.design))
+    beyond = added(spec, closed_velocity_noise(study.design))
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600, given=True)
     rows = (
@@ -149,7 +149,7 @@ def _when(found: Sequence[Departure]) -> str:
 
 
 def _why(found: Sequence[Departure], study: SimulationStudy) -> str:
-    velocity = closed_form_velocity_noise(study.design)
+    velocity = closed_velocity_noise(study.design)
     said = [
         f"{cause_in_words(cause, study.result.spec, velocity)} (×{_range(d.steps[place][1] for d in found)})"
         for place, (cause, _) in enumerate(found[0].steps)

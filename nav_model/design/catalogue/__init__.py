@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
 
-from nav_model.base.errors import InputError, not_a_choice, shown, under
+from nav_model.base.errors import InputError, not_a_choice, quoted, under
 from nav_model.base.toml_text import read_toml
 from nav_model.base.units import Parsed, parse_quantity
 from nav_model.design.declaration import BaseQuantity
@@ -123,7 +123,7 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
     if not isinstance(name, str) or not name:
         raise InputError(f"{kind} catalogue", "an entry has no name")
     if len(name) > _LONGEST_NAME or not name.isprintable() or name != name.strip():
-        reason = f"the name {shown(name)} is not one line of at most {_LONGEST_NAME} characters without outer spaces"
+        reason = f"the name {quoted(name)} is not one line of at most {_LONGEST_NAME} characters without outer spaces"
         raise InputError(f"{kind} catalogue", reason)
     values: dict[str, SourcedValue] = {}
     extra: dict[str, SourcedValue] = {}
@@ -161,7 +161,7 @@ def _offered(key: str, text: str, where: str) -> Parsed:
     if match and (unit in units if units else re.fullmatch("[A-Z]{3}", unit)):
         return Parsed(float(number) * units.get(unit, 1.0), unit)
     choice = ", ".join(units) or "the three letters of a currency, as in 4200 EUR"
-    raise InputError(where, f"{shown(text)} is not a {key}. Write a number and a unit: {choice}.", text)
+    raise InputError(where, f"{quoted(text)} is not a {key}. Write a number and a unit: {choice}.", text)
 
 
 def _input(kind: Kind, key: str, where: str) -> tuple[str, BaseQuantity[Any]]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import chain
 from typing import Any
 
-from nav_model.base.errors import shown
+from nav_model.base.errors import quoted
 from nav_model.trajectory.files.heights import ABOVE_GROUND, ABOVE_SEA, Heights, counted, plain_name
 from nav_model.trajectory.plan import Waypoint
 
@@ -83,7 +83,7 @@ def _items(items: list[Any], heights: Heights) -> Iterator[Item]:
                 yield _item(inner, f"{where}, part {part}", heights)
         else:
             problem = "holds no lines. Open the plan in QGroundControl and save it again"
-            raise heights.refuse(f"{where} ({shown(item.get('complexItemType'))}) {problem}.")
+            raise heights.refuse(f"{where} ({quoted(item.get('complexItemType'))}) {problem}.")
 
 
 def _item(item: Any, where: str, heights: Heights) -> Item:

@@ -4,7 +4,7 @@ import html
 import math
 import re
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.number_table import seconds_of
 from nav_model.trajectory.plan import Waypoint
 
@@ -89,14 +89,14 @@ class Heights:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise self.refuse(f"{where}: {shown(value)} must be a finite number")
+            raise self.refuse(f"{where}: {quoted(value)} must be a finite number")
         return number
 
     def seconds(self, text: str | None, where: str) -> float:
         """Seconds of a date and time, or of a time of day."""
         seconds = seconds_of(text or "")
         if math.isnan(seconds):
-            raise self.refuse(f"{where}: {shown(text)} is not a date and time")
+            raise self.refuse(f"{where}: {quoted(text)} is not a date and time")
         return seconds
 
 

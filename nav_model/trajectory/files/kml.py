@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
-from nav_model.base.errors import shown
+from nav_model.base.errors import quoted
 from nav_model.trajectory.files.heights import (
     ABOVE_ELLIPSOID,
     ABOVE_GROUND,
@@ -89,7 +89,7 @@ def _places(shapes: list[Shape], heights: Heights) -> Iterator[Waypoint]:
         for number, match in enumerate(texts, 1):
             if before is not None:
                 yield _place(*before, reference, label or f"line {path}", heights)
-            before = match[0], f"{shown(label or 'placemark')}, point {number}"
+            before = match[0], f"{quoted(label or 'placemark')}, point {number}"
         if before is not None:
             yield _place(*before, reference, "", heights)
 
@@ -97,7 +97,7 @@ def _places(shapes: list[Shape], heights: Heights) -> Iterator[Waypoint]:
 def _place(text: str, where: str, reference: str, line: str, heights: Heights, up: str | None = None) -> Waypoint:
     parts = text.split(",")
     if len(parts) not in (2, 3):
-        raise heights.refuse(f"{where}: {shown(text)} is not longitude,latitude,height")
+        raise heights.refuse(f"{where}: {quoted(text)} is not longitude,latitude,height")
     return heights.waypoint(parts[1], parts[0], up or "".join(parts[2:]), reference, where, line)
 
 
@@ -108,7 +108,7 @@ def _track(mark: Element, shape: Element, heights: Heights) -> Segment:
     places = [(place.text or "").split() for place in shape.iterfind("{*}coord")]
     if len(times) != len(places) or any(len(place) not in (2, 3) for place in places):
         raise heights.refuse(
-            f"{shown(label or 'track')} has {len(times)} times and {len(places)} places; each time needs a place of "
+            f"{quoted(label or 'track')} has {len(times)} times and {len(places)} places; each time needs a place of "
             "longitude latitude height"
         )
     rows = [(time, place[1], place[0], "".join(place[2:])) for time, place in zip(times, places, strict=True)]

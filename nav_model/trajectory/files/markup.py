@@ -6,7 +6,7 @@ import zlib
 from typing import Any
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 
 MOST_XML = 5_000_000  # bytes
 _DEEPEST = 100
@@ -74,7 +74,7 @@ def unpack(content: bytes, file_name: str) -> tuple[str, bytes] | None:
             # What a drone executes comes before the template it was made of; else the first, which is doc.kml.
             entry = min(entries, key=lambda entry: not entry.filename.lower().endswith(".wpml"))
             if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                raise InputError(file_name, f"{shown(entry.filename)} in it is compressed in a way that is not read")
+                raise InputError(file_name, f"{quoted(entry.filename)} in it is compressed in a way that is not read")
             with archive.open(entry) as file:
                 inside = file.read(MOST_XML + 1)
             if len(inside) > MOST_XML:
