@@ -41,7 +41,7 @@ class SheetInput(ABC):
         """The part of its row that stays; see `text_row` and `choice_row`."""
 
     @abstractmethod
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The part that follows the value: ``text``, and where there is such a thing the slider's ``place``, ``size``
         [SI], ``unit``, a ``mark`` of the source with its ``note``, in view at once where something was
         ``converted``."""
@@ -67,7 +67,7 @@ class SheetInput(ABC):
         value = self.value()
         if value != self._last:
             self._last, self.error = value, ""
-        return {**self.shown(), "error": self.error}
+        return {**self.current(), "error": self.error}
 
     def put(self, take: Callable[[], InputError | None]) -> None:
         """Put something in force, and keep why it is refused."""

@@ -23,7 +23,7 @@ class BiasInput(DesignInput[None]):
         """Both biases."""
         return tuple(self.session.design[key] for key in _KEYS)
 
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The choice that gives the biases in force."""
         design = self.session.design
         sizes = {key: float(design[key]) for key in _KEYS}  # type: ignore[arg-type]

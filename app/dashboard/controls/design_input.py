@@ -38,7 +38,7 @@ class ChoiceInput(DesignInput[Choice]):
         options = [] if switch else [(str(option), label) for option, label in declared.options.items()]
         return choice_row(str(declared.label), str(declared.doc), options)
 
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The option in force, as the row's options have it."""
         value = self.value()
         return {"text": str(value).lower() if isinstance(value, bool) else str(value)}
@@ -52,7 +52,7 @@ class TableInput(DesignInput[Table]):
         declared = self._declared
         return text_row(str(declared.label), str(declared.doc), empty=declared.example, wide=True)
 
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The table as text, and where it came from."""
         design = self.session.design
         origin = design.origins.get(self.key)

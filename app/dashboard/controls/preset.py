@@ -25,7 +25,7 @@ class PresetInput(DesignInput[None]):
             "restore": "Restore catalogue values",
         }
 
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The entry; once edited it is no longer what the catalogue has."""
         design = self.session.design
         name, changed = preset_of(design, self.section) or "", len(deviations(design, self.section))

@@ -28,7 +28,7 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         empty = declared.when_empty if declared.allow_None else ""
         return text_row(str(declared.label), said, declared.dimension, empty=empty, scale=self._scale)
 
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The value in its unit, and where it came from."""
         design = self.session.design
         value, unit = design[self.key], design.unit(self.key)

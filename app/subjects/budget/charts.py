@@ -38,7 +38,7 @@ _LINE_EQUATIONS = {
 def phase_chart(budget: Budget) -> BarChart:
     """The phase budget of the design's processing by source, its total in quadrature, and the along-track term."""
     sar, post_processed = budget.sar, budget.post_processed
-    left = DETRENDED[sar.autofocus_order]
+    residual = DETRENDED[sar.autofocus_order]
 
     tilt = tuple(
         sorted(((name, share) for name, share in budget.tilt_shares.items() if share), key=lambda part: -part[1])
@@ -59,14 +59,14 @@ def phase_chart(budget: Budget) -> BarChart:
         slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
         knowledge = (
             "Formulas [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
-            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {left}. The initial "
+            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {residual}. The initial "
             f"tilt comes from {', '.join(f'{name} {percent(share)}' for name, share in tilt)} [T-18].{slow}"
         )
     else:
         marks = along = "[P-5]"
         knowledge = (
             "Smoothed with every fix [P-3]; shares [P-4]; over the aperture [P-5]. "
-            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {left}."
+            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {residual}."
         )
     quadratic, detrended, along_track = (
         budget.figure(name).sigma for name in ("quadratic_phase", "detrended_phase", "along_track_quadratic_phase")
@@ -131,13 +131,13 @@ def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
             f"Real time: κ = {number(kappa)}; with this design's velocity fixes the variance ratio is "
             f"{number(ratio)} [P-6]. The curves [T-6], [T-7] are for position fixes alone."
         )
-    said = (
+    rule = (
         "gyro noise limits the horizontal channel" if kappa > 10 else
         "accelerometer noise limits it, the gyro hardly matters to position" if kappa < 0.1 else
         "both matter"
     )  # fmt: skip
     off = percent(abs(float(regime.asymptote_error(kappa))))
-    return f"Real time: κ = {number(kappa)}: {said}; the asymptote is {off} off here [T-6], [T-7]."
+    return f"Real time: κ = {number(kappa)}: {rule}; the asymptote is {off} off here [T-6], [T-7]."
 
 
 @cache
@@ -152,10 +152,10 @@ def response_chart(budget: Budget) -> Chart:
     sar, random = budget.sar, budget.spectral.random
     response = budget.response(budget.processing)
     width = ""
-    said = "No image: more than 1000 rad of quadratic phase."
+    measures = "No image: more than 1000 rad of quadratic phase."
     if response is not None:
         width = f"width {show(float(response.half_power_extent_cells) * sar.cell_length, 'length')}"
-        said = (
+        measures = (
             f"With 1σ quadratic error, {budget.verdict.processing}: {width} "
             f"({number(float(response.half_power_extent_cells))} cells), "
             f"PSLR {decibels(float(response.pslr_fixed_db))}, "
@@ -164,7 +164,7 @@ def response_chart(budget: Budget) -> Chart:
         )
     echoes = " With the paired echoes [P-9]." if budget.spectral.echoes else ""
     floor = " The floor is the mean power scattered by random motion and the oscillator [P-11]." if random > 0 else ""
-    knowledge = f"{said} Before autofocus.{echoes}{floor}"
+    knowledge = f"{measures} Before autofocus.{echoes}{floor}"
     return replace(response_curves(budget), knowledge=knowledge, aside=width)
 
 

@@ -39,13 +39,13 @@ def _units(design: Design) -> tuple[Way, ...]:
     )
 
 
-def ways_block(budget: Budget, found: tuple[Way, ...]) -> Block:
+def ways_block(budget: Budget, single_ways: tuple[Way, ...]) -> Block:
     """The ways as a table with a button in each row."""
     if not budget.verdict.checks:
         return Text("Give a limit under Requirements. The values that meet it then appear here.")
-    if not found:
-        said = "Every requirement is met, whatever a single input is." if budget.verdict.closes else (
+    if not single_ways:
+        text = "Every requirement is met, whatever a single input is." if budget.verdict.closes else (
             f"No single input and no unit of the catalogue closes the design. {beyond_one(budget)}"
         )  # fmt: skip
-        return Text(said)
-    return ways_table(found, closes=budget.verdict.closes)
+        return Text(text)
+    return ways_table(single_ways, closes=budget.verdict.closes)

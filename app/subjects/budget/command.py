@@ -129,7 +129,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
             f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {words.value} (limit {words.limit}, "
             f"{margin_in_sentence(check.margin)}; main error source {check.sensor}, {words.share}; {words.figure})"
         )
-    said = "closes" if verdict.closes else "DOES NOT CLOSE"
+    word = "closes" if verdict.closes else "DOES NOT CLOSE"
     other = budget.other_verdict
     assert other.tightest is not None  # it has the same requirements
     would = "would close" if other.closes else "would not close"
@@ -137,7 +137,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     lines += [
         f"{path}: {SAID[other.processing]} it {would}; tightest {other.tightest.name}, "
         f"{margin_in_sentence(other.tightest.margin)}",
-        f"{path}: {said} at {verdict.confidence:g} sigma {SAID[verdict.processing]}; tightest {tightest.name}, "
+        f"{path}: {word} at {verdict.confidence:g} sigma {SAID[verdict.processing]}; tightest {tightest.name}, "
         f"{margin_in_sentence(tightest.margin)}",
     ]
     return [line.replace("−", "-") for line in lines]
@@ -152,11 +152,11 @@ def _allocate(options: argparse.Namespace) -> int:
         plan |= {key: given for key in ("split", "reserve") if (given := getattr(options, key)) is not None}
         if options.lock is not None:
             plan["locks"] = {check.name: _locks(options.lock)}
-        found = allocate(budget, check.name, read_allocation(plan, budget.design.limits))
+        allocation = allocate(budget, check.name, read_allocation(plan, budget.design.limits))
     except InputError as error:
         option = "lock" if "locks" in error.key else error.key.removeprefix("allocation.")
         raise (error.under(f"--{option}") if option in ("requirement", "reserve", "lock") else error) from error
-    return put_json(lambda: allocation_json(found)) or int(not found.closes)
+    return put_json(lambda: allocation_json(allocation)) or int(not allocation.closes)
 
 
 def _locks(texts: list[str]) -> dict[str, str]:

@@ -42,10 +42,10 @@ _ENTRY = (
 )
 
 
-def _limit_fields(own: tuple[tuple[str, str], ...]) -> tuple[Field, ...]:
+def _limit_fields(entries: tuple[tuple[str, str], ...]) -> tuple[Field, ...]:
     return (
         Field("name", "Requirement", "heading after 30 s", needed=True),
-        Field("on", "Limits", choices=_FIGURES + own),
+        Field("on", "Limits", choices=_FIGURES + entries),
         Field("limit", "Limit", "0.1°", needed=True),
         Field("at", "After the last fix", "end of outage"),
         Field("confidence", "Sigmas", "as the design"),
@@ -92,12 +92,12 @@ class Contributors(View):
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        own, plan = budget.design.entries, budget.design.allocation or Allotment()
-        tables = own.tables()
+        entries, plan = budget.design.entries, budget.design.allocation or Allotment()
+        tables = entries.tables()
         limits = tables.get("limits", [])
         if limits != self._limits.rows:  # one of them may be why a contributor was refused
             self._contributors.refused = ""
-        names = tuple((one.name, f"Contributor {one.name}") for one in own.contributors)
+        names = tuple((part.name, f"Contributor {part.name}") for part in entries.contributors)
         self._contributors.rows = tables.get("contributors", [])
         self._limits.param.update(columns=[field._asdict() for field in _limit_fields(names)], rows=limits)
         self._following = True
@@ -118,15 +118,15 @@ class Contributors(View):
         plan = budget.design.allocation or Allotment()
         locks = {lock.name: lock.show() for lock in plan.locks if lock.requirement == requirement}
         try:
-            check, found = check_of(budget, requirement), allocate(budget, requirement)
-            texts = entry_texts(budget.design, check, found)
+            check, allocation = check_of(budget, requirement), allocate(budget, requirement)
+            texts = entry_texts(budget.design, check, allocation)
             rows = [row | {"lock": locks.get(row["source"], "")} for row in texts]
-            said = outcome(budget.design, check, found)
+            text = outcome(budget.design, check, allocation)
         except InputError as error:
             rows = [{"source": source, "lock": lock} for source, lock in locks.items()]
-            said = error.reason
+            text = error.reason
         self._entries.rows = rows
-        self._outcome.say(html_of(Text(said)))
+        self._outcome.say(html_of(Text(text)))
 
     def _ask(self) -> None:
         """Ask for the numbers of the formula that is chosen."""
@@ -143,8 +143,8 @@ class Contributors(View):
         refused: InputError | None
         try:
             texts = [box.value for box in self._boxes if box.visible]
-            one = ready_made(self._made.value, texts, self.session.design)
-            refused = self._enter("contributors", [*self._contributors.rows, one.record()])
+            made = ready_made(self._made.value, texts, self.session.design)
+            refused = self._enter("contributors", [*self._contributors.rows, made.record()])
         except InputError as error:
             refused = error
         if refused:
@@ -160,18 +160,18 @@ class Contributors(View):
             return error
 
     def _lock(self, rows: Rows) -> InputError | None:
-        shown = [row["source"] for row in self._entries.rows]
-        return self._plan({source: row["lock"] for source, row in zip(shown, rows, strict=True) if "lock" in row})
+        sources = [row["source"] for row in self._entries.rows]
+        return self._plan({source: row["lock"] for source, row in zip(sources, rows, strict=True) if "lock" in row})
 
     def _plan(self, locks: dict[str, str] | None = None) -> InputError | None:
         """Put split, reserve and the `locks` of the requirement shown in force."""
         if self._following:
             return None
         plan = self.session.design.allocation or Allotment()
-        kept = dict(plan.record().get("locks", {}))
+        by_requirement = dict(plan.record().get("locks", {}))
         if locks is not None:
-            kept[self._requirement.value] = locks
-        table = {"split": self._split.value, "reserve": self._reserve.value, "locks": kept}
+            by_requirement[self._requirement.value] = locks
+        table = {"split": self._split.value, "reserve": self._reserve.value, "locks": by_requirement}
         refused = self._enter("allocation", table)
         refused = refused and refused.under(refused.key.split(".", 3)[-1])  # allocation.locks.requirement.source
         if locks is None and refused:

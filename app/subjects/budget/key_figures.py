@@ -32,11 +32,13 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
 
     def tile(name: str) -> KeyFigure:
         figure, amount, check = FIGURES[name], budget.figure(name).sigma, checks.get(name)
-        told = display.named(pair=figure.pair)
+        spread = display.named(pair=figure.pair)
         value = display.show(amount, figure.dimension, pair=figure.pair, like=units.get(figure.label))
         detail = _detail(budget, figure, amount, display)
         if check is None:
-            return KeyFigure(figure.label, value, detail, f"{told}, no limit" if told != "1σ" else "", amount=amount)
+            return KeyFigure(
+                figure.label, value, detail, f"{spread}, no limit" if spread != "1σ" else "", amount=amount
+            )
         limit = _limit_said(budget, check, display)
         return KeyFigure(figure.label, value, detail, limit, check.met, amount, 1 - check.margin)
 
@@ -52,22 +54,22 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
 
 def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> str:
     """What a figure is: how it is known, and what belongs beside it."""
-    smoothed, told = budget.post_processed, display.named(pair=figure.pair)
+    smoothed, spread = budget.post_processed, display.named(pair=figure.pair)
 
-    def shown(name: str, moment: str = "") -> str:
+    def text_of(name: str, moment: str = "") -> str:
         sigma = budget.composed(name, REAL_TIME, moment=moment).sigma
         return display.show(sigma, figure.dimension, pair=FIGURES[name].pair)
 
     if figure.kind == "steady":
         if smoothed:
-            return f"{told}, smoothed [P-3]; in real time {shown(figure.name)} [T-8]"
+            return f"{spread}, smoothed [P-3]; in real time {text_of(figure.name)} [T-8]"
         chosen, mark = budget.design.requirements.steady_state, steady_marks(budget.design)["vertical" in figure.name]
         if chosen == "closed":
-            return f"{told}, {MOMENTS[chosen]} {mark}"
-        return f"{told}, {MOMENTS[chosen]} [T-8]; average {shown(figure.name, 'closed')} {mark}"
+            return f"{spread}, {MOMENTS[chosen]} {mark}"
+        return f"{spread}, {MOMENTS[chosen]} [T-8]; average {text_of(figure.name, 'closed')} {mark}"
     if figure.kind == "outage":
         vertical = figure.name.replace("horizontal", "vertical")
-        beside = f"; vertical {shown(vertical)}" if figure.pair and vertical in FIGURES else ""
+        beside = f"; vertical {text_of(vertical)}" if figure.pair and vertical in FIGURES else ""
         return f"after {show(budget.coast.duration, 'time', given=True)}, in real time {figure.mark}{beside}"
     how = f"formula {figure.mark}" if not smoothed else f"smoothed {figure.smoothed_mark or figure.mark}"
     if figure.kind == "phase":
@@ -76,7 +78,7 @@ def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> 
         before = ", before autofocus" if "quadratic" in figure.name and budget.sar.autofocus_order > 1 else ""
         removed = "rms after a line is removed, " if figure.name == "detrended_phase" else ""
         return f"{removed}{display.show(sight, 'length')} along the line of sight, {how}{before}"
-    return f"{told}, {how}"
+    return f"{spread}, {how}"
 
 
 def _width(budget: Budget, display: Display, units: dict[str, float | None]) -> KeyFigure:

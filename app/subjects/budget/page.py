@@ -181,12 +181,12 @@ class BudgetPage(View):
         source, method and description."""
         self._offer_modes()
         budget, spread = self.session.budget, self._display.named()
-        told = "" if spread == "1σ" else f", {spread}{self._display.scaled}"
+        spreads = "" if spread == "1σ" else f", {spread}{self._display.scaled}"
         phase = charts.phase_chart(budget)
-        said = "".join(described(line) for line in self._lines)
+        lines = "".join(described(line) for line in self._lines)
         knowledge = timelines.position_knowledge(budget)
-        self._phase_head.say(head_html(f"{phase.title}{told}", phase.knowledge))
-        self._stack_head.say(head_html(f"Position, velocity, attitude{told}", knowledge, said, _KEY))
+        self._phase_head.say(head_html(f"{phase.title}{spreads}", phase.knowledge))
+        self._stack_head.say(head_html(f"Position, velocity, attitude{spreads}", knowledge, lines, _KEY))
 
     def _offer_modes(self, *, both: bool = True) -> None:
         budget = self.session.budget
@@ -209,10 +209,10 @@ class BudgetPage(View):
     async def _solve(self) -> None:
         """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
         budget = self.session.budget
-        found = await run_in_pool(ways, budget.design)
+        found_ways = await run_in_pool(ways, budget.design)
         if budget is self.session.budget:
-            self._ways, self._ways_of = found, budget
-            self._table.html = html_of(ways_block(budget, found))
+            self._ways, self._ways_of = found_ways, budget
+            self._table.html = html_of(ways_block(budget, found_ways))
 
     def _take(self, text: str) -> None:
         way = next((way for way in self._ways if way.text == text), None)
@@ -256,9 +256,9 @@ class BudgetPage(View):
         def sicd() -> bytes:
             return sicd_xml(error_statistics(now().design))
 
-        found = [take for describe in charts.BUDGET_CHARTS for take in download_buttons(describe, now)]
-        found.append(download("Image location errors: SICD XML", "error-statistics.xml", sicd))
-        return pn.FlexBox(*found, stylesheets=[PRINT_NOTHING])
+        takes = [take for describe in charts.BUDGET_CHARTS for take in download_buttons(describe, now)]
+        takes.append(download("Image location errors: SICD XML", "error-statistics.xml", sicd))
+        return pn.FlexBox(*takes, stylesheets=[PRINT_NOTHING])
 
 
 def _ask(budget: Budget) -> str:

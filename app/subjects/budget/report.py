@@ -29,7 +29,7 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
     phase = chart_block(display.bars(charts.phase_chart(budget)), key)
     response, regime = (chart_block(draw(budget), key) for draw in (charts.response_chart, charts.regime_chart))
     echoes = (echo_table(budget, key),) if budget.has_fast_sources else ()
-    own = (contributor_table(budget, key),) if budget.design.contributors else ()
+    contributors = (contributor_table(budget, key),) if budget.design.contributors else ()
     split: tuple[Section, ...] = ()
     if budget.design.contributors or budget.design.allocation:
         tables = tuple(allocation_table(budget, check, key) for check in budget.verdict.checks)
@@ -38,7 +38,7 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
         Section(
             f"{key}-requirements",
             "Requirements",
-            (key_figures(budget, display), requirement_table(budget, key), *own),
+            (key_figures(budget, display), requirement_table(budget, key), *contributors),
         ),
         *split,
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),

@@ -90,8 +90,8 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
 
     def row(name: str) -> Row:
         figure, (source, share) = FIGURES[name], best_of(budget[name, REAL_TIME].shares)
-        pair, told = figure.pair, display.named(pair=figure.pair)
-        shown = (
+        pair, spread = figure.pair, display.named(pair=figure.pair)
+        texts = (
             show_in(moment[name], budget.design.unit(f"requirements.{name}"), figure.dimension)
             if display == ONE_SIGMA
             else display.show(moment[name], figure.dimension, pair=pair)
@@ -99,7 +99,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         )
         radius = display.factor(pair=pair) != display.factor()
         label = f"{figure.label}, {'radius' if radius else 'per axis'}" if pair else figure.label
-        return label if display == ONE_SIGMA else f"{label}, {told}", *shown, f"{source}, {percent(share)}"
+        return label if display == ONE_SIGMA else f"{label}, {spread}", *texts, f"{source}, {percent(share)}"
 
     cycle = ", ".join(dict.fromkeys(steady_marks(budget.design)))
     moments_said = f"Average between fixes {cycle}", "Before a fix [T-8]", "After a fix [T-8]"
@@ -202,11 +202,11 @@ def contributor_table(budget: Budget, key: str) -> Table:
             tuple(
                 printable(text)
                 for text in (
-                    one.name, label_of(one.enters), one.show(6), percent(one.allowance), one.kind, one.processing,
-                    one.owner or NONE, one.source or NONE,
+                    c.name, label_of(c.enters), c.show(6), percent(c.allowance), c.kind, c.processing,
+                    c.owner or NONE, c.source or NONE,
                 )
             )
-            for one in budget.design.contributors
+            for c in budget.design.contributors
         ),
         CONTRIBUTORS_ENTER,
     )  # fmt: skip

@@ -138,9 +138,7 @@ def position_chart(budget: Budget) -> Chart:
     )
     least = (steady.posterior["horizontal_position"], steady.posterior["vertical_position"])
     floor = 0.3 * min(*least, steady.closed["vertical_position"])
-    top = max(
-        *(np.nanmax(y) for _, _, y, *_ in curves[:4]), *(0 if math.isnan(one.level) else one.level for one in limits)
-    )
+    top = max(*(np.nanmax(y) for _, _, y, *_ in curves[:4]), *(0 if math.isnan(c.level) else c.level for c in limits))
     return Chart(
         key="position",
         title=f"Position sigma{' in real time' if budget.post_processed else ''}",

@@ -33,7 +33,7 @@ def rank_chart(design: Design, figure: str) -> RankChart:
         bar for item in rank(design, figure) if item.key not in _GIVEN and (bar := _bar(item, label)) is not None
     )
     zero = silent(design)
-    left = (
+    missing = (
         f" Not ranked (value is zero): {', '.join(in_sentence(quantity(key).label) for key in zero)}." if zero else ""
     )
     return RankChart(
@@ -43,7 +43,7 @@ def rank_chart(design: Design, figure: str) -> RankChart:
         bars=tuple(sorted(bars, key=lambda bar: -bar.percent)[:_SHOWN]),
         knowledge=(
             "Each bar: the value computed again with that input halved (plain) or doubled (hatched). The slopes in "
-            f"the CSV are exact derivatives by complex step; for noises they are the shares of [T-18].{left}"
+            f"the CSV are exact derivatives by complex step; for noises they are the shares of [T-18].{missing}"
         ),
     )
 
@@ -78,9 +78,9 @@ def sweep_chart(
     axes = [axis.key for axis in plan.axes]
     lengths = [len(axis.values) for axis in plan.axes]
     result = ALL if limits(design) else plan.results[0]
-    found = sweep_ratios(columns) if result == ALL else sweep_sigma(columns, result) * design.requirements.confidence
+    ratio = sweep_ratios(columns) if result == ALL else sweep_sigma(columns, result) * design.requirements.confidence
     others = tuple(i for i, key in enumerate(axes) if key not in keys)
-    best = np.min(found.reshape(lengths), axis=others)
+    best = np.min(ratio.reshape(lengths), axis=others)
     values = [np.array(plan.axes[axes.index(key)].values, float) for key in keys]
     spaced = [_even_log(axis) for axis in values]
     of_rest = " Each point shows the best of the other inputs." if others else ""
@@ -108,9 +108,9 @@ def sweep_chart(
     )
 
 
-def margin_chart(found: UncertainVerdict) -> Chart:
+def margin_chart(verdict: UncertainVerdict) -> Chart:
     """Histogram of the tightest margin over uncertain designs."""
-    edges, shares = found.histogram
+    edges, shares = verdict.histogram
     x, y = 100 * np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
     kinds = (("does not close", x <= 0), ("closes", x >= 0))
     return Chart(

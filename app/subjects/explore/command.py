@@ -44,10 +44,10 @@ def _add_explore(commands: Any) -> None:
     add("--size", type=count, metavar="N", help="points along a side (default 64)")
     add = parsers["search"].add_argument
     for name, what in (("imus", "IMUs"), ("receivers", "receivers")):
-        said = f"catalogue file of your own {what}; may be repeated"
-        add(f"--{name}", action="append", default=[], metavar="FILE", help=said)
-    said = "residual biases of every IMU: the design's (default), zero, or the in-run biases of its data sheet"
-    add("--biases", choices=("design", "zero", "in-run"), default="design", help=said)
+        help_text = f"catalogue file of your own {what}; may be repeated"
+        add(f"--{name}", action="append", default=[], metavar="FILE", help=help_text)
+    help_text = "residual biases of every IMU: the design's (default), zero, or the in-run biases of its data sheet"
+    add("--biases", choices=("design", "zero", "in-run"), default="design", help=help_text)
     add = parsers["invert"].add_argument
     add("--row", action="append", default=[], dest="rows", metavar="ROW",
         help='e.g. "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°, heading '

@@ -58,7 +58,7 @@ def solved(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
 
 def ranked(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     """Sensitivities of one figure to every input."""
-    found = rank(design, options.result)
+    items = rank(design, options.result)
     rows = [
         {
             "input": item.key,
@@ -67,7 +67,7 @@ def ranked(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
             "change_when_doubled": _finite(item.doubled),
             "sentence": sentence(item, label_of(options.result)),
         }
-        for item in found
+        for item in items
     ]
     return {"result": options.result, "inputs": rows, "at_zero": list(silent(design))}, rows
 
@@ -122,15 +122,15 @@ def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
     entries = dict(catalogue(kind))
     for path in files:
         try:
-            own = read_catalogue(read_bytes(path).decode("utf-8-sig"), kind)
+            brought = read_catalogue(read_bytes(path).decode("utf-8-sig"), kind)
         except UnicodeDecodeError as error:
             raise InputError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
-        if not own:
+        if not brought:
             raise InputError(path, f"has no [[{kind}]] entries")
-        not_of_the_product(kind, own)
-        if repeated := next((name for name in own if name in entries), None):
+        not_of_the_product(kind, brought)
+        if repeated := next((name for name in brought if name in entries), None):
             raise InputError(f"{kind}.{repeated}", f"is in another file too, and again in {path}; give one of them")
-        entries |= own
+        entries |= brought
     return entries
 
 
@@ -142,17 +142,17 @@ def with_uncertainty(design: Design, options: argparse.Namespace) -> tuple[Any, 
         if not equals:
             raise InputError(text, 'is not a range. Write for example imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h".')
         inputs[key.strip()] = read_uncertain(key.strip(), spec)
-    found = uncertain_verdict(design, inputs, options.seed)
+    verdict = uncertain_verdict(design, inputs, options.seed)
     rows = [
         {"requirement": name, "probability": p.value, "low_95": p.low, "high_95": p.high}
-        for name, p in ((ALL, found.closes), *found.each.items())
+        for name, p in ((ALL, verdict.closes), *verdict.each.items())
     ]
     whole = {
-        "designs": found.designs,
+        "designs": verdict.designs,
         "seed": options.seed,
         "probability": rows,
-        "tightest_margin": dict(zip(("q05", "q50", "q95"), found.margin, strict=True)),
-        "tightest": dict(found.limiting),
+        "tightest_margin": dict(zip(("q05", "q50", "q95"), verdict.margin, strict=True)),
+        "tightest": dict(verdict.limiting),
     }
     return whole, rows
 
@@ -203,10 +203,10 @@ def sweep(options: argparse.Namespace) -> int:
     """Run a sweep file; progress on standard error."""
     plan = read_plan(options.file)
     with show_progress() as progress:
-        kept = run_sweep(
+        stored = run_sweep(
             plan, options.output, options.workers, options.scheduler,
             lambda done, total: progress(f"{done} of {total} rows", done / total),
         )  # fmt: skip
-    again = f" ({kept} kept from an earlier run)" if kept else ""
+    again = f" ({stored} kept from an earlier run)" if stored else ""
     print(f"wrote {Path(options.output)}: {plan.rows} rows{again}", file=sys.stderr)
     return 0

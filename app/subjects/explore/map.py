@@ -98,8 +98,8 @@ class MapPanel(Question):
         """The result of the design itself, over the map's reference."""
         if self.result == ALL:
             return 1 - min(check.margin for check in budget.verdict.checks)
-        found = figures(inputs_of(budget.design), (self.result,))[self.result]
-        return float(budget.design.requirements.confidence * found) / chart.level
+        sigma = figures(inputs_of(budget.design), (self.result,))[self.result]
+        return float(budget.design.requirements.confidence * sigma) / chart.level
 
     def _tapped(self, event: Any) -> None:
         chart = self._chart

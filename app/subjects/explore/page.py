@@ -78,11 +78,11 @@ class ExplorePage(View):
 
     def _tell(self) -> None:
         answer, verdict = self.question.answer, self.session.budget.verdict
-        said: tuple[str, ...] = ()
+        basis: tuple[str, ...] = ()
         if verdict.checks and self.question.of_design:
             assumed = biases_said(self.session.design, self.question.biases)
-            said = (f"{assumed}, {SAID[verdict.processing]}.",)
-        self._strip.show(replace(answer, sentences=(*answer.sentences, *said)))
+            basis = (f"{assumed}, {SAID[verdict.processing]}.",)
+        self._strip.show(replace(answer, sentences=(*answer.sentences, *basis)))
 
     def go_to(self, place: str) -> None:
         """Ask the question whose name begins like the end of an address, such as "sensors" of "#close-sensors"."""

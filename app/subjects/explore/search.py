@@ -201,11 +201,11 @@ class SearchPanel(Question):
 
     def _add(self, offers: Offers) -> None:
         """Rank these units, too; one of the same name takes the place of the one before."""
-        own = {kind: {**self._own[kind], **offers[kind]} for kind in KINDS}
-        check_pairs(*(len(catalogue(kind)) + len(own[kind]) for kind in KINDS))
-        one_currency(entry for entries in own.values() for entry in entries.values())
+        brought = {kind: {**self._own[kind], **offers[kind]} for kind in KINDS}
+        check_pairs(*(len(catalogue(kind)) + len(brought[kind]) for kind in KINDS))
+        one_currency(entry for entries in brought.values() for entry in entries.values())
         replaced = [name for kind in KINDS for name in offers[kind] if name in self._own[kind]]
-        self._own = own
+        self._own = brought
         self.show(self.session.budget)
         added = f"Added {_listed(name for entries in offers.values() for name in entries)}."
         self._say(f"{added} In place of those before: {_listed(replaced)}." if replaced else added)

@@ -60,15 +60,15 @@ class SolvedPanel(Question):
     def show(self, budget: Budget) -> None:
         """Solve and rank again."""
         self._rank()
-        self._ways, said, each = (), "", ""
+        self._ways, html, each = (), "", ""
         self.answer = NO_LIMIT
         if budget.verdict.checks:
             solutions = solve(budget.design, verify=False)
             self._ways = value_ways(budget.design, solutions)
             self.answer = answer(budget, solutions, self._ways)
-            said = html_of(*solved_blocks(budget, solutions, self._ways))
+            html = html_of(*solved_blocks(budget, solutions, self._ways))
             each = html_of(each_table(budget.design, solutions))
-        self._table.html = said
+        self._table.html = html
         self._each.say(each)
 
     def _take(self, text: str) -> None:

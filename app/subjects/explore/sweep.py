@@ -126,8 +126,8 @@ class SweepPanel(Question):
         self._answer()
 
     def _say(self, text: str, *, alert: bool = False) -> None:
-        said = f'<p role="status" style="margin: 0">{text}</p>'
-        self._count.object = html_of(Answer("", "warn", (text,))) if alert else said
+        html = f'<p role="status" style="margin: 0">{text}</p>'
+        self._count.object = html_of(Answer("", "warn", (text,))) if alert else html
 
     def start(self) -> object:
         """Run the sweep of the rows; one under way is cancelled."""

@@ -33,13 +33,13 @@ _EACH = (
 )
 
 
-def answer(budget: Budget, solutions: tuple[Solution, ...], found: Sequence[Way]) -> Answer:
+def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Answer:
     """The input that matters most, how far it may go, and what it is now, for a budget with a requirement."""
     tightest = budget.verdict.tightest
     assert tightest is not None
     tone = "good" if budget.verdict.closes else "bad"
     wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.sensor), "")
-    lever = next((way for way in found if wanted in way.changes), found[0] if found else None)
+    lever = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
     if lever is None:
         head = "Every input may go to its bound" if budget.verdict.closes else "No single change closes it"
         return Answer(head, tone, _stuck(budget, solutions))
@@ -52,45 +52,45 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], found: Sequence[Way]
         else ("at the limit" if room < 1.005 else f"{percent(room - 1)} headroom")
     )
     other = (f"Changing the {_name(wanted)} alone is not enough.",) if wanted and wanted not in lever.changes else ()
-    said = (f"You have {lever.now}: {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
-    return Answer(f"Closes if {_name(key)} is {lever.value}", tone, said)
+    sentences = (f"You have {lever.now}: {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
+    return Answer(f"Closes if {_name(key)} is {lever.value}", tone, sentences)
 
 
 def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
     if budget.verdict.closes:
         return ("No requirement limits any of the inputs within what they may be.",)
-    said = []
+    sentences = []
     for check in budget.verdict.checks:
         if not check.met:
-            helps = ", ".join(_phrase(budget.design, found) for found in remedies(solutions, check.name))
+            helps = ", ".join(_phrase(budget.design, solved) for solved in remedies(solutions, check.name))
             name = figure_in_sentence(check.on)
-            said.append(
+            sentences.append(
                 f"{helps[0].upper()}{helps[1:]} meets {name}." if helps else f"No single change meets {name}."
             )
-    return (*said, beyond_one(budget))
+    return (*sentences, beyond_one(budget))
 
 
 def _name(key: str) -> str:
     return in_sentence(declaration_of(key).label)
 
 
-def _phrase(design: Design, found: Solved) -> str:
-    return f"{_name(found.key)} ≤ {_value(design, found)}"
+def _phrase(design: Design, solved: Solved) -> str:
+    return f"{_name(solved.key)} ≤ {_value(design, solved)}"
 
 
-def _value(design: Design, found: Solved) -> str:
-    if found.value is None:
-        return "any" if found.outcome == "any value" else "none"
-    text = input_in_words(design, found.key, rounded_offer(design, found.key, found.value).value, given=False)
-    if found.key == "radar.aperture_time":
-        text += f" ({number(resolution_for(design, found.value))} m resolution)"
+def _value(design: Design, solved: Solved) -> str:
+    if solved.value is None:
+        return "any" if solved.outcome == "any value" else "none"
+    text = input_in_words(design, solved.key, rounded_offer(design, solved.key, solved.value).value, given=False)
+    if solved.key == "radar.aperture_time":
+        text += f" ({number(resolution_for(design, solved.value))} m resolution)"
     return text
 
 
-def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], found: Sequence[Way]) -> Iterator[Block]:
+def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Iterator[Block]:
     """Every input with a value that closes the design, and the others by name."""
-    if found:
-        yield ways_table(found, closes=budget.verdict.closes)
+    if ways:
+        yield ways_table(ways, closes=budget.verdict.closes)
     helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
     if helpless:
         yield Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}.")
@@ -101,9 +101,9 @@ def each_table(design: Design, solutions: tuple[Solution, ...]) -> Table:
     return table(
         "solved-each",
         "Largest allowed value for each requirement alone",
-        ("Input", *numbers(*(label_of(found.requirement) for found in solutions[0].each))),
+        ("Input", *numbers(*(label_of(solved.requirement) for solved in solutions[0].each))),
         (
-            (str(declaration_of(solution.key).label), *(_value(design, found) for found in solution.each))
+            (str(declaration_of(solution.key).label), *(_value(design, solved) for solved in solution.each))
             for solution in solutions
         ),
         _EACH,
@@ -131,34 +131,35 @@ def biases_said(design: Design, biases: Biases = "design") -> str:
     return f"Residual biases as in your design: {' and '.join(given)}"
 
 
-def search_answer(rows: Sequence[Candidate], own: bool, unbiased: int) -> Answer:
+def search_answer(rows: Sequence[Candidate], yours: bool, unbiased: int) -> Answer:
     """How many units or pairs meet the requirements, and which does by the widest margin; `unbiased`: how many would
     with residual biases of zero."""
     good = [row for row in rows if row.closes]
-    what = "IMUs pass with your receiver" if own else "pairs of IMU and receiver pass"
+    what = "IMUs pass with your receiver" if yours else "pairs of IMU and receiver pass"
     if not rows:
         return Answer("No IMU can be judged", "warn", ("No data sheet in the list gives both random walks.",))
     best = max(rows, key=lambda row: row.margin)
-    name = best.imu if own else best.pair
+    name = best.imu if yours else best.pair
     if not good:
         why = f"Nearest: {name}, {margin_in_sentence(best.margin)} ({figure_in_sentence(best.tightest)})."
-        other = ("Try all receivers, or change the radar or the limits.",) if own else ()
+        other = ("Try all receivers, or change the radar or the limits.",) if yours else ()
         if unbiased:
             other = (f"With residual biases of zero, {unbiased} would: choose them below.",)
         return Answer(f"None of {len(rows)} {what}", "bad", (why, *other))
     why = f"Widest margin: {name}, {signed_percent(best.margin)}."
     first = rows[0]
     if first.price is not None:
-        why = f"Cheapest: {first.imu if own else first.pair}, {_price(first)}, {signed_percent(first.margin)}. {why}"
+        name = first.imu if yours else first.pair
+        why = f"Cheapest: {name}, {_price(first)}, {signed_percent(first.margin)}. {why}"
     return Answer(f"{len(good)} of {len(rows)} {what}", "good", (why,))
 
 
-def search_table(rows: Sequence[Candidate], own: bool) -> Table:
+def search_table(rows: Sequence[Candidate], yours: bool) -> Table:
     """Units, or pairs of unit and receiver, in the order of `search`; each can be taken into the design."""
     offers = any(value is not None for row in rows for value in (row.price, row.mass, row.power))
     titles = (
         "IMU",
-        *(() if own else ("Receiver",)),
+        *(() if yours else ("Receiver",)),
         "Verdict",
         "Margin",
         "Tightest",
@@ -166,13 +167,13 @@ def search_table(rows: Sequence[Candidate], own: bool) -> Table:
         *(_OFFERED if offers else ()),
         "Unverified",
     )
-    what = "IMUs with your receiver" if own else "Pairs of IMU and receiver"
+    what = "IMUs with your receiver" if yours else "Pairs of IMU and receiver"
     first = "cheapest that passes" if offers else "widest margin"
     return table(
         "search",
         f"{what}, {first} first. Click one to apply it to the design.",
         tuple(Column(title, numeric=title in ("Margin", *_OFFERED), sortable=True) for title in titles),
-        (_candidate(row, own, offers) for row in rows),
+        (_candidate(row, yours, offers) for row in rows),
     )
 
 
@@ -183,13 +184,13 @@ def _price(row: Candidate) -> str:
     return f"{number(row.price or 0.0, 4, given=True)} {row.currency}"
 
 
-def _candidate(row: Candidate, own: bool, offers: bool) -> Row:
-    receiver = () if own else (row.gnss,)
-    said = (_price(row), f"{number(row.mass or 0.0, 3)} kg", f"{number(row.power or 0.0, 3)} W")
+def _candidate(row: Candidate, yours: bool, offers: bool) -> Row:
+    receiver = () if yours else (row.gnss,)
+    texts = (_price(row), f"{number(row.mass or 0.0, 3)} kg", f"{number(row.power or 0.0, 3)} W")
     values = (row.price, row.mass, row.power)
     offered = [
         Cell("not given", tone="quiet", sort="") if value is None else Cell(text, sort=value)
-        for text, value in zip(said, values, strict=True)
+        for text, value in zip(texts, values, strict=True)
     ]
     return (
         Cell(row.imu, sort=row.imu, value=row.pair),
@@ -203,21 +204,21 @@ def _candidate(row: Candidate, own: bool, offers: bool) -> Row:
     )
 
 
-def uncertain_answer(found: UncertainVerdict) -> Answer:
+def uncertain_answer(verdict: UncertainVerdict) -> Answer:
     """The verdict as a probability."""
-    low, middle, high = map(signed_percent, found.margin)
-    tone = "good" if found.closes.low >= _SURE else "bad" if found.closes.high < _SURE / 2 else "warn"
-    head = f"Probability of closing: {_probability(found.closes)}"
+    low, middle, high = map(signed_percent, verdict.margin)
+    tone = "good" if verdict.closes.low >= _SURE else "bad" if verdict.closes.high < _SURE / 2 else "warn"
+    head = f"Probability of closing: {_probability(verdict.closes)}"
     return Answer(head, tone, (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
 
 
-def uncertain_table(found: UncertainVerdict) -> Table:
+def uncertain_table(verdict: UncertainVerdict) -> Table:
     """What each requirement adds to the probability."""
     return table(
         "uncertain",
         "Requirements under these ranges",
         ("Requirement", *numbers("Met in", "Tightest in")),
-        ((label_of(name), _probability(p), percent(found.limiting[name])) for name, p in found.each.items()),
+        ((label_of(name), _probability(p), percent(verdict.limiting[name])) for name, p in verdict.each.items()),
     )
 
 
@@ -249,20 +250,20 @@ def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answe
     margin = margin_in_sentence(float(1 - sweep_ratios(columns)[first]))
     word = f"{good:,} of {plan.rows:,} designs meet all requirements"
     which = "Smallest margin that passes" if good else "Nearest"
-    said = f"{which}: {', '.join(_swept_values(plan, first))}; {margin}."
-    return Answer(word, "warn" if stale else "good" if good else "bad", (*old, said))
+    sentence = f"{which}: {', '.join(_swept_values(plan, first))}; {margin}."
+    return Answer(word, "warn" if stale else "good" if good else "bad", (*old, sentence))
 
 
 def sweep_table(plan: Plan, columns: Mapping[str, Swept]) -> Table:
     """The first designs of a sweep in `sweep_order`; each can be taken into the design."""
     rows = sweep_order(columns)[:_SWEPT]
     judged = columns["closes"][0] is not None
-    shown = f"{len(rows)} rows of {plan.rows:,}" if len(rows) < plan.rows else f"{plan.rows:,} designs"
+    count = f"{len(rows)} rows of {plan.rows:,}" if len(rows) < plan.rows else f"{plan.rows:,} designs"
     order = ", those that pass with the least margin first" if judged else ""
     ratios = sweep_ratios(columns) if judged else np.full(plan.rows, np.nan)
     return table(
         "sweep",
-        f"{shown}{order}. Click one to apply it to the design.",
+        f"{count}{order}. Click one to apply it to the design.",
         (
             Column("Design", sortable=True),
             *numbers(*(_swept_name(axis.key) for axis in plan.axes), sortable=True),

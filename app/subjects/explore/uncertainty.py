@@ -103,7 +103,7 @@ class UncertaintyPanel(Question):
         self._settings = StudySettings(session, "uncertainty", self, ("ranges",), lambda: self._set(self._texts()))
         self._recall()
         self._found = Follower[UncertainVerdict](lambda: self.run.result)
-        self._table = self._found.text(lambda found: html_of(uncertain_table(found)), (4, 14))
+        self._table = self._found.text(lambda verdict: html_of(uncertain_table(verdict)), (4, 14))
 
     def __panel__(self) -> pn.Column:
         assume = pmui.Button(
@@ -200,7 +200,7 @@ class UncertaintyPanel(Question):
         if self.run.message:
             self.answer = Answer("No probability", "warn", (self.run.message,))
         elif self.run.result is not None:
-            said = uncertain_answer(self.run.result)
-            self.answer = said if self.ranges else replace(said, sentences=(_EXAMPLE, *said.sentences))
+            answer = uncertain_answer(self.run.result)
+            self.answer = answer if self.ranges else replace(answer, sentences=(_EXAMPLE, *answer.sentences))
             with pn.io.hold():
                 self._found.follow()

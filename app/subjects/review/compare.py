@@ -56,12 +56,12 @@ class CompareView(View):
         display = display.of(*(budget.design for budget in budgets))
         self._tables.object = listed(revisions, "Compared") + html_of(*difference_tables(budgets, labels, display))
         phase = display.bars(phase_comparison(budgets, labels))
-        said = f"<h3>{phase.title}</h3>{bars_html(phase)}{described(phase)}{source_note(phase.knowledge)}"
+        html = f"<h3>{phase.title}</h3>{bars_html(phase)}{described(phase)}{source_note(phase.knowledge)}"
         # A new figure for each comparison: it has as many lines as there are designs.
         self._charts.objects = [
             ChartPane(lambda at: display.timeline(position_comparison(*at)), lambda: (budgets, labels), _HEIGHT).view,
             pn.Column(
-                html_pane(said, margin=(10, 14)),
+                html_pane(html, margin=(10, 14)),
                 pn.FlexBox(*download_buttons(lambda _: phase, lambda: None)),
                 styles=FRAME,
             ),
@@ -70,7 +70,7 @@ class CompareView(View):
         self._tools.visible = True
         tightest = [budget.verdict.tightest for budget in budgets]
         margins = (
-            f"{label} {signed_percent(own.margin)}" for label, own in zip(labels, tightest, strict=True) if own
+            f"{label} {signed_percent(check.margin)}" for label, check in zip(labels, tightest, strict=True) if check
         )
         self.answer = Answer(closing_words(budgets), "open", (f"Least margins: {', '.join(margins)}.",))
         self.desk.say("")

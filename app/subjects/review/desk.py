@@ -79,8 +79,8 @@ class Desk(param.Parameterized):
 
     def say(self, message: str, *, wrong: bool = False) -> None:
         """Show a message; screen readers read it aloud."""
-        said = Answer("", "bad" if wrong else "good", (f"{'✗' if wrong else '✓'} {message}",))
-        self.notice.object = html_of(said) if message else ""
+        answer = Answer("", "bad" if wrong else "good", (f"{'✗' if wrong else '✓'} {message}",))
+        self.notice.object = html_of(answer) if message else ""
 
     async def ask(self, work: Callable[[Library], _T], before: str = "") -> _T | None:
         """Do something with the library outside the event loop, which must not wait for a database; what is wrong is

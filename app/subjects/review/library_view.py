@@ -121,14 +121,14 @@ class LibraryView(View):
 
     def _ticked(self, event: Any) -> None:
         """Pick what was ticked, unless as many are picked as go side by side."""
-        shown = self._listed.shown if self._listed else ()
-        known = {revision.key: revision for revision in (*self.desk.picked, *shown)}
+        revisions = self._listed.shown if self._listed else ()
+        known = {revision.key: revision for revision in (*self.desk.picked, *revisions)}
         self.desk.pick([revision for key, revision in known.items() if key in event.new])
         self._picks()  # also where one too many was refused
 
     @param.depends("desk.picked", watch=True)
     def _picks(self) -> None:
-        self._table.ticked = [own.key for own in self.desk.picked]
+        self._table.ticked = [revision.key for revision in self.desk.picked]
         self._say_picked()
 
     def _say_picked(self) -> None:
@@ -165,8 +165,8 @@ class LibraryView(View):
         if await self.desk.ask(work):
             self.desk.picked = ()
             await self.refresh()
-            said = f"{counted(len(designs), 'design')} {'archived' if hide else 'restored'}; nothing is deleted."
-            self.desk.say(said)
+            text = f"{counted(len(designs), 'design')} {'archived' if hide else 'restored'}; nothing is deleted."
+            self.desk.say(text)
 
     async def _retag(self) -> None:
         designs = {revision.design for revision in self.desk.picked}
@@ -255,10 +255,10 @@ class _Listing:
 
 
 def _listing(place: Library, search: str, tag: str, archived: bool, unfolded: frozenset[str]) -> _Listing:
-    found = place.designs(search, tag, archived=archived)
-    shown = [saved.design for saved in found[:_SHOWN] if saved.design in unfolded and saved.number > 1]
-    histories = {design: place.revisions(design) for design in shown}
-    return _Listing(found, place.tags(), histories, bool(search or tag or archived), place.read_only)
+    designs = place.designs(search, tag, archived=archived)
+    names = [saved.design for saved in designs[:_SHOWN] if saved.design in unfolded and saved.number > 1]
+    histories = {design: place.revisions(design) for design in names}
+    return _Listing(designs, place.tags(), histories, bool(search or tag or archived), place.read_only)
 
 
 def _blocks(listing: _Listing) -> Iterator[Block]:
@@ -297,6 +297,6 @@ def _answer(listing: _Listing) -> Answer:
     """What is in the library, in a line."""
     closing = sum(saved.closes is True for saved in listing.found)
     what = counted(len(listing.found), "design") + (" found" if listing.narrowed else " saved")
-    said = f"{closing} of {len(listing.found)} close." if closing else "No design closes."
-    said = said if listing.found else "Save the current design."
-    return Answer(what, "open", (said,))
+    sentence = f"{closing} of {len(listing.found)} close." if closing else "No design closes."
+    sentence = sentence if listing.found else "Save the current design."
+    return Answer(what, "open", (sentence,))

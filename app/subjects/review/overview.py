@@ -19,20 +19,20 @@ def overview(reviews: Sequence[Review]) -> Table:
 
 def state_of(review: Review) -> Answer:
     """Status of a review: its mark and words, and its contents."""
-    left = len(review.open_points())
-    tone, said = "open", f"Open, {left} to decide" if left else "Open, all decided: can be signed"
+    undecided = len(review.open_points())
+    tone, state = "open", f"Open, {undecided} to decide" if undecided else "Open, all decided: can be signed"
     if not review.intact:
-        tone, said = "bad", f"✗ {review.doubt[0].upper()}{review.doubt[1:]}: do not rely on it"
+        tone, state = "bad", f"✗ {review.doubt[0].upper()}{review.doubt[1:]}: do not rely on it"
     elif review.signed:
         tone, ended = ending(review)
-        said = f"{_MARKS[tone]} Signed by {review.signed_by}: {ended}"
+        state = f"{_MARKS[tone]} Signed by {review.signed_by}: {ended}"
     counts = (
         counted(len(review.items), "design"),
         f"{counted(len(review.rejected()), 'requirement')} rejected",
         *([counted(len(waived), "waiver")] if (waived := review.waivers()) else ()),
         counted(len(review.comments), "comment"),
     )
-    return Answer(review.title, tone, (said, ", ".join(counts)))
+    return Answer(review.title, tone, (state, ", ".join(counts)))
 
 
 def ending(review: Review) -> tuple[str, str]:

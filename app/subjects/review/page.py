@@ -105,9 +105,9 @@ class ReviewPage(View):
             pn.state.execute(partial(self._room.open, review))
 
     async def _compare_linked(self, keys: list[str]) -> None:
-        found = await self._desk.ask(lambda place: _revisions(place, keys), "The link was not used. ")
-        if found is not None:
-            self._desk.picked = found
+        revisions = await self._desk.ask(lambda place: _revisions(place, keys), "The link was not used. ")
+        if revisions is not None:
+            self._desk.picked = revisions
             await self._compare()
 
 

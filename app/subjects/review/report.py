@@ -41,14 +41,14 @@ def owner_tables(review: Review) -> tuple[Block, ...]:
 
 def outcome(review: Review) -> Answer:
     """How the review ended, or where it is: one word, and what it depends on."""
-    left, waived, rejected = len(review.open_points()), len(review.waivers()), len(review.rejected())
+    undecided, waived, rejected = len(review.open_points()), len(review.waivers()), len(review.rejected())
     signed = f"Signed off by {review.signed_by}, {moment(review.signed)}." if review.signed else "Not signed."
     if not review.intact:
         return Answer("✗ Do not rely on this review", "bad", (f"{review.doubt}.", signed))
     if rejected:
         return Answer(f"✗ Rejected: {counted(rejected, 'requirement')}", "bad", (signed,))
-    if left:
-        return Answer(f"Open: {counted(left, 'decision')} to make", "open", (signed,))
+    if undecided:
+        return Answer(f"Open: {counted(undecided, 'decision')} to make", "open", (signed,))
     if waived:
         return Answer(f"⚠ Accepted with {counted(waived, 'waiver')}", "warn", (signed,))
     return Answer("✓ Accepted", "good", (signed,))
@@ -57,10 +57,10 @@ def outcome(review: Review) -> Answer:
 def front_page(review: Review) -> Chapter:
     """Page 1 of the review's report: its name, the outcome, who signed, and on which conditions."""
     names = "; ".join(
-        f"D{item.place}: {own.name}, revision {own.number}"
-        for item, own in zip(review.items, review.revisions, strict=True)
+        f"D{item.place}: {revision.name}, revision {revision.number}"
+        for item, revision in zip(review.items, review.revisions, strict=True)
     )
-    authors = [own.author for own in review.decisions] + [own.author for own in review.comments]
+    authors = [entry.author for entry in review.decisions] + [entry.author for entry in review.comments]
     reviewers = dict.fromkeys(authors)
     facts = (
         ("Review", review.title),
@@ -87,8 +87,8 @@ def front_page(review: Review) -> Chapter:
 
 def conditions(review: Review) -> Block:
     """What was accepted although it is not met, and what was rejected, each with its reason."""
-    standing = [own for point in review.rejected() if (own := review.standing(*point))]
-    rows = tuple(_decided(review, own) for own in (*review.waivers(), *standing))
+    standing = [decision for point in review.rejected() if (decision := review.standing(*point))]
+    rows = tuple(_decided(review, decision) for decision in (*review.waivers(), *standing))
     if not rows:
         return Text("None: every requirement decided so far is met and accepted.")
     return table("review-conditions", "Waivers and rejections", _DECIDED, rows)
@@ -97,14 +97,14 @@ def conditions(review: Review) -> Block:
 _DECIDED = (("Requirement", 1.2), "Decision", ("Value", 1.2), ("By", 1.2), ("Reason", 1.4))
 
 
-def _decided(review: Review, own: Decision) -> Row:
+def _decided(review: Review, decision: Decision) -> Row:
     """A decision, with the figure it was taken on."""
     return (
-        f"D{own.place}: {subject_label(own.requirement)}",
-        decided_word(own, met=review.met(own.place, own.requirement)),
-        own.figure or NONE,
-        f"{own.author}, {moment(own.decided)}",
-        own.reason or NONE,
+        f"D{decision.place}: {subject_label(decision.requirement)}",
+        decided_word(decision, met=review.met(decision.place, decision.requirement)),
+        decision.figure or NONE,
+        f"{decision.author}, {moment(decision.decided)}",
+        decision.reason or NONE,
     )
 
 
@@ -142,8 +142,8 @@ def _program(frozen: str) -> CellLike:
     here = version("navbudget")
     if frozen == here:
         return f"NavBudget {frozen}"
-    said = f"NavBudget {frozen}; values here are computed by {here}, values in decisions are as they were"
-    return Cell(said, tone="warn")
+    versions = f"NavBudget {frozen}; values here are computed by {here}, values in decisions are as they were"
+    return Cell(versions, tone="warn")
 
 
 def status_table(review: Review) -> Table:
@@ -158,7 +158,7 @@ def status_table(review: Review) -> Table:
         "Requirements and decisions",
         (("Requirement", 1.4), *numbers("Value", "Limit"), "Verdict", "Decision", ("By", 1.2), ("Reason", 1.4)),
         rows,
-        f"{left} to decide." if (left := len(review.open_points())) else "",
+        f"{undecided} to decide." if (undecided := len(review.open_points())) else "",
     )
 
 
@@ -198,7 +198,7 @@ def _by(comment: Comment) -> str:
 
 def decision_table(review: Review) -> Table:
     """Every decision ever taken, in order, with the figure it was taken on."""
-    rows = tuple((str(own.number), *_decided(review, own)) for own in review.decisions)
+    rows = tuple((str(decision.number), *_decided(review, decision)) for decision in review.decisions)
     return table("audit-decisions", "Decisions in order", ("No.", *_DECIDED), rows, "" if rows else "No decision.")
 
 

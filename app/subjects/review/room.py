@@ -125,16 +125,16 @@ class ReviewRoom(View):
         if self._asked is not asked:
             return
         self._all.html = table
-        said = f"{sum(own.signed is None for own in reviews)} open. Choose one, or start one of selected designs."
-        self.review = next((own for own in reviews if own.id == self._wanted), None)
+        sentence = f"{sum(r.signed is None for r in reviews)} open. Choose one, or start one of selected designs."
+        self.review = next((r for r in reviews if r.id == self._wanted), None)
         if self.review is None:
-            self.answer = Answer(counted(len(reviews), "review"), "open", (said,)) if reviews else _NO_REVIEW
+            self.answer = Answer(counted(len(reviews), "review"), "open", (sentence,)) if reviews else _NO_REVIEW
 
     async def open(self, review: str) -> None:
         """Show a review by its id; an unknown one is said so."""
-        found = await self.desk.ask(lambda place: load_review(place, review))
-        if found is not None:
-            self._wanted = found.id
+        loaded = await self.desk.ask(lambda place: load_review(place, review))
+        if loaded is not None:
+            self._wanted = loaded.id
             await self.refresh()
 
     async def _leave(self) -> None:
@@ -228,30 +228,30 @@ class ReviewRoom(View):
         await self.refresh()  # after a refusal as well: it may be of what somebody else did meanwhile
         return changed is not None
 
-    def _decided(self, told: dict[str, Any]) -> None:
-        pn.state.execute(functools.partial(self._judge, told))
+    def _decided(self, form: dict[str, Any]) -> None:
+        pn.state.execute(functools.partial(self._judge, form))
 
-    async def _judge(self, told: dict[str, Any]) -> None:
+    async def _judge(self, form: dict[str, Any]) -> None:
         """Decide as the table says. It says as well which decision was in view: never the one that the server has in
         the meantime, which the person may not have seen."""
         review = self.review
         if review is None:
             return
         known = review.points()
-        if told["do"] == "accept":
-            points = [tuple(point) for point in told.get("points", ()) if tuple(point) in known]
+        if form["do"] == "accept":
+            points = [tuple(point) for point in form.get("points", ()) if tuple(point) in known]
             work = functools.partial(_decide_all, [(*point, True, "", 0) for point in points], review)
         else:
-            point, seen, reason = (told.get("place"), told.get("name")), told.get("seen"), told.get("reason")
+            point, seen, reason = (form.get("place"), form.get("name")), form.get("seen"), form.get("reason")
             if point not in known or not isinstance(seen, int) or not isinstance(reason, str):
                 return
-            work = functools.partial(_decide_all, [(*point, bool(told.get("accepted")), reason, seen)], review)
+            work = functools.partial(_decide_all, [(*point, bool(form.get("accepted")), reason, seen)], review)
         await self._change(work)
 
     async def _say(self) -> None:
-        design, subject, said = self._design.value, self._subject.value or "", self._comment.value or ""
+        design, subject, text = self._design.value, self._subject.value or "", self._comment.value or ""
         if await self._change(
-            lambda library, review, author: add_comment(library, review, design, subject, author, said)
+            lambda library, review, author: add_comment(library, review, design, subject, author, text)
         ):
             self._comment.value = ""
 
@@ -266,13 +266,13 @@ class ReviewRoom(View):
             return
         self.desk.say("")
         waived = review.waivers()
-        own = sum(waiver.author == who for waiver in waived)
+        mine = sum(waiver.author == who for waiver in waived)
         warned = (
-            f"You wrote {'this waiver' if len(waived) == 1 else f'{own} of {len(waived)} waivers'}. " if own else ""
+            f"You wrote {'this waiver' if len(waived) == 1 else f'{mine} of {len(waived)} waivers'}. " if mine else ""
         )
-        tone = "warn" if own or review.rejected() else "open"
-        said = Answer("", tone, (f"{warned}A signed review never changes.",))
-        self._to_sign.object = html_of(said)
+        tone = "warn" if mine or review.rejected() else "open"
+        answer = Answer("", tone, (f"{warned}A signed review never changes.",))
+        self._to_sign.object = html_of(answer)
         self._yes.label = f"Sign as {who} (outcome: {ending(review)[1]})"
         self._confirm.visible = True
 
@@ -293,11 +293,11 @@ class ReviewRoom(View):
 
 
 def _decide_all(
-    wanted: Sequence[tuple[int, str, bool, str, int]], shown: Review, place: Library, review: str, author: str
+    wanted: Sequence[tuple[int, str, bool, str, int]], review_seen: Review, place: Library, review: str, author: str
 ) -> Review:
     """Decisions one by one, of place, requirement, accepted, reason, and the number of the decision seen."""
-    changed = shown
+    changed = review_seen
     for item, name, accepted, reason, seen in wanted:
-        figure = figure_of(shown, item, name)
+        figure = figure_of(review_seen, item, name)
         changed = decide(place, review, item, name, accepted, author, reason, figure=figure, seen=seen)
     return changed

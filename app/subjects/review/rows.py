@@ -26,8 +26,8 @@ def _judged(review: Review, place: int, name: str) -> tuple[Verdict, Check, Chec
 def frozen_designs(review: Review) -> str:
     """What the rows of decisions are about, and how the figures in them are judged."""
     return "; ".join(
-        f"D{item.place}: {shortened(own.name, 40)}, revision {own.number}, {judged(own.budget().verdict)}"
-        for item, own in zip(review.items, review.revisions, strict=True)
+        f"D{item.place}: {shortened(rev.name, 40)}, revision {rev.number}, {judged(rev.budget().verdict)}"
+        for item, rev in zip(review.items, review.revisions, strict=True)
     )
 
 
@@ -35,11 +35,11 @@ def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
     """The requirement as a row of `DecisionTable`."""
     _, check, words = _judged(review, place, name)
     standing = review.standing(place, name)
-    said = "open" if standing is None else (
+    decision = "open" if standing is None else (
         f"{decided_word(standing, met=check.met).text} by {standing.author}, {moment(standing.decided)}"
     )  # fmt: skip
     return {
         "place": place, "name": name, "label": f"D{place}: {check.label}", "value": words.value, "limit": words.limit,
-        "met": check.met, "seen": standing.number if standing else 0, "decision": said,
+        "met": check.met, "seen": standing.number if standing else 0, "decision": decision,
         "reason": standing.reason if standing else "",
     }  # fmt: skip

@@ -51,8 +51,8 @@ def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: s
 
 def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Azimuth impulse responses of the typical run, overlaid."""
-    shown, sar = ("1", *keys), study.budget.sar
-    rows = [STRATEGY_KEYS.index(key) for key in shown]
+    keys_shown, sar = ("1", *keys), study.budget.sar
+    rows = [STRATEGY_KEYS.index(key) for key in keys_shown]
     apertures = aperture_of_phase(metres_to_phase(study.typical[rows], sar.wavelength))
     cells, power = response_curve(apertures, sar.window, extent_cells=8.0)  # type: ignore[arg-type]
     metres = cells * sar.cell_length
@@ -63,7 +63,7 @@ def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: st
         y_label="power over the error-free peak [dB]",
         lines=tuple(
             Line(key, NAMES[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
-            for key, values in zip(shown, power, strict=True)
+            for key, values in zip(keys_shown, power, strict=True)
         ),
         y_range=(-45.0, 2.0),
         knowledge=f"{_typical(study)} Azimuth, {sar.window} window; the table has medians and bands of all runs.",
@@ -71,8 +71,8 @@ def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: st
 
 
 def _typical(study: SarStudy) -> str:
-    left = LEFT[study.budget.sar.autofocus_order]
-    return f"One of {study.runs} runs, in which {NAMES['2']} has the median rms, {left}."
+    residual = LEFT[study.budget.sar.autofocus_order]
+    return f"One of {study.runs} runs, in which {NAMES['2']} has the median rms, {residual}."
 
 
 def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
@@ -130,12 +130,12 @@ def _dot_chart(
         closed_phase = math.nan if form is None else to_degrees * form
         dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole, kind_of(strategy)))
     dots.sort(key=_rank)
-    said = ""
+    runs = ""
     if study is not None:
         worst = percent(float(np.max(study.rms_error[1:] / study.rms[1:])))
-        said = f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {worst}."
+        runs = f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {worst}."
     millimetres = 1000 * float(phase_to_metres(1 / _DEG, budget.sar.wavelength))
-    return DotChart(key, title, label, tuple(dots), limit, millimetres, knowledge + said)
+    return DotChart(key, title, label, tuple(dots), limit, millimetres, knowledge + runs)
 
 
 def _rank(dot: Dot) -> float:

@@ -154,8 +154,8 @@ class SarPage(StudyPage[SarResult]):
         chart = residual_chart(budget, self._closed, self._runs)
         best = NAMES[self._closed.advice.strategy] if study is None else study.best().name
         coming = "The images appear after the runs: one point target, all images on one scale."
-        told = head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart))
-        self._rank_head.say(told)
+        head = head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart))
+        self._rank_head.say(head)
         self._ranks.say(ranks_html(chart, best))
         self._image_head.say(head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark))
         self._of_design.follow()
@@ -249,5 +249,5 @@ def _blank() -> str:
         f'<figure class="pic"><div class="blank"></div><figcaption><b>{escape(name)}</b><br>…</figcaption></figure>'
         for name in NAMES.values()
     )
-    said = "Azimuth by range, all images on one scale; they appear after the runs."
-    return f'<div class="scale"><span class="quiet">{said}</span></div><div class="pics row">{figures}</div>'
+    caption = "Azimuth by range, all images on one scale; they appear after the runs."
+    return f'<div class="scale"><span class="quiet">{caption}</span></div><div class="pics row">{figures}</div>'

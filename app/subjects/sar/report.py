@@ -33,21 +33,21 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
     InputError
         For an option or a key of the design that cannot be used.
     """
-    found = studied(design, _RUNS if options.runs is None else options.runs, options.seed, "SAR: ")
-    return SarResult(design_case(found.budget), found, point_pictures(found.budget, found.typical))
+    result = studied(design, _RUNS if options.runs is None else options.runs, options.seed, "SAR: ")
+    return SarResult(design_case(result.budget), result, point_pictures(result.budget, result.typical))
 
 
 def another_design(result: SarResult, design: Design) -> str:
     """The design the strategies were run for, where that is not exactly this one; else nothing."""
-    own = result.study.budget.design
-    return "" if own.content_hash == design.content_hash else identified(own)
+    flown = result.study.budget.design
+    return "" if flown.content_hash == design.content_hash else identified(flown)
 
 
 def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     """The answer with its tables, the histories and responses, the pictures, the maps."""
     study = result.study
     budget, closed = study.budget, study.closed
-    said, why = answer(budget, closed, study)
+    word, why = answer(budget, closed, study)
     parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
     scene = scene_picture(scene_pictures(budget, study.typical))
     images = (point_picture(result.points), scene, result.uploaded)
@@ -61,7 +61,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
             f"{key}-sar",
             "SAR: which strategy to use",
             (
-                said,
+                word,
                 *why,
                 error_table(budget, closed, study, key),
                 *drawn(*(draw(budget, closed, study) for draw in STRATEGY_CHARTS)),

@@ -57,25 +57,25 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         return f"{_degrees(confidence * sigma, budget)}°"
 
     which = "the simplest within 5 % of the least"
-    said = [f"Use {NAMES[key]}, {which}: {phase(sigma)} by {source}, {phase(whole)} with the along-track part."]
+    sentences = [f"Use {NAMES[key]}, {which}: {phase(sigma)} by {source}, {phase(whole)} with the along-track part."]
     if study is not None and now.key != key:
-        said.append(f"In flight use {now.name}: {phase(study.residual(now.key))}.")
+        sentences.append(f"In flight use {now.name}: {phase(study.residual(now.key))}.")
     smoothed = closed.detrended["9"]
     if budget.verdict.processing == REAL_TIME and smoothed is not None:
-        said.append(f"{NAMES['9']}, post-processed: {phase(smoothed)} by formula.")
+        sentences.append(f"{NAMES['9']}, post-processed: {phase(smoothed)} by formula.")
     word, tone = f"Use {NAMES[key]}", "open"
     check = next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
     if check is not None:
         words = check_words(budget.design, check)
-        own, at = NAMES[judged(budget.design)], "" if confidence == 1 else f" at {confidence:g}σ"
+        strategy, at = NAMES[judged(budget.design)], "" if confidence == 1 else f" at {confidence:g}σ"
         word, tone = ("✓ Detrended phase met", "good") if check.met else ("✗ Detrended phase not met", "bad")
-        said.insert(
+        sentences.insert(
             0,
-            f"{own}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}{at}, "
+            f"{strategy}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}{at}, "
             f"{margin_in_sentence(check.margin)}.",
         )
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
-    return Answer(word, tone, tuple(said)), (
+    return Answer(word, tone, tuple(sentences)), (
         *runs,
         Text(advice.sentence),
         Text(f"Why: {advice.because}"),
@@ -213,16 +213,16 @@ def _response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
 
 def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     """Flights of the simulator beside the error model: the two engines, strategy by strategy."""
-    found = agreement(study, beside)
+    pairs = agreement(study, beside)
     scales = _scales(study.budget)
     rows: Iterable[Row] = (
         (
-            NAMES[one.key],
-            *(_number(scale * sigma) for sigma in (one.flown, one.fast) for scale in scales),
-            f"{number(one.ratio, 4)} ± {number(one.error, 2)}",
-            Cell("✓ agrees", tone="good") if one.agrees else Cell("✗ differs", tone="warn"),
+            NAMES[pair.key],
+            *(_number(scale * sigma) for sigma in (pair.flown, pair.fast) for scale in scales),
+            f"{number(pair.ratio, 4)} ± {number(pair.error, 2)}",
+            Cell("✓ agrees", tone="good") if pair.agrees else Cell("✗ differs", tone="warn"),
         )
-        for one in found
+        for pair in pairs
     )
     return table(
         f"{key}-sar-engines",
@@ -235,7 +235,7 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
             ("Within three standard errors", 1),
         ),
         rows,
-        f"{agreement_sentence(found)} Residual after autofocus, rms over {study.runs} flights and over {beside.runs} "
+        f"{agreement_sentence(pairs)} Residual after autofocus, rms over {study.runs} flights and over {beside.runs} "
         "runs; ± one standard error of the ratio.",
     )
 

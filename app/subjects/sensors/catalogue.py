@@ -78,11 +78,11 @@ def _digits_of(text: str) -> int:
 
 def _sources(values: dict[str, SourcedValue]) -> list[str]:
     """One line per source, with the values read in it when there are several."""
-    found: dict[tuple[str, str], list[str]] = {}
+    keys_of: dict[tuple[str, str], list[str]] = {}
     for key, item in values.items():
-        found.setdefault((item.status, item.source), []).append(key.replace("_", " "))
+        keys_of.setdefault((item.status, item.source), []).append(key.replace("_", " "))
     return [
         f"{'' if status == 'confirmed' else '⚠ '}{status}: {source}"
-        + (f" ({', '.join(keys)})" if len(found) > 1 else "")
-        for (status, source), keys in found.items()
+        + (f" ({', '.join(keys)})" if len(keys_of) > 1 else "")
+        for (status, source), keys in keys_of.items()
     ]

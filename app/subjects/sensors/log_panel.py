@@ -254,8 +254,8 @@ class StaticResult(View):
         names = {axis_label(axis.name): axis.name for axis in analysis.axes}
         with pn.io.hold():
             self.use.disabled = not adopt_random_walks(analysis).changes
-            kept = self.axis.value if self.axis.value in names.values() else next(iter(names.values()))
-            self.axis.param.update(options=names, value=kept)
+            chosen_axis = self.axis.value if self.axis.value in names.values() else next(iter(names.values()))
+            self.axis.param.update(options=names, value=chosen_axis)
             self._parts.follow()
             self._view.visible = True
 

@@ -152,12 +152,12 @@ def _coefficient_cell(axis: AxisNoise, term: str) -> CellLike:
 
 def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:
     """Which log would resolve the coefficients that this one does not, each once."""
-    found: dict[tuple[str, str], list[str]] = {}
+    axes: dict[tuple[str, str], list[str]] = {}
     for axis in result.axes:
         for term, remedy in axis.would_resolve.items():
-            found.setdefault((TERM_NAMES[term], remedy), []).append(axis.name)
+            axes.setdefault((TERM_NAMES[term], remedy), []).append(axis.name)
     by_remedy: dict[tuple[str, tuple[str, ...]], list[str]] = {}
-    for (term, remedy), names in found.items():
+    for (term, remedy), names in axes.items():
         by_remedy.setdefault((remedy, tuple(names)), []).append(term)
     items = (
         f"{', '.join(terms)} on {_axes(names, result)}: {remedy}" for (remedy, names), terms in by_remedy.items()
@@ -167,11 +167,11 @@ def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:
 
 def warnings(result: LogAnalysis) -> tuple[Bullets, ...]:
     """Warnings about the log, each with its axes."""
-    found: dict[str, list[str]] = {}
+    axes: dict[str, list[str]] = {}
     for axis in result.axes:
         for warning in axis.warnings:
-            found.setdefault(warning, []).append(axis.name)
-    by_axis = (f"{_axes(names, result)}: {warning}" for warning, names in found.items())
+            axes.setdefault(warning, []).append(axis.name)
+    by_axis = (f"{_axes(names, result)}: {warning}" for warning, names in axes.items())
     return _list("Warnings", (*result.warnings, *by_axis))
 
 

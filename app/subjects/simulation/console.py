@@ -39,10 +39,10 @@ def simulate_design(design: Design, more: SimulationInputs, options: argparse.Na
     kind = _kind(options)
     spec = _specification(design, more, options, keep_runs=kind == ".npz")
     if options.output is None:
-        sys.stdout.write(as_json(_fly(design, spec, options)).decode())
+        sys.stdout.write(as_json(_run(design, spec, options)).decode())
         return
     with whole_file(options.output) as file:
-        file.write(FILES[kind](_fly(design, spec, options)))
+        file.write(FILES[kind](_run(design, spec, options)))
     print(f"wrote {options.output}", file=sys.stderr)
 
 
@@ -54,7 +54,7 @@ def fly_design(design: Design, options: argparse.Namespace) -> SimulationStudy:
     InputError
         For an option or a key of the design that cannot be flown.
     """
-    return _fly(design, _specification(design, NOTHING_ADDED, options, keep_runs=False), options)
+    return _run(design, _specification(design, NOTHING_ADDED, options, keep_runs=False), options)
 
 
 def _kind(options: argparse.Namespace) -> str:
@@ -74,15 +74,15 @@ def _specification(
         if value is not None and value < 1:
             raise InputError(f"--{name}", f"{value} is not allowed. Enter 1 or more.")
     spec, _ = flight_study(design, more, options, runs=options.runs, seed=options.seed, keep_runs=keep_runs)
-    kept = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
-    if keep_runs and kept > _LARGEST_KEPT:
+    size = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
+    if keep_runs and size > _LARGEST_KEPT:
         raise InputError(
-            "-o", f"every run's errors would take {kept / 1e9:.3g} GB; use fewer --runs or a longer --every"
+            "-o", f"every run's errors would take {size / 1e9:.3g} GB; use fewer --runs or a longer --every"
         )
     return spec
 
 
-def _fly(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> SimulationStudy:
+def _run(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> SimulationStudy:
     print(COMPILES, file=sys.stderr, flush=True)
     from nav_model.simulation.cluster import cluster_pool
     from nav_model.simulation.monte_carlo import chunks, simulate

@@ -25,8 +25,8 @@ class StudyInput(SheetInput):
 
     def row(self) -> Row:
         """Label, help, and what an empty box means."""
-        label, said = str(self._declared.label), str(self._declared.doc)
-        return text_row(label, said, empty=self._usual)
+        label, text = str(self._declared.label), str(self._declared.doc)
+        return text_row(label, text, empty=self._usual)
 
     @property
     def _usual(self) -> str:
@@ -37,7 +37,7 @@ class StudyInput(SheetInput):
         """The text in force."""
         return self._controls.texts.get(self.key, "")
 
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The text in force."""
         return {"text": self.value()}
 
@@ -47,7 +47,7 @@ class StudyInput(SheetInput):
             read_study_inputs({self.key: text})
         except InputError as refused:
             return InputError(self.key, f"{refused.reason}; still {self.value() or self._usual}", text)
-        others = {key: kept for key, kept in self._controls.texts.items() if key != self.key}
+        others = {key: value for key, value in self._controls.texts.items() if key != self.key}
         self._controls.texts = {**others, self.key: text.strip()} if text.strip() else others
         return None
 
@@ -61,10 +61,10 @@ class StudyControls(View):
 
     def __init__(self) -> None:
         super().__init__()
-        own = [StudyInput(self, key) for key in STUDY_KEYS]
+        inputs = [StudyInput(self, key) for key in STUDY_KEYS]
         self._view = self.sheet = InputSheet(
             [
-                Group(part.title, [each for each in own if each.key.startswith(f"{part.section}.")])
+                Group(part.title, [each for each in inputs if each.key.startswith(f"{part.section}.")])
                 for part in STUDY_PARTS
             ],
             explained=True,

@@ -136,13 +136,13 @@ class SimulatePage(StudyPage[Flown]):
             "Trajectory file", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded, self._refuse,
             visible=choices.trajectory.rx() == "file",
         )  # fmt: skip
-        own = choices.trajectory.rx() != _PLAN  # a plan has its length and outages
+        from_box = choices.trajectory.rx() != _PLAN  # a plan has its length and outages
         return (
             pmui.Select.from_param(choices.trajectory, width=180, **_LOOK),
             self._upload,
             names(choices.runs, width=70, placeholder=f"1 to {_MOST_RUNS}", **_LOOK),
-            names(choices.length, width=90, visible=own, **_LOOK),
-            names(choices.outages, placeholder="start,stop; start,stop", width=140, visible=own),
+            names(choices.length, width=90, visible=from_box, **_LOOK),
+            names(choices.outages, placeholder="start,stop; start,stop", width=140, visible=from_box),
             names(choices.seed, width=65, **_LOOK),
             pmui.Select.from_param(choices.states, width=110, **_LOOK),
         )  # fmt: skip
@@ -169,15 +169,15 @@ class SimulatePage(StudyPage[Flown]):
             half.extend(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stacks[-1].plots)
 
     def _verdict(self, flown: Flown) -> Answer:
-        said = verdict(flown.study)
+        answer = verdict(flown.study)
         if not flown.partial:
-            return said
+            return answer
         done = flown.study.result.spec.runs
         rest = (
             () if self.run.running else (f"{flown.wanted - done} runs remain. Press Start for all {flown.wanted}.",)
         )
         word = "Running" if self.run.running else f"Partial: {done} of {flown.wanted} runs"
-        return Answer(word, "open", (*rest, f"{said.word[2:]} after {done} runs.", *said.sentences))
+        return Answer(word, "open", (*rest, f"{answer.word[2:]} after {done} runs.", *answer.sentences))
 
     def _outdated(self, flown: Flown) -> str:
         same = same_subject(flown.study, self._session.design)

@@ -58,9 +58,9 @@ def another_design(study: SimulationStudy, design: Design) -> str:
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
     """What was run and found, then the charts."""
     drawn = (draw for draw in CHARTS if study.result.spec.outages or draw is not outage_chart)
-    found = (tell(study, key) for tell in (run_table, sigma_table, departures, conditions_told))
+    tables = (tell(study, key) for tell in (run_table, sigma_table, departures, conditions_told))
     return (
-        Section(f"{key}-simulation", "Simulation: do the formulas hold?", (verdict(study), *found), REFERENCES),
+        Section(f"{key}-simulation", "Simulation: do the formulas hold?", (verdict(study), *tables), REFERENCES),
         Section(
             f"{key}-simulation-charts",
             "Simulation: errors against time",

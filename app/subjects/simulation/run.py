@@ -76,9 +76,9 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
                 looking = asyncio.create_task(study(copy.copy(total)))
     except asyncio.CancelledError:
         if total.runs and run.mine:  # what was flown is not thrown away
-            found = await study(total)
+            result = await study(total)
             if run.mine:
-                run.show(found)
+                run.show(result)
         raise
     finally:
         for task in (*flying, *([looking] if looking else [])):

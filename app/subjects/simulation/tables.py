@@ -85,13 +85,13 @@ def sigma_table(study: SimulationStudy, key: str) -> Table:
         for column, (group, axis, _) in enumerate(STATES):
             unit, scale = _UNITS[group]
             simulated = float(result.rms[POSTERIOR, at, column])
-            own, form = float(result.filter_sigma[POSTERIOR, at, column]), float(closed[at, column])
+            believed, form = float(result.filter_sigma[POSTERIOR, at, column]), float(closed[at, column])
             refined = float(study.refined_sigma[at, column]) if group == "position" else math.nan
-            shown = (
-                NONE if math.isnan(sigma) else number(scale * sigma) for sigma in (simulated, own, form, refined)
+            texts = (
+                NONE if math.isnan(sigma) else number(scale * sigma) for sigma in (simulated, believed, form, refined)
             )
             label = f"{group.capitalize()}, {axis} [{unit}]"
-            rows.append((label, *shown, number(simulated / form)))
+            rows.append((label, *texts, number(simulated / form)))
     low, high = result.rms_band
     return table(
         f"{key}-simulation-sigmas",
@@ -114,13 +114,13 @@ def departures(study: SimulationStudy, key: str) -> Block:
         return Text("Filter, simulated errors and formulas agree within 10 % in every state at every time.")
     rows = tuple(
         (
-            f"{found[0].group.capitalize()}, {', '.join(d.axis for d in found)}",
-            _when(found),
-            _range(d.simulated for d in found),
-            _range(d.ratio for d in found),
-            _why(found, study),
+            f"{alike[0].group.capitalize()}, {', '.join(d.axis for d in alike)}",
+            _when(alike),
+            _range(d.simulated for d in alike),
+            _range(d.ratio for d in alike),
+            _why(alike, study),
         )
-        for found in _alike(study)
+        for alike in _alike(study)
     )
     ratios = numbers("Simulated / formula", "Filter / formula", width=0.75)
     return table(
@@ -137,24 +137,24 @@ def departures(study: SimulationStudy, key: str) -> Block:
 def _alike(study: SimulationStudy) -> list[list[Departure]]:
     """Departures of axes that differ in the same phase for the same causes, together."""
     groups: dict[tuple[object, ...], list[Departure]] = {}
-    for found in study.departures:
-        causes = tuple(cause for cause, _ in found.steps)
-        groups.setdefault((found.group, found.phase, found.stretch, causes), []).append(found)
+    for departure in study.departures:
+        causes = tuple(cause for cause, _ in departure.steps)
+        groups.setdefault((departure.group, departure.phase, departure.stretch, causes), []).append(departure)
     return list(groups.values())
 
 
-def _when(found: Sequence[Departure]) -> str:
-    start, stop = min(d.start_s for d in found), max(d.stop_s for d in found)
-    return f"{start:g} to {stop:g} s, {_PHASES[found[0].phase]}"
+def _when(alike: Sequence[Departure]) -> str:
+    start, stop = min(d.start_s for d in alike), max(d.stop_s for d in alike)
+    return f"{start:g} to {stop:g} s, {_PHASES[alike[0].phase]}"
 
 
-def _why(found: Sequence[Departure], study: SimulationStudy) -> str:
+def _why(alike: Sequence[Departure], study: SimulationStudy) -> str:
     velocity = closed_velocity_noise(study.design)
-    said = [
-        f"{cause_in_words(cause, study.result.spec, velocity)} (×{_range(d.steps[place][1] for d in found)})"
-        for place, (cause, _) in enumerate(found[0].steps)
+    causes = [
+        f"{cause_in_words(cause, study.result.spec, velocity)} (×{_range(d.steps[place][1] for d in alike)})"
+        for place, (cause, _) in enumerate(alike[0].steps)
     ]
-    text = "; ".join(said) or SMALL
+    text = "; ".join(causes) or SMALL
     return f"{text[:1].upper()}{text[1:]}"
 
 

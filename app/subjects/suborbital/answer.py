@@ -32,13 +32,13 @@ def answer(shown: Shown) -> tuple[Answer, KeyFigures]:
         word, tone = f"The star tracker cuts the final position error {what}", "good"
     else:
         word, tone = f"The star tracker hardly changes the final position error: {what}", "warn"
-    left = {label: _size(study.aided.position_m[study.case(case), -1]) for case, label in _CARDS.items()}
-    left["White noise"] = _size(study.aided_noise.position_sigma_m[-1])
-    largest = max(left, key=lambda label: left[label])
-    cancel = ", more than the total: signed errors partly cancel" if left[largest] > after else ""
-    said = f"Largest remaining source: {largest.lower()}, {_metres(left[largest])}{cancel}."
+    remaining = {label: _size(study.aided.position_m[study.case(case), -1]) for case, label in _CARDS.items()}
+    remaining["White noise"] = _size(study.aided_noise.position_sigma_m[-1])
+    largest = max(remaining, key=lambda label: remaining[label])
+    cancel = ", more than the total: signed errors partly cancel" if remaining[largest] > after else ""
+    sentence = f"Largest remaining source: {largest.lower()}, {_metres(remaining[largest])}{cancel}."
     exact = "From the full simulation." if shown.exact else "Linearised from the last full simulation [B-4]."
-    return Answer(word, tone, (said, exact)), _figures(shown)
+    return Answer(word, tone, (sentence, exact)), _figures(shown)
 
 
 def _size(error: Array) -> float:

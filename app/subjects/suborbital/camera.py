@@ -31,7 +31,7 @@ class CameraNoisePanel(pn.viewable.Viewer):
         self._said = html_pane("", margin=0)
         self._swept: Follower[tuple[CameraNoise, float]] = Follower(lambda: self.run.result)
         self._place = self._swept.later(
-            lambda: self._swept.chart(lambda found: camera_noise_chart(*found)),
+            lambda: self._swept.chart(lambda sweep: camera_noise_chart(*sweep)),
             sizing_mode="stretch_both", stylesheets=[NARROW],
         )  # fmt: skip
         self._settings: Settings | None = None

@@ -47,30 +47,30 @@ class StudyInput(SheetInput):
     def row(self) -> Row:
         """Label, help, unit or options, and the scale of the slider."""
         declared = self._declared
-        label, said = str(declared.label), str(declared.doc)
+        label, text = str(declared.label), str(declared.doc)
         if isinstance(declared, Choice):
-            return choice_row(label, said, [(str(option), str(option)) for option in declared.objects])
+            return choice_row(label, text, [(str(option), str(option)) for option in declared.objects])
         dimension, unit = getattr(declared, "dimension", ""), getattr(declared, "unit", "")
         empty = _EMPTY.get(self.key, "none")
         several = isinstance(declared, Axes)
-        return text_row(label, said, dimension, unit=unit, empty=empty, scale=self._scale, of_axes=several)
+        return text_row(label, text, dimension, unit=unit, empty=empty, scale=self._scale, of_axes=several)
 
     def value(self) -> Value:
         """The current value, SI."""
         return self._settings()[self.key]
 
-    def shown(self) -> Row:
+    def current(self) -> Row:
         """The value in its usual unit, and what GP-1 has where it is another."""
         settings, value = self._settings(), self.value()
-        shown: Row = {"text": "" if value is None else settings.show(self.key)}
+        row: Row = {"text": "" if value is None else settings.show(self.key)}
         if value != DEFAULTS[self.key]:
             origin = settings.origin[self.key]
             source = f" ({origin})" if origin.startswith("design") else ""
-            shown |= {"mark": "≠", "note": f"≠ {GP1}: {DEFAULTS.show(self.key) or 'none'}{source}"}
+            row |= {"mark": "≠", "note": f"≠ {GP1}: {DEFAULTS.show(self.key) or 'none'}{source}"}
         if self._scale is not None:
             size = _size(value)
-            shown |= {"place": self._scale.place(size), "size": size, "unit": getattr(self._declared, "unit", "")}
-        return shown
+            row |= {"place": self._scale.place(size), "size": size, "unit": getattr(self._declared, "unit", "")}
+        return row
 
     def take(self, text: str) -> InputError | None:
         """Put a text in force; a number without a unit takes the usual one."""

@@ -86,14 +86,14 @@ class InputPanel(View):
         )
 
     def _say_imu(self) -> None:
-        own = follows_design(self.settings)
-        said = (
+        follows = follows_design(self.settings)
+        source = (
             f"IMU noise and constant biases are those of the design: {escape(self.session.design.name)}. "
             "All other inputs are here."
-            if own
+            if follows
             else "IMU noise and biases are the study's own, not those of the design."
         )
-        self._imu.object = f"<p>{said}</p>"
+        self._imu.object = f"<p>{source}</p>"
 
     def _sources(self) -> list[pn.viewable.Viewable]:
         self.file = upload(
@@ -170,5 +170,5 @@ class InputPanel(View):
     @param.depends("trajectory", watch=True)
     def _say_flown(self) -> None:
         flown = self.trajectory
-        said = f"Flown: {flown[0]}. A link does not hold it: save the study to share it." if flown else ""
-        self._file_said.object = html_of(Text(said)) if said else _FILE_HELP
+        flight = f"Flown: {flown[0]}. A link does not hold it: save the study to share it." if flown else ""
+        self._file_said.object = html_of(Text(flight)) if flight else _FILE_HELP

@@ -50,25 +50,25 @@ def another_design(shown: Shown, design: Design) -> str:
 
 def sections(shown: Shown, key: str) -> tuple[Section, ...]:
     """The answer, the tables, the charts, every input with its origin."""
-    own = f"{key}-suborbital"
+    prefix = f"{key}-suborbital"
 
     def section(part: str, title: str, *blocks: Block) -> Section:
-        return Section(f"{own}-{part}", f"Suborbital flight: {title}", blocks)
+        return Section(f"{prefix}-{part}", f"Suborbital flight: {title}", blocks)
 
     def table(build: Callable[[Shown], tables.NumberTable]) -> Table:
-        return build(shown).block(f"{own}-")
+        return build(shown).block(f"{prefix}-")
 
     def drawn(*describe: Callable[[Shown], Chart]) -> tuple[Block, ...]:
-        return tuple(chart_block(draw(shown), own) for draw in describe)
+        return tuple(chart_block(draw(shown), prefix) for draw in describe)
 
     # The prediction of white noise alone is a row of the sources.
     noise = (*drawn(*_NOISE), table(tables.noise_table)) if shown.ensemble is not None else ()
     return (
         Section(
-            own,
+            prefix,
             "Suborbital flight: what a star tracker repairs, and what it does not",
             (*answer(shown), Text(explain(shown.study)), Text(_sensors(shown.settings)),
-             *_paper_tables(shown, own)),
+             *_paper_tables(shown, prefix)),
             REFERENCES,
         ),
         section("errors", "errors by source, with and without star tracker",
@@ -79,7 +79,7 @@ def sections(shown: Shown, key: str) -> tuple[Section, ...]:
                 table(tables.method_table),
                 *drawn(attitude.star_chart, attitude.star_count_chart)),
         section("flight", "trajectory and gravity", *drawn(*_FLIGHT), table(tables.gravity_table)),
-        section("inputs", "inputs of the study", _inputs(shown.settings, own)),
+        section("inputs", "inputs of the study", _inputs(shown.settings, prefix)),
     )  # fmt: skip
 
 
@@ -93,13 +93,13 @@ def _sensors(settings: Settings) -> str:
     return "The study has its own inputs, listed at its end; they are not this design's IMU."
 
 
-def _paper_tables(shown: Shown, own: str) -> tuple[Table, ...]:
+def _paper_tables(shown: Shown, prefix: str) -> tuple[Table, ...]:
     """The four tables; the note they share is under the last."""
-    *first, last = (table.block(f"{own}-") for table in tables.paper_tables(shown))
+    *first, last = (table.block(f"{prefix}-") for table in tables.paper_tables(shown))
     return (*(replace(table, note="") for table in first), last)
 
 
-def _inputs(settings: Settings, own: str) -> Table:
+def _inputs(settings: Settings, prefix: str) -> Table:
     rows: list[Row] = []
     for title, group in GROUPS.items():
         rows.append((title,))
@@ -108,7 +108,7 @@ def _inputs(settings: Settings, own: str) -> Table:
             for declared in group
         ]
     return table(
-        f"{own}-inputs-table",
+        f"{prefix}-inputs-table",
         "Every input of the suborbital study, with its origin",
         (("Input", 1.3), ("Value", 1.2), ("Origin", 1.2)),
         rows,

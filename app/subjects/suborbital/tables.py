@@ -80,10 +80,10 @@ _PAPER_HEADS = ("paper x [m]", "paper y [m]", "paper height [m]")
 
 def _paper(name: str) -> tuple[Entry, ...]:
     """The paper's readings, a range where that is all that can be read."""
-    found = PAPER_FINAL_M.get(name)
-    if found is None:
+    printed = PAPER_FINAL_M.get(name)
+    if printed is None:
         return (None, None, None)
-    pairs = (found[axis] for axis in ("x", "y", "height"))
+    pairs = (printed[axis] for axis in ("x", "y", "height"))
     return tuple(
         float(low) if low == high else f"{number(low, given=True)} to {number(high, given=True)}"
         for low, high in pairs
@@ -146,10 +146,10 @@ def gap_table(shown: Shown) -> NumberTable:
     rows = [k for k, kind in enumerate(study.kinds) if kind != "gravity"]
     worst = max(rows, key=lambda k: max(plain.pure_share[k], plain.aided_share[k]))
     beyond = [k for k in rows if max(plain.pure_share[k], plain.aided_share[k]) > _PROMISED]
-    said = f"within {percent(_PROMISED)} on every row"
+    agreement = f"within {percent(_PROMISED)} on every row"
     if beyond:
         off = percent(float(max(plain.pure_share[worst], plain.aided_share[worst])))
-        said = (
+        agreement = (
             f"within {percent(_PROMISED)} on {len(rows) - len(beyond)} of {len(rows)} rows; "
             f"{called(study.names[worst])} is off by {off}"
         )
@@ -163,7 +163,7 @@ def gap_table(shown: Shown) -> NumberTable:
             for k in rows
         ),
         "Distance at the end of the flight from the last full simulation, and its share of the error. "
-        f"S p alone [B-4] is {said}. The page never shows S p alone: its curves start at the full simulation "
+        f"S p alone [B-4] is {agreement}. The page never shows S p alone: its curves start at the full simulation "
         "and only move by S.",
     )  # fmt: skip
 
@@ -180,19 +180,19 @@ def noise_table(shown: Shown) -> NumberTable:
             for ins, spread in spreads
             for i, channel in enumerate(CHANNELS)
         )
-        said = "Press Run for an ensemble."
+        note = "Press Run for an ensemble."
     else:
         rows = tuple(
             (f"{ins}, {channel}", sigma, rms, rms / sigma if sigma > 0 else None, "yes" if inside else "no")
             for ins, channel, rms, sigma, inside in ensemble.final
         )
         inside = sum(row[-1] for row in ensemble.final)
-        said = (
+        note = (
             f"{ensemble.source}; {ensemble.runs} runs, seed {ensemble.seed}. {inside} of {len(rows)} inside "
             f"{number(ensemble.low)} to {number(ensemble.high)}, where each lies with 95 % probability if the "
             "prediction is right: one in twenty falls outside by chance."
         )
-    return NumberTable("white-noise", "White noise at the end of the flight", heads, rows, said)
+    return NumberTable("white-noise", "White noise at the end of the flight", heads, rows, note)
 
 
 def method_table(shown: Shown) -> NumberTable:

@@ -110,7 +110,7 @@ def validation() -> str:
     """What each result was compared with."""
     rows = record().rows
     ours = sum(row.kind not in INDEPENDENT for row in rows)
-    said = (
+    text = (
         "A solver written by others counts as independent if its equations were set up without the product's code. "
         f"{ours} results are compared with our own derivations only: two parts of the product with each other, or a "
         "second derivation written in the test."
@@ -127,13 +127,13 @@ def validation() -> str:
         body,
         origin,
     )
-    return _folded("validation", "Validation", "what each result was compared with", html_of(Text(said), compared))
+    return _folded("validation", "Validation", "what each result was compared with", html_of(Text(text), compared))
 
 
 def _comparison(row: Comparison) -> Row:
     kind = f"✓ {row.kind}" if row.kind in INDEPENDENT else Cell(f"– {row.kind}", tone="quiet")
-    found, allowed = (number(value, 2, given=True) for value in (row.figure, row.limit))
-    return _marked(row.result, row.equation), kind, row.oracle, found, allowed, row.measure
+    figure, allowed = (number(value, 2, given=True) for value in (row.figure, row.limit))
+    return _marked(row.result, row.equation), kind, row.oracle, figure, allowed, row.measure
 
 
 def _marked(result: str, mark: str) -> str:
@@ -145,11 +145,11 @@ def differences() -> str:
     columns = ("Result", "Stated elsewhere", "Here", "Which is right", "Why")
     rows = tuple(map(_difference, record().differences))
     stated = table("other-figures", "Values stated elsewhere, beside ours", columns, rows)
-    said = (
+    text = (
         "A paper, another program, a design note or a simpler method gives a different value. A test shows each case."
     )
     return _folded(
-        "differences", "Where values differ", f"{len(rows)} values stated elsewhere", html_of(Text(said), stated)
+        "differences", "Where values differ", f"{len(rows)} values stated elsewhere", html_of(Text(text), stated)
     )
 
 

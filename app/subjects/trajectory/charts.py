@@ -49,7 +49,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
         values = [nothing, nothing]
         if followed is not None:
             both = followed.result.real_time, followed.result.post_processed
-            values = [scale * (one.figures[name] if of == "figure" else _after_fix(one)[of]) for one in both]
+            values = [scale * (part.figures[name] if of == "figure" else _after_fix(part)[of]) for part in both]
         ends = (label, "")
         processed = ("real time", "post-processed")
         lines = [
@@ -74,7 +74,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     limits = () if followed is None else limits_along(followed.result, name)
     drawn = tuple(Limit("limit", "limit", start, stop, figure.scale * level) for start, stop, level in limits)
     attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
-    chosen = pair("figure", figure.said, "figure", figure.scale, ("exact", "asymptote"))
+    chosen = pair("figure", figure.in_sentence, "figure", figure.scale, ("exact", "asymptote"))
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
     return (
         chart("figure", figure.label, figure.axis, chosen, drawn, judged_how(followed, name)),
@@ -159,7 +159,7 @@ def shares_chart(followed: Followed, name: str) -> Chart:
     lows = np.vstack([np.zeros(len(result.time_s)), tops[:-1]])
     return Chart(
         key="trajectory-shares",
-        title=f"Shares of {figure.said}",
+        title=f"Shares of {figure.in_sentence}",
         x_label=_TIME,
         y_label="share [%]",
         lines=(),
@@ -178,8 +178,8 @@ def simulated(followed: Followed | None, flown: SimulationResult | None) -> dict
     if followed is None or flown is None:
         return {}
     result = followed.result
-    own = result.spec.study
-    if any(getattr(own, part) != getattr(flown.spec, part) for part in _ALIKE):
+    study = result.spec.study
+    if any(getattr(study, part) != getattr(flown.spec, part) for part in _ALIKE):
         return {}
     sigma = np.hstack([result.real_time.position, result.real_time.velocity, result.real_time.attitude])
     rms = np.column_stack([np.interp(result.time_s, flown.time_s, flown.rms[1][:, axis]) for axis in range(9)])

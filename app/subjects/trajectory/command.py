@@ -38,6 +38,6 @@ def _trajectory(options: argparse.Namespace) -> int:
     design = read_design(path, of_design)
     study, flight = flight_study(design, read_study_inputs(of_study), options)
     lines = flight.lines if flight else ()
-    found = covariance(covariance_specification(design, study, lines=lines))
-    put_json(lambda: to_json(found), options.output)
-    return 0 if found.closes else _DOES_NOT_CLOSE
+    result = covariance(covariance_specification(design, study, lines=lines))
+    put_json(lambda: to_json(result), options.output)
+    return 0 if result.closes else _DOES_NOT_CLOSE

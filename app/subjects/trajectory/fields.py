@@ -55,11 +55,11 @@ class PlanFields:
             needed = not column.allow_None if column else not place
             columns.append(Field(key, f"{label[:1].upper()}{label[1:]}", needed=needed))
 
-        def told(rows: Rows) -> InputError | None:
+        def replaced(rows: Rows) -> InputError | None:
             self._take(name, [[row.get(key, "") for key in declared.columns] for row in rows])
             return self._refused.get(name)
 
-        made = RowEditor(tuple(columns), told, caption=f"{declared.doc}{more}", noun=noun, ordered=True)
+        made = RowEditor(tuple(columns), replaced, caption=f"{declared.doc}{more}", noun=noun, ordered=True)
         self._tables[name] = made
         self._show(name)
         return made

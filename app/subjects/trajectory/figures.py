@@ -29,19 +29,19 @@ class Figure:
     dimension: str
     spread: str
 
-    def told(self, value: float, *, given: bool = False) -> str:
+    def show(self, value: float, *, given: bool = False) -> str:
         """A value with its unit; `given` as a person gave it."""
         return show(value, self.dimension, given=given)
 
     @property
-    def said(self) -> str:
+    def in_sentence(self) -> str:
         """Its name within a sentence."""
         return in_sentence(self.label)
 
     @property
     def axis(self) -> str:
         """Label of an axis, which has room for its last word."""
-        return f"{self.said.rpartition(' ')[2]}, {self.spread} [{DIMENSIONS[self.dimension].default_unit}]"
+        return f"{self.in_sentence.rpartition(' ')[2]}, {self.spread} [{DIMENSIONS[self.dimension].default_unit}]"
 
     @property
     def scale(self) -> float:
@@ -63,10 +63,10 @@ def limit_of(result: TrajectoryResult, name: str) -> float:
 def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, float, float], ...]:
     """Start, stop [s] and level of every limit on one sigma of a figure: one, unless a line has its own."""
     everywhere = limit_of(result, name)
-    own = [(line.start_s, line.stop_s, line.limits[name]) for line in result.lines if name in line.limits]
-    if all(level == everywhere for _, _, level in own):
-        own = [(float(result.time_s[0]), float(result.time_s[-1]), everywhere)]
-    return tuple(limit for limit in own if not math.isnan(limit[2]))
+    limits = [(line.start_s, line.stop_s, line.limits[name]) for line in result.lines if name in line.limits]
+    if all(level == everywhere for _, _, level in limits):
+        limits = [(float(result.time_s[0]), float(result.time_s[-1]), everywhere)]
+    return tuple(limit for limit in limits if not math.isnan(limit[2]))
 
 
 def cause_at(result: TrajectoryResult, name: str, at: int) -> str:

@@ -80,7 +80,7 @@ class TrajectoryPage(StudyPage[Followed]):
     refusal = "Plan not flown"
     flight = chosen("wandering", _FLIGHTS, "Flight")
     states = chosen(0, {"by design": 0} | {f"{count} states": count for count in FILTER_STATES}, "Filter")
-    figure = chosen("detrended_phase", {one.label: name for name, one in FIGURES.items()}, "Quantity")
+    figure = chosen("detrended_phase", {quantity.label: name for name, quantity in FIGURES.items()}, "Quantity")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session, flight=session.design.trajectory.flight)
@@ -218,14 +218,14 @@ class TrajectoryPage(StudyPage[Followed]):
         return pane.view
 
     def _placed(self, event: DoubleTap) -> None:
-        own = self._session.design.trajectory.waypoints
+        waypoints = self._session.design.trajectory.waypoints
         if event.x is None or event.y is None:
             return
-        if self.flight != WAYPOINTS or not own:
+        if self.flight != WAYPOINTS or not waypoints:
             self._say(_NOT_ADDED)
             return
         place = self._of_result.known().place(1000.0 * event.y, 1000.0 * event.x)
-        self._take((*own, row_of(*place, own[-1][2])))
+        self._take((*waypoints, row_of(*place, waypoints[-1][2])))
 
     def _flown(self, event: Any) -> None:
         """Lay the runs of a new simulation over the curves."""
@@ -239,15 +239,15 @@ class TrajectoryPage(StudyPage[Followed]):
 
     def _write(self) -> None:
         super()._write()
-        found = self._result
+        result = self._result
         study = self._session.findings.get("simulation")
         flown = study and study.result
-        charts = timelines(found, self.figure, flown)
-        if found is not None:
+        charts = timelines(result, self.figure, flown)
+        if result is not None:
             self._stack.feed(charts)
-        said, knowledge = "".join(map(described, charts)), charts[0].knowledge
-        key = _COMING if found is None else key_html(**_KEY, **(_RUNS if simulated(found, flown) else {}))
-        self._head.say(head_html("Along the flight", knowledge, said, key))
+        description, knowledge = "".join(map(described, charts)), charts[0].knowledge
+        key = _COMING if result is None else key_html(**_KEY, **(_RUNS if simulated(result, flown) else {}))
+        self._head.say(head_html("Along the flight", knowledge, description, key))
         faint = self._refused or self.run.message
         self._body.styles = {"opacity": "0.5" if faint else "1"}  # an empty one would leave it as it was
         if not self.run.running:
@@ -269,8 +269,8 @@ class TrajectoryPage(StudyPage[Followed]):
         self._of_result.add(show)
         return self._shares
 
-    def _drawn_shares(self, found: Followed) -> Any:
-        return shares_chart(found, self.figure)
+    def _drawn_shares(self, result: Followed) -> Any:
+        return shares_chart(result, self.figure)
 
     def _exports(self) -> pn.FlexBox:
         known = self._of_result.known
@@ -319,16 +319,16 @@ class TrajectoryPage(StudyPage[Followed]):
             self.begin()
 
 
-def as_json(found: Followed) -> str:
+def as_json(followed: Followed) -> str:
     """The command's document."""
     from nav_model.trajectory.result import to_json
 
-    return json.dumps(to_json(found.result), allow_nan=False)
+    return json.dumps(to_json(followed.result), allow_nan=False)
 
 
-def as_csv(found: Followed) -> str:
+def as_csv(followed: Followed) -> str:
     """Every figure over time in SI, both processings; an empty cell where no aperture lies within the flight."""
-    result = found.result
+    result = followed.result
     parts = {"real time": result.real_time, "post-processed": result.post_processed}
     head = ["time_s", *(f"{name} ({processing})" for processing in parts for name in FIGURES)]
     columns = [part.figures[name] for part in parts.values() for name in FIGURES]

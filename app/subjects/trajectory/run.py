@@ -57,8 +57,8 @@ class Followed:
         what = f"the file {self.file}" if self.file else plan.options[self.design.trajectory.flight]
         gaps = ", ".join(f"{start:g} s to {stop:g} s" for start, stop in study.outages)
         counted = f"{lines} line{'' if lines == 1 else 's'}, " if lines else ""
-        told = f"Flight: {what}, {counted}{study.duration:.0f} s; outages: {gaps or 'none'}"
-        return f"{told}; filter of {study.filter.states} states."
+        text = f"Flight: {what}, {counted}{study.duration:.0f} s; outages: {gaps or 'none'}"
+        return f"{text}; filter of {study.filter.states} states."
 
     def place(self, north: float, east: float) -> tuple[float, float]:
         """Latitude and longitude [rad] of a place north and east of the start [m]."""

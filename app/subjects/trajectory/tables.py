@@ -25,9 +25,9 @@ def verdict(followed: Followed, name: str) -> Answer:
     if not any(line.limits for line in result.lines):
         figure, values = FIGURES[name], result.chosen.figures[name]
         values = values[np.isfinite(values)]
-        told = f"{figure.label} is at most {figure.told(values.max())}, {processing}." if values.size else ""
+        first = f"{figure.label} is at most {figure.show(values.max())}, {processing}." if values.size else ""
         none = "No requirement of the design limits a figure of the flight."
-        return Answer("No limit", "open" if result.closes else "bad", (told, none, *elsewhere))
+        return Answer("No limit", "open" if result.closes else "bad", (first, none, *elsewhere))
     failing = [line for line in result.lines if not line.closes]
     lines = len(result.lines)
     if result.spec.lines:
@@ -37,8 +37,8 @@ def verdict(followed: Followed, name: str) -> Answer:
     sentences: tuple[str, ...] = ()
     if failing:
         worst = max(failing, key=lambda line: (bool(line.reason), _excess(line)[1]))
-        told = failure(result, worst)
-        sentences = (f"{told[0].upper()}{told[1:]}.", "See Close it for what would.")
+        first = failure(result, worst)
+        sentences = (f"{first[0].upper()}{first[1:]}.", "See Close it for what would.")
     return Answer(
         f"{'✓' if result.closes else '✗'} {word} {SAID[processing]}",
         "good" if result.closes else "bad",
@@ -72,8 +72,8 @@ def failure(result: TrajectoryResult, line: LineResult) -> str:
     worst = int(beyond[np.argmax(values[beyond])])
     after = number(max(float(result.time_s[worst] - line.start_s), 0.0), given=True)
     return (
-        f"{line.name} fails by {figure.said} {figure.told(values[worst])} {after} s after its start, limit "
-        f"{figure.told(limit, given=True)} ({figure.spread}), most of it from {cause_at(result, name, worst)}"
+        f"{line.name} fails by {figure.in_sentence} {figure.show(values[worst])} {after} s after its start, limit "
+        f"{figure.show(limit, given=True)} ({figure.spread}), most of it from {cause_at(result, name, worst)}"
     )
 
 
@@ -93,11 +93,11 @@ def line_list(followed: Followed, name: str) -> Table:
         fails = "✗ fails", "bad"
         sign, tone = (("✓ keeps", "good") if limit else ("no limit", "")) if line.closes else fails
         label = line.name if not result.spec.lines or line.name == f"line {place}" else f"{place}  {line.name}"
-        told = (
-            NONE if worst is None else figure.told(worst),
-            NONE if limit is None else figure.told(limit, given=True),
+        texts = (
+            NONE if worst is None else figure.show(worst),
+            NONE if limit is None else figure.show(limit, given=True),
         )
-        rows.append((label, Cell(sign, tone=tone), line.reason or figure.label, *told))
+        rows.append((label, Cell(sign, tone=tone), line.reason or figure.label, *texts))
     return table(
         "trajectory-verdicts",
         f"Verdict by line, {result.spec.processing}",
@@ -111,21 +111,21 @@ def line_table(followed: Followed, name: str) -> Table:
     """Each line: the figure `name` and those with a limit, their rms, worst and share of the line within it."""
     result = followed.result
     having_one = [key for line in result.lines for key in line.limits]
-    shown = [FIGURES[key] for key in dict.fromkeys([*having_one, name])]
+    figures = [FIGURES[key] for key in dict.fromkeys([*having_one, name])]
     rows: list[Row] = []
     for line in result.lines:
         span = f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"
         rows.append((f"{span}; {line.reason}" if line.reason else span,))
-        for figure in shown:
+        for figure in figures:
             within = line.within.get(figure.name)
             limited: tuple[str | Cell, ...] = (NONE, NONE)
             if within is not None:
                 sign, tone = ("✗", "bad") if figure.name in line.failing else ("✓", "good")
-                limit = figure.told(line.limits[figure.name], given=True)
+                limit = figure.show(line.limits[figure.name], given=True)
                 limited = limit, Cell(percent(within), sign, tone)
-            found = (part.get(figure.name) for part in (line.mean, line.worst))
-            told = (NONE if value is None else figure.told(value) for value in found)
-            rows.append((figure.label, *told, *limited))
+            values = (part.get(figure.name) for part in (line.mean, line.worst))
+            texts = (NONE if value is None else figure.show(value) for value in values)
+            rows.append((figure.label, *texts, *limited))
     return table(
         "trajectory-lines",
         f"Figures by line, {result.spec.processing}",

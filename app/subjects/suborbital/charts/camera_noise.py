@@ -43,16 +43,16 @@ def camera_noise_answer(swept: CameraNoise, now_rad: float) -> Answer:
     over = np.flatnonzero(swept.camera_m > imu)
     worse = np.flatnonzero(swept.total_m > swept.alone_m)
     arcsec = swept.centroid_rad / ARCSECOND
-    left = f"{show(_at(swept, now_rad), 'length')} with tracker and {show(swept.alone_m, 'length')} without"
-    said = [f"At {number(now_rad / ARCSECOND, given=True)} arcsec, noise leaves {left}."]
+    remaining = f"{show(_at(swept, now_rad), 'length')} with tracker and {show(swept.alone_m, 'length')} without"
+    sentences = [f"At {number(now_rad / ARCSECOND, given=True)} arcsec, noise leaves {remaining}."]
     if len(worse):
         level = _crossing(arcsec, swept.total_m, np.full_like(swept.total_m, swept.alone_m), int(worse[0]))
-        said.append(f"Above {number(level, 2)} arcsec the tracker adds more noise than it removes.")
+        sentences.append(f"Above {number(level, 2)} arcsec the tracker adds more noise than it removes.")
     if not len(over):
-        return Answer("Camera noise stays below IMU noise", "good", tuple(said))
+        return Answer("Camera noise stays below IMU noise", "good", tuple(sentences))
     level = _crossing(arcsec, swept.camera_m, imu, int(over[0]))
     word = f"Camera noise exceeds IMU noise above about {number(level, 2)} arcsec"
-    return Answer(word, "open", tuple(said))
+    return Answer(word, "open", tuple(sentences))
 
 
 def _crossing(x: Array, rising: Array, other: Array, after: int) -> float:

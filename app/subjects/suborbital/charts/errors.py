@@ -79,7 +79,7 @@ def growth_chart(shown: Shown) -> Chart:
     ins, aided = (np.abs(e.position_m[k, :, channel]) for e in (study.pure, study.aided))
     decoupled = study.channels_m[k, :, channel]
     closed = shown.closed_form_m[:, channel]
-    holds, fails, said = _split(x, decoupled, truth)
+    holds, fails, agreement = _split(x, decoupled, truth)
     closed_holds, closed_fails, closed_said = _split(x, closed, truth)
     slope = _slope(study, ins) if channel == 2 else np.full(len(x), np.nan)
     slow = ", ".join(
@@ -104,7 +104,7 @@ def growth_chart(shown: Shown) -> Chart:
         spans=boost(study),
         y_log=True,
         y_range=_log_range(ins, aided, np.abs(decoupled)),
-        knowledge=f"{shown.how}. The decoupled channel [B-5], whose local frame does not rotate, {said}. The "
+        knowledge=f"{shown.how}. The decoupled channel [B-5], whose local frame does not rotate, {agreement}. The "
         f"formula [B-6], with one height and constant forcing (means of the powered flight), {closed_said}.{why}",
     )
 

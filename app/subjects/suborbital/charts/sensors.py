@@ -45,11 +45,11 @@ def noise_chart(shown: Shown, channel: int) -> Chart:
         ("INS with tracker", study.aided_noise.position_sigma_m[:, channel]),
     )
     flown, low, high = (np.full(len(x), np.nan),) * 2, math.nan, math.nan
-    said = "Prediction only; press Run for an ensemble."
+    result = "Prediction only; press Run for an ensemble."
     if ensemble is not None:
         flown = (ensemble.pure_rms_m[:, channel], ensemble.aided_rms_m[:, channel])
         low, high = ensemble.low, ensemble.high
-        said = (
+        result = (
             f"Ensemble of {ensemble.runs} INS with independent noise, seed {ensemble.seed}; bands: where the rms of "
             f"so many runs lies with 95 % probability at an instant ({number(low)} to {number(high)} of predicted)."
         )
@@ -70,5 +70,5 @@ def noise_chart(shown: Shown, channel: int) -> Chart:
             for name, sigma in predicted
         ),
         spans=boost(study),
-        knowledge=f"Prediction: covariance of [B-4] under white noise [B-1]. {said}",
+        knowledge=f"Prediction: covariance of [B-4] under white noise [B-1]. {result}",
     )
