@@ -6,6 +6,7 @@ start with # are passed over. Time may start anywhere and need not be evenly spa
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +29,7 @@ class FileBounds:
     largest: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class TrajectoryTable:
+class TrajectoryTable(NamedTuple):
     """Samples (n, 7) in the order of `COLUMNS`: time from zero [s], angles [rad], height [m]; line of each sample."""
 
     samples: Array
@@ -37,14 +37,7 @@ class TrajectoryTable:
 
 
 def read_trajectory_table(content: bytes, name: str, bounds: FileBounds) -> TrajectoryTable:
-    """Samples of a trajectory file.
-
-    Parameters
-    ----------
-    content : bytes
-        Text; at most one byte more than `bounds` allows need be given.
-    name : str
-        Name of the file, for messages.
+    """Samples of a trajectory file; of its text, one byte more than `bounds` allows is enough.
 
     Raises
     ------
@@ -67,14 +60,13 @@ def has_trajectory(header: Sequence[str]) -> bool:
 
 def trajectory_of(table: NumberTable, bounds: FileBounds) -> TrajectoryTable:
     """Samples of a table with the names of `COLUMNS`; raises as `read_trajectory_table`."""
-    names = next(iter(filter(has_trajectory, table.headers)), table.headers[0] if table.headers else ())
+    names = next(filter(has_trajectory, table.headers), table.headers[0] if table.headers else ())
     header = [cell.lower() for cell in names]
     if missing := [column for column in COLUMNS if column not in header]:
-        raise InputError(table.file_name, _missing(missing, header))
+        verb = f"columns {', '.join(missing)} are" if len(missing) > 1 else f"column {missing[0]} is"
+        raise InputError(table.file_name, f"{verb} missing; found {', '.join(header)[:120] or 'no names'}")
     columns = table.columns([header.index(column) for column in COLUMNS], bounds.most_rows, bounds.most_bytes)
     samples, lines = columns.values, columns.lines.tolist()
-    if len(samples) < bounds.fewest_rows:
-        raise InputError(table.file_name, f"{len(samples)} rows; at least {bounds.fewest_rows} are needed")
     samples[:, _DEGREES] = np.radians(samples[:, _DEGREES])
     check_samples(samples, lines, table.file_name, bounds)
     samples[:, 0] -= samples[0, 0]
@@ -82,8 +74,10 @@ def trajectory_of(table: NumberTable, bounds: FileBounds) -> TrajectoryTable:
 
 
 def check_samples(samples: Array, lines: Sequence[int], name: str, bounds: FileBounds, noun: str = "line") -> None:
-    """Refuse samples (n, 7) in the order of `COLUMNS` [s, rad, m] that are out of bounds, empty, or not a microsecond
-    and more after the one before. lines: the number of each `noun` in the file."""
+    """Refuse samples (n, 7) in the order of `COLUMNS` [s, rad, m] that are too few, out of bounds, empty, or not a
+    microsecond and more after the one before. lines: the number of each `noun` in the file."""
+    if len(samples) < bounds.fewest_rows:
+        raise InputError(name, f"{len(samples)} rows; at least {bounds.fewest_rows} are needed")
     for place, column in enumerate(COLUMNS):
         values = np.degrees(samples[:, place]) if place in _DEGREES else samples[:, place]
         bound = bounds.largest.get(column, np.inf)
@@ -98,10 +92,3 @@ def check_samples(samples: Array, lines: Sequence[int], name: str, bounds: FileB
         row = back[0] + 1
         reason = f"time_s = {samples[row, 0]} must be later than {samples[row - 1, 0]} by {_LEAST_STEP:g} s at least"
         raise InputError(name, f"{noun} {lines[row]}: {reason}")
-
-
-def _missing(missing: list[str], header: list[str]) -> str:
-    present = ", ".join(header) or "no names"
-    present = present if len(present) <= 120 else present[:117] + "..."
-    verb = "columns {} are" if len(missing) > 1 else "column {} is"
-    return f"{verb.format(', '.join(missing))} missing; found {present}"

@@ -226,11 +226,6 @@ def flight_through(samples: FloatArray, lines: list[int], name: str) -> Trajecto
     return TrajectorySpec(kind="file", samples=samples.tobytes())
 
 
-def file_duration(spec: TrajectorySpec) -> float:
-    """Length of a flight from a file [s]."""
-    return float(_table(spec)[-1, 0])
-
-
 def _table(spec: TrajectorySpec) -> FloatArray:
     return np.frombuffer(spec.samples).reshape(-1, 7)
 

@@ -10,24 +10,19 @@ from nav_model.trajectory.plan import Waypoint
 
 MOST_WAYPOINTS = 2000
 _MOST_NAME = 80
-NO_HEIGHT, ABOVE_GROUND, ABOVE_SEA, ABOVE_ELLIPSOID = "none", "ground", "sea", "ellipsoid"
+NO_HEIGHT, ABOVE_HOME, ABOVE_GROUND, ABOVE_SEA, ABOVE_ELLIPSOID = "none", "home", "ground", "sea", "ellipsoid"
 
 
 class Heights:
     """Brings the heights of one file above the ellipsoid, and collects what was read by convention in `notes`.
 
-    Parameters
-    ----------
-    file_name : str
-        Of the file, for messages.
-    height : float, optional
-        Of places that have none [m above the ellipsoid].
-    ground : float, optional
-        Height of the ground, or of the place of take-off, where heights are above it [m above the ellipsoid].
+    height: of places that have none; ground: of the ground, or of the place of take-off, where heights are above it;
+    both [m above the ellipsoid]. home: of the place of take-off, as the file has it [m above sea level].
     """
 
     def __init__(self, file_name: str, height: float | None = None, ground: float | None = None) -> None:
         self.file_name, self.height, self.ground = file_name, height, ground
+        self.home: float | None = None
         self.notes: list[str] = []
         self._waypoints = 0
 
@@ -51,7 +46,10 @@ class Heights:
                 raise self.refuse(f"{where} has no height{unused}. Give one for all places (--height).")
             self.note(f"places without a height are at {self.height:g} m")
             return self.height
-        if reference == ABOVE_GROUND:
+        if reference == ABOVE_HOME and self.ground is None and self.home is not None:
+            self.note(f"heights above home, which the plan puts at {self.home:g} m")
+            up, reference = up + self.home, ABOVE_SEA
+        if reference in (ABOVE_GROUND, ABOVE_HOME):
             if self.ground is None:
                 asked = "Give the height of the ground: --ground, or the plan's Ground height, other than 0."
                 raise self.refuse(f"{where} is {up:g} m above the ground. {asked}")
@@ -64,8 +62,7 @@ class Heights:
     def waypoint(
         self, north: object, east: object, up: object, reference: str, where: str, line: str = ""
     ) -> Waypoint:
-        """The next waypoint of a plan, from texts or numbers in degrees and metres; None or an empty text: no height.
-        Raises InputError for what is no place, and where a plan has too many."""
+        """The next waypoint of a plan, as `place` reads it. Raises InputError where a plan has too many."""
         self._waypoints += 1
         if self._waypoints > MOST_WAYPOINTS:
             raise self.refuse(f"more than {MOST_WAYPOINTS} points are too many for a plan. Thin them out.")
@@ -75,7 +72,8 @@ class Heights:
     def place(
         self, north: object, east: object, up: object, reference: str, where: str
     ) -> tuple[float, float, float]:
-        """Latitude, longitude [°] and height above the ellipsoid [m], as `waypoint`."""
+        """Latitude, longitude [°] and height above the ellipsoid [m], from texts or numbers in degrees and metres;
+        None or an empty text: no height. Raises InputError for what is no place."""
         latitude, longitude = (self.number(value, where) for value in (north, east))
         if abs(latitude) > 90.0 or abs(longitude) > 360.0:
             raise self.refuse(f"{where}: {latitude:g}, {longitude:g} is no place on the Earth")

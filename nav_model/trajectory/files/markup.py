@@ -1,62 +1,66 @@
-"""XML of flights: bounded in size, depth and elements, without entities; and that inside an archive."""
+"""Flights of XML, alone or in an archive: KML with DJI's missions in it (WPML), and GPX.
+
+What is read is bounded in size and tags, and has no entities.
+"""
 
 import io
 import zipfile
-import zlib
-from typing import Any
-from xml.etree.ElementTree import Element, ParseError, TreeBuilder
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, ParseError
 
-from nav_model.base.errors import InputError, quoted
+from nav_model.base.errors import InputError, shown
+from nav_model.base.npz_arrays import DAMAGED
+from nav_model.trajectory.files.heights import (
+    ABOVE_ELLIPSOID,
+    ABOVE_GROUND,
+    ABOVE_SEA,
+    MOST_WAYPOINTS,
+    NO_HEIGHT,
+    Heights,
+    counted,
+    plain_name,
+)  # fmt: skip
+from nav_model.trajectory.files.recorded import Segment, segment
+from nav_model.trajectory.plan import Waypoint
 
-MOST_XML = 5_000_000  # bytes
-_DEEPEST = 100
-_MOST_ELEMENTS = 200_000
+_MOST_XML = 5_000_000  # bytes
+_MOST_TAGS = 400_000
 _MOST_ENTRIES = 2000  # of an archive
 _ENTRY = b"PK\x01\x02"
 
-
-class _BoundedTree(TreeBuilder):
-    """Counts while it reads, so that nothing is built which is refused."""
-
-    def __init__(self, file_name: str) -> None:
-        super().__init__()
-        self._file_name, self._depth, self._elements = file_name, 0, 0
-
-    def start(self, tag: str, attrs: dict[Any, Any], /) -> Element:
-        self._depth += 1
-        self._elements += 1
-        if self._depth > _DEEPEST:
-            raise InputError(self._file_name, f"has elements more than {_DEEPEST} deep in each other")
-        if self._elements > _MOST_ELEMENTS:
-            raise InputError(self._file_name, f"has more than {_MOST_ELEMENTS} elements")
-        return super().start(tag, attrs)
-
-    def end(self, tag: str, /) -> Element:
-        self._depth -= 1
-        return super().end(tag)
+_RECORDED = "recorded track"
+_CHOSEN = (_RECORDED, "DJI mission", "route", "track", "path", "point")
+"""What is flown of a file that has several of them."""
+_KML = {"Track": _RECORDED, "LineString": "path", "Point": "point", "Polygon": "area", "LinearRing": "area"}
+_REFERENCES = {
+    "absolute": ABOVE_SEA, "relativeToGround": ABOVE_GROUND, "relativeToSeaFloor": ABOVE_GROUND,
+    # of WPML
+    "WGS84": ABOVE_ELLIPSOID, "EGM96": ABOVE_SEA, "relativeToStartPoint": ABOVE_GROUND,
+    "aboveGroundLevel": ABOVE_GROUND, "realTimeFollowSurface": ABOVE_GROUND,
+}  # fmt: skip
+"""By altitude mode; any other, and none, is clampToGround."""
+Text = str | None
 
 
-def read_xml(content: bytes, file_name: str) -> Element:
-    """The root of an XML document.
+class Place(NamedTuple):
+    """As the file has it. line: what begins here; None: the line of its shape."""
 
-    Raises InputError under the file's name: larger than 5 MB, elements 100 deep, a document type or entities, no XML.
-    """
-    from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import DefusedXMLParser
+    time: Text
+    latitude: Text
+    longitude: Text
+    height: Text
+    line: str | None = None
 
-    if len(content) > MOST_XML:
-        raise InputError(file_name, f"has more than {MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
-    parser = DefusedXMLParser(target=_BoundedTree(file_name), forbid_dtd=True)
-    try:
-        parser.feed(content)
-        root: Element = parser.close()
-    except DefusedXmlException as error:
-        raise InputError(file_name, "declares entities or a document type, which are not read") from error
-    except (ParseError, ValueError, LookupError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(file_name, f"is not XML: {error}") from error
-    return root
+
+class Shape(NamedTuple):
+    """What is drawn or recorded in a file: its noun, its name, its places, and what their heights are above."""
+
+    noun: str
+    name: str
+    places: Iterable[Place]
+    reference: str
 
 
 def unpack(content: bytes, file_name: str) -> tuple[str, bytes] | None:
@@ -68,24 +72,162 @@ def unpack(content: bytes, file_name: str) -> tuple[str, bytes] | None:
         raise InputError(file_name, f"is a ZIP archive of more than {_MOST_ENTRIES} files. Give the flight alone.")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            entries = [entry for entry in archive.infolist() if entry.filename.lower().endswith((".wpml", ".kml"))]
-            if not entries:
+            names = [entry for entry in archive.infolist() if entry.filename.lower().endswith((".wpml", ".kml"))]
+            if not names:
                 return None
             # What a drone executes comes before the template it was made of; else the first, which is doc.kml.
-            entry = min(entries, key=lambda entry: not entry.filename.lower().endswith(".wpml"))
+            entry = min(names, key=lambda entry: not entry.filename.lower().endswith(".wpml"))
             if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                raise InputError(file_name, f"{quoted(entry.filename)} in it is compressed in a way that is not read")
+                raise NotImplementedError(f"{shown(entry.filename)} is compressed in a way that is not read")
             with archive.open(entry) as file:
-                inside = file.read(MOST_XML + 1)
-            if len(inside) > MOST_XML:
-                raise InputError(
-                    file_name, f"holds more than {MOST_XML // 1_000_000} MB of XML. Keep only the flight."
-                )
-            return entry.filename, inside
-    except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError, EOFError, OSError) as error:
+                inside = file.read(_MOST_XML + 1)
+    except DAMAGED as error:
         raise InputError(file_name, f"is a ZIP archive that cannot be read: {error}") from error
+    if len(inside) > _MOST_XML:
+        raise InputError(file_name, f"holds more than {_MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
+    return entry.filename, inside
 
 
-def local_name(element: Element) -> str:
+def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[Segment]:
+    """The waypoints of a KML or GPX file, or the segments that it recorded.
+
+    Recorded tracks come before what is planned, paths before single points. Each leg of a path is a line of its name;
+    in GPX a line begins where a place has a name. Raises InputError under the file's name.
+    """
+    root = _xml(content, heights)
+    kind = _local_name(root)
+    if kind not in ("gpx", "kml"):
+        raise heights.refuse(f"is XML of the kind {kind!r}. Give the flight as KML or GPX.")
+    shapes = [*(_gpx(root) if kind == "gpx" else _kml(root, heights))]
+    count = Counter(shape.noun for shape in shapes)
+    chosen = next((noun for noun in _CHOSEN if count[noun]), "")
+    if count["area"] and (not chosen or (chosen == "point" and count["point"] < 2)):
+        raise heights.refuse(
+            "holds an area and no path. Draw the lines to be flown as a path, or plan parallel lines."
+        )
+    if not chosen:
+        raise heights.refuse("holds no path, route, track or point")
+    taken = [shape for shape in shapes if shape.noun == chosen]
+    flight: tuple[Waypoint, ...] | list[Segment]
+    if chosen == _RECORDED:
+        flight = [segment(name, [place[:4] for place in places], up, heights) for _, name, places, up in taken]
+    else:
+        flight = tuple(
+            heights.waypoint(
+                place.latitude, place.longitude, place.height, shape.reference,
+                f"{shape.name or shape.noun}, place {at}",
+                (shape.name or f"line {number}") if place.line is None else place.line,
+            )
+            for number, shape in enumerate(taken, 1) for at, place in enumerate(shape.places, 1)
+        )  # fmt: skip
+    no_path = "no path, so single points in their order: " if chosen == "point" else ""
+    heights.note(f"{no_path}{counted(len(taken), chosen)}, {counted(len(flight), 'place')}")
+    if unused := [counted(number, noun) for noun, number in count.items() if noun != chosen]:
+        heights.note(f"not used: {', '.join(unused)}")
+    return flight
+
+
+def _xml(content: bytes, heights: Heights) -> Element:
+    """The root of an XML document, bounded in size and tags and without entities."""
+    from defusedxml.common import DefusedXmlException
+    from defusedxml.ElementTree import fromstring
+
+    if len(content) > _MOST_XML:
+        raise heights.refuse(f"has more than {_MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
+    if content.count(b"<") > _MOST_TAGS:
+        raise heights.refuse(f"has more than {_MOST_TAGS} tags")
+    try:
+        root: Element = fromstring(content, forbid_dtd=True)
+    except DefusedXmlException as error:
+        raise heights.refuse("declares entities or a document type, which are not read") from error
+    except (ParseError, ValueError, LookupError) as error:
+        raise heights.refuse(f"is not XML: {error}") from error
+    return root
+
+
+def _gpx(root: Element) -> Iterator[Shape]:
+    def places(parent: Element, tag: str) -> list[Place]:
+        return [
+            Place(
+                point.findtext("{*}time"), point.get("lat"), point.get("lon"), point.findtext("{*}ele"), _name(point)
+            )
+            for point in parent.iterfind(tag)
+        ]  # fmt: skip
+
+    for track in root.iterfind(".//{*}trk"):
+        for part in track.iterfind("{*}trkseg"):
+            if points := places(part, "{*}trkpt"):
+                timed = len({point.time for point in points} - {None}) > 1
+                yield Shape(_RECORDED if timed else "track", _name(track), points, ABOVE_SEA)
+    for route in root.iterfind(".//{*}rte"):
+        yield Shape("route", _name(route), places(route, "{*}rtept"), ABOVE_SEA)
+    for point in places(root, "{*}wpt"):
+        yield Shape("point", point.line or "", [point], ABOVE_SEA)
+
+
+def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
+    """Missions of DJI, else the geometries of placemarks in the order of the file."""
+    if root.find(".//{*}executeHeight") is not None:
+        yield from (_mission(folder, heights) for folder in root.iterfind(".//{*}Folder"))
+        return
+    stack: list[tuple[Element, Element | None]] = [(root, None)]
+    while stack:
+        element, mark = stack.pop()
+        kind = _local_name(element)
+        if kind == "Placemark":
+            if mark is not None:
+                raise heights.refuse("has a placemark within a placemark, which KML does not allow")
+            mark = element
+        if mark is None or kind not in _KML:
+            stack.extend((child, mark) for child in reversed(element))
+            continue
+        reference = _REFERENCES.get((element.findtext("{*}altitudeMode") or "").strip(), NO_HEIGHT)
+        yield Shape(_KML[kind], _name(mark), (_track if kind == "Track" else _path)(element, heights), reference)
+
+
+def _path(element: Element, heights: Heights) -> Iterator[Place]:
+    """Each place but the last begins a leg."""
+    texts = (element.findtext("{*}coordinates") or "").split(None, MOST_WAYPOINTS + 1)[: MOST_WAYPOINTS + 1]
+    for number, text in enumerate(texts, 1):
+        parts = text.split(",")
+        if len(parts) not in (2, 3):
+            raise heights.refuse(f"{shown(text)} is not longitude,latitude,height")
+        yield Place(None, parts[1], parts[0], "".join(parts[2:]), None if number < len(texts) else "")
+
+
+def _track(track: Element, heights: Heights) -> Iterator[Place]:
+    """A gx:Track: as many times as places."""
+    times = [time.text for time in track.iterfind("{*}when")]
+    places = [(place.text or "").split() for place in track.iterfind("{*}coord")]
+    if len(times) != len(places) or any(len(place) not in (2, 3) for place in places):
+        counts = f"{len(times)} times and {len(places)} places"
+        raise heights.refuse(f"has a track of {counts}; each time needs a place of longitude latitude height")
+    for time, place in zip(times, places, strict=True):
+        yield Place(time, place[1], place[0], "".join(place[2:]))
+
+
+def _mission(folder: Element, heights: Heights) -> Shape:
+    """What a drone executes; lines are where its camera is triggered again and again, else each leg."""
+    marks = [mark for mark in folder.iterfind("{*}Placemark") if mark.find("{*}executeHeight") is not None]
+    shooting: set[int] = set()
+    for group in folder.iterfind(".//{*}actionGroup"):
+        if group.findtext("{*}actionTrigger/{*}actionTriggerType", "").startswith("multiple"):
+            ends = (group.findtext(f"{{*}}actionGroup{end}Index", "") for end in ("Start", "End"))
+            start, stop = (int(heights.number(end, "action group")) for end in ends)
+            shooting.update(range(max(start, 0), min(stop, len(marks))))
+    legs = shooting or range(len(marks) - 1)
+    places = [
+        place._replace(height=mark.findtext("{*}executeHeight"), line=f"line {number + 1}" if number in legs else "")
+        for number, mark in enumerate(marks) for point in mark.iterfind("{*}Point") for place in _path(point, heights)
+    ]  # fmt: skip
+    reference = _REFERENCES.get(folder.findtext("{*}executeHeightMode") or "", NO_HEIGHT)
+    return Shape("DJI mission", _name(folder), places, reference)
+
+
+def _name(element: Element) -> str:
+    return plain_name(element.findtext("{*}name"))
+
+
+def _local_name(element: Element) -> str:
     """The tag without its namespace."""
     return str(element.tag).rpartition("}")[2]

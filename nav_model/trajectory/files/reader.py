@@ -6,14 +6,12 @@ from pathlib import Path
 from nav_model.base.errors import InputError
 from nav_model.base.file_kind import kind_of
 from nav_model.base.number_table import open_table
-from nav_model.simulation.trajectory import FILE_BOUNDS, file_duration
-from nav_model.trajectory.files.gpx import read_gpx
-from nav_model.trajectory.files.ground_station import MOST_TEXT, WAYPOINT_LIST, read_plan, read_waypoint_list
+from nav_model.simulation.trajectory import FILE_BOUNDS
+from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
 from nav_model.trajectory.files.heights import Heights
-from nav_model.trajectory.files.kml import read_kml
-from nav_model.trajectory.files.markup import local_name, read_xml, unpack
+from nav_model.trajectory.files.markup import read_markup, unpack
 from nav_model.trajectory.files.recorded import Content, fly_recorded
-from nav_model.trajectory.files.sbet import is_accuracies, is_sbet, parse_sbet
+from nav_model.trajectory.files.sbet import is_accuracies, is_sbet, read_sbet
 from nav_model.trajectory.files.table import read_columns
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
 
@@ -61,44 +59,38 @@ def parse_file(content: bytes, name: str, height: float | None = None, ground: f
         Under the file's name: what is wrong and where, or what the file is when it is no flight.
     """
     heights = Heights(name, height, ground)
-    read = _read(content, name, heights)
-    flight = fly_recorded(read, heights) if isinstance(read, list) else None if isinstance(read, tuple) else read
-    return FlightFile(name, read if isinstance(read, tuple) else (), flight, "; ".join(heights.notes))
+    read = _read(content, heights)
+    if isinstance(read, tuple):
+        return FlightFile(name, read, None, "; ".join(heights.notes))
+    flight = fly_recorded(read, heights) if isinstance(read, list) else read
+    return FlightFile(name, (), flight, "; ".join(heights.notes))
 
 
-def _read(content: bytes, name: str, heights: Heights) -> Content:
+def _read(content: bytes, heights: Heights) -> Content:
     if len(content) > FILE_BOUNDS.most_bytes:
         raise heights.refuse(f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
     if not content.strip():
         raise heights.refuse("the file is empty")
+    give = f"Give a {KINDS} file."
     if content.startswith(b"PK"):
-        entry = unpack(content, name)
+        entry = unpack(content, heights.file_name)
         if entry is None:
-            raise heights.refuse(f"is {kind_of(content)} without a flight in it. Unpack it and give a {KINDS} file.")
+            raise heights.refuse(f"is {kind_of(content)} without a flight in it. Unpack it. {give}")
         heights.note(f"{entry[0]} in the archive")
         content = entry[1]
     if is_accuracies(content):
         raise heights.refuse("is smrmsg, the accuracies that belong to an SBET file. Give the SBET file itself.")
     if is_sbet(content):
-        spec, notes = parse_sbet(content, name)
-        heights.notes += notes
-        return PlannedFlight(spec, file_duration(spec), ())
+        return read_sbet(content, heights)
     kind = kind_of(content)
     if kind == "XML":
-        root = read_xml(content, name)
-        read = {"gpx": read_gpx, "kml": read_kml}.get(local_name(root))
-        if read is None:
-            raise heights.refuse(f"is XML of the kind {local_name(root)!r}. Give a {KINDS} file.")
-        return read(root, heights)
+        return read_markup(content, heights)
     if kind == "JSON" or content.startswith(WAYPOINT_LIST):
-        if len(content) > MOST_TEXT:
-            raise heights.refuse(f"has more than {MOST_TEXT // 1_000_000} MB, which is too much for a plan")
-        return (read_plan if kind == "JSON" else read_waypoint_list)(content, heights)
-    if kind is None:
-        try:
-            table = open_table(content, name)
-        except InputError as error:
-            raise heights.refuse(f"{error.reason} Give a {KINDS} file.") from error
-        return read_columns(table, heights)
-    reason = "is no text and no SBET" if kind == "not text" else f"is {kind}"
-    raise heights.refuse(f"{reason}. Give a {KINDS} file.")
+        return read_ground_station(content, heights)
+    if kind is not None:
+        raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {give}")
+    try:
+        table = open_table(content, heights.file_name)
+    except InputError as error:
+        raise heights.refuse(f"{error.reason} {give}") from error
+    return read_columns(table, heights)

@@ -54,6 +54,17 @@ def segment(label: str, places: Sequence[tuple[str | None, ...]], reference: str
     return Segment(label, rows)
 
 
+def as_flown(samples: Array, heights: Heights, noun: str, lines: tuple[Line, ...] = ()) -> PlannedFlight:
+    """The flight through samples in the order of `COLUMNS` [s, rad, m], each a `noun` of the file.
+
+    Raises InputError for what `check_samples` and `flight_through` refuse.
+    """
+    numbers = [*range(1, len(samples) + 1)]
+    check_samples(samples, numbers, heights.file_name, FILE_BOUNDS, noun)
+    flight = flight_through(samples, numbers, heights.file_name)
+    return PlannedFlight(flight, float(samples[-1, 0]), lines)
+
+
 def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight:
     """The flight through recorded segments, each of which is a line.
 
@@ -105,16 +116,14 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
         t = np.linspace(start, stop, min(max(math.ceil((stop - start) / step), 8), most) + 1)
         times.append(clock + t - start)
         places.append(curve(t))
-        if attitude:
-            turns = np.unwrap(np.radians(recorded[0]), axis=0)
-            angles = _smoothed(piece.rows[:, 0], turns)(t)
         lines.append(Line(name, clock, clock + stop - start))
         clock += stop - start
     time = np.concatenate(times)
     place = np.vstack(places) / scale + origin
     place[:, :2] = np.radians(place[:, :2])
     if attitude:
-        roll, pitch, yaw = angles.T
+        stamps = pieces[0].rows[:, 0]
+        roll, pitch, yaw = _smoothed(stamps, np.unwrap(np.radians(recorded[0]), axis=0))(time + stamps[0]).T
         heights.note("attitude as recorded")
     else:
         roll, pitch, yaw = _coordinated(time, place)
@@ -123,21 +132,18 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
         heights.note("attitude from coordinated turns" + (", not as recorded" if recorded else ""))
     if cuts:
         heights.note(f"{counted(len(cuts), 'pause')} cut, {sum(cuts):.0f} s")
-    samples = np.column_stack([time, place, roll, pitch, yaw])
-    check_samples(samples, range(1, len(samples) + 1), heights.file_name, FILE_BOUNDS, "sample")
-    flight = flight_through(samples, list(range(1, len(samples) + 1)), heights.file_name)
-    return PlannedFlight(flight, float(time[-1]), tuple(lines))
+    return as_flown(np.column_stack([time, place, roll, pitch, yaw]), heights, "sample", tuple(lines))
 
 
-def unrolled(time: Array) -> tuple[Array, str]:
-    """Times [s] without the jump back at the end of a week or a day, and which was found."""
-    steps, note = np.diff(time), ""
+def unrolled(time: Array, heights: Heights) -> Array:
+    """Times [s] without the jump back at the end of a week or a day."""
     for length, name in ((604_800.0, "week"), (86_400.0, "day")):
+        steps = np.diff(time)
         ends = (steps < 0.0) & (steps + length > 0.0) & (steps + length < 60.0)
         if ends.any():
             time = time + length * np.concatenate([[0], np.cumsum(ends)])
-            steps, note = np.diff(time), f"time goes on over the end of the {name}"
-    return time, note
+            heights.note(f"time goes on over the end of the {name}")
+    return time
 
 
 def _pieces(segment: Segment, heights: Heights) -> list[Segment]:

@@ -5,12 +5,10 @@ import math
 import numpy as np
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError
-from nav_model.earth.trajectory_file import check_samples
 from nav_model.earth.wgs84 import metres_per_radian
-from nav_model.simulation.specification import TrajectorySpec
-from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
-from nav_model.trajectory.files.recorded import unrolled
+from nav_model.trajectory.files.heights import Heights
+from nav_model.trajectory.files.recorded import as_flown, unrolled
+from nav_model.trajectory.plan import PlannedFlight
 
 _DOUBLES = 17  # in a record
 _ACCURACIES = 10  # in a record of smrmsg
@@ -19,53 +17,47 @@ _MOVING = 1.0  # m/s
 _LARGEST_ANGLE = 4.0 * math.pi  # rad, of a heading that counts its turns, less a wander angle
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def is_sbet(content: bytes) -> bool:
     """Whether records of 17 doubles make sense: time that goes on, and places on the Earth."""
     records = _records(content, _DOUBLES)[:_LOOKED_AT]
-    if len(records) < 2 or not _goes_on(records[:, 0]):
-        return False
-    with np.errstate(invalid="ignore"):
-        return bool((np.abs(records[:, 1]) <= 90.0).all() and (np.abs(records[:, 2]) <= 360.0).all())
+    return _goes_on(records) and bool(
+        (np.abs(records[:, 1]) <= 90.0).all() and (np.abs(records[:, 2]) <= 360.0).all()
+    )
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def is_accuracies(content: bytes) -> bool:
     """Whether it is smrmsg: records of 10 doubles, a time and nine standard deviations."""
     records = _records(content, _ACCURACIES)[:_LOOKED_AT]
-    if len(content) % (8 * _ACCURACIES) or len(records) < 2 or not _goes_on(records[:, 0]):
-        return False
-    return bool((records[:, 1:] >= 0.0).all() and (records[:, 1:] < 1e6).all())
+    deviations = records[:, 1:]
+    whole = not len(content) % (8 * _ACCURACIES)
+    return whole and _goes_on(records) and bool((deviations >= 0.0).all() and (deviations < 1e6).all())
 
 
-def parse_sbet(content: bytes, name: str) -> tuple[TrajectorySpec, list[str]]:
-    """The flight of an SBET file, heading less the wander angle, and what was noticed.
+def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:
+    """The flight of an SBET file, heading less the wander angle.
 
     Raises InputError under the file's name, with the record: no finite numbers, time that runs backwards, and what
-    `check_samples` and `flight_through` refuse.
+    `as_flown` refuses.
     """
-    if len(content) > FILE_BOUNDS.most_bytes:
-        raise InputError(name, f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
     records = _records(content, _DOUBLES)
-    if len(records) < FILE_BOUNDS.fewest_rows:
-        raise InputError(name, f"{len(records)} records; at least {FILE_BOUNDS.fewest_rows} are needed")
     if len(broken := np.flatnonzero(~np.isfinite(records[:, :11]).all(axis=1))):
-        raise InputError(name, f"record {broken[0] + 1} has no finite numbers")
-    notes = [f"SBET, {len(records)} records"]
+        raise heights.refuse(f"record {broken[0] + 1} has no finite numbers")
+    heights.note(f"SBET, {len(records)} records")
     if rest := len(content) % (8 * _DOUBLES):
-        notes.append(f"the last record is cut off after {rest} bytes and left out")
-    time, end = unrolled(records[:, 0])
-    notes += [end] if end else []
+        heights.note(f"the last record is cut off after {rest} bytes and left out")
+    time = unrolled(records[:, 0], heights)
     if len(back := np.flatnonzero(np.diff(time) <= 0.0)):
-        raise InputError(name, f"record {back[0] + 2}: time runs backwards")
+        raise heights.refuse(f"record {back[0] + 2}: time runs backwards")
     samples = np.column_stack([time - time[0], records[:, [1, 2, 3, 7, 8]], records[:, 9] - records[:, 10]])
     if _in_degrees(samples, np.hypot(records[:, 4], records[:, 5])):
         samples[:, 1:3] = np.radians(samples[:, 1:3])
-        notes.append("positions in degrees, as the velocities say")
+        heights.note("positions in degrees, as the velocities say")
         if degrees := np.abs(samples[:, 4:]).max() > _LARGEST_ANGLE:
             samples[:, 4:] = np.radians(samples[:, 4:])
-        notes.append(f"attitude in {'degrees' if degrees else 'radians'}, by its size")
-    rows = list(range(1, len(samples) + 1))
-    check_samples(samples, rows, name, FILE_BOUNDS, "record")
-    return flight_through(samples, rows, name), notes
+        heights.note(f"attitude in {'degrees' if degrees else 'radians'}, by its size")
+    return as_flown(samples, heights, "record")
 
 
 def _records(content: bytes, doubles: int) -> Array:
@@ -73,12 +65,13 @@ def _records(content: bytes, doubles: int) -> Array:
     return np.frombuffer(content, dtype="<f8", count=len(content) // (8 * doubles) * doubles).reshape(-1, doubles)
 
 
-def _goes_on(time: Array) -> bool:
-    """Whether these are times of a week or a day that mostly increase, by less than a minute."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        steps = np.diff(time)
-        likely = (steps > -1.0) & (steps < 60.0)
-        return bool((np.abs(time) < 1e7).all() and np.median(steps) > 1e-6 and likely.mean() > 0.9)
+def _goes_on(records: Array) -> bool:
+    """Whether records begin with times of a week or a day that mostly increase, by less than a minute."""
+    if len(records) < 2:
+        return False
+    steps = np.diff(records[:, 0])
+    likely = (steps > -1.0) & (steps < 60.0)
+    return bool((np.abs(records[:, 0]) < 1e7).all() and np.median(steps) > 1e-6 and likely.mean() > 0.9)
 
 
 def _in_degrees(samples: Array, speed: Array) -> bool:

@@ -2,13 +2,13 @@
 
 import math
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from nav_model.base.arrays import Array
-from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.errors import InputError
+from nav_model.base.column_names import parted, size_of_unit
 from nav_model.base.number_table import NumberTable
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
@@ -31,21 +31,22 @@ _NAMES = {
     "yaw": "yaw heading hdg azimuth trueheading compassheading",
 }
 """In the order in which they are taken; without unit, prefix, blanks and marks."""
-_DIMENSIONS = {"time": "time", **dict.fromkeys(("latitude", "longitude", "roll", "pitch", "yaw"), "angle")}
-_USUAL = {"time": "s", "angle": "°", "length": "m"}
-_UNIT = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*|(.*)_(degrees|deg|radians|rad|meters|m|feet|ft|sec|s|ms|us|ns)")
+_KEYS = {name: (key, rank) for key, names in _NAMES.items() for rank, name in enumerate(names.split())}
+_USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", "roll", "pitch", "yaw"), ("angle", "°"))}
 _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
 _NO_UNIT = ("", "360", "180", "local", "utc", "gps", "wgs84", "msl", "agl", "true")
 _EPOCHS = (1e-3, 1e-6, 1e-9)
 
 
 class _Column(NamedTuple):
-    """Place of a column, its name in the file, the size of its unit in SI, and whether the name says it."""
+    """Where a column of a flight is, how well its name fits (0: best), the size of its unit in SI, whether its name
+    says the unit, and its name in the file."""
 
+    rank: int
+    by_convention: bool
     place: int
-    header: str
     size: float
-    stated: bool
+    header: str
 
 
 def read_columns(table: NumberTable, heights: Heights) -> list[Segment] | PlannedFlight:
@@ -53,16 +54,15 @@ def read_columns(table: NumberTable, heights: Heights) -> list[Segment] | Planne
 
     Raises InputError under the file's name: a column that is missing, a unit that is not known, what is no number.
     """
-    if any(map(has_trajectory, table.headers)):
-        trajectory = trajectory_of(table, FILE_BOUNDS)
-        heights.note(f"trajectory file, {counted(len(trajectory.samples), 'row')}")
-        flight = flight_through(trajectory.samples, trajectory.lines, heights.file_name)
-        return PlannedFlight(flight, float(trajectory.samples[-1, 0]), ())
-    return [_recorded(table, heights)]
+    if not any(map(has_trajectory, table.headers)):
+        return [_recorded(table, heights)]
+    samples, lines = trajectory_of(table, FILE_BOUNDS)
+    heights.note(f"trajectory file, {counted(len(samples), 'row')}")
+    return PlannedFlight(flight_through(samples, lines, heights.file_name), float(samples[-1, 0]), ())
 
 
 def _recorded(table: NumberTable, heights: Heights) -> Segment:
-    columns, reference = _columns(table, heights)
+    columns, reference = _columns(table.headers, heights)
     read = table.columns(
         [column.place for column in columns.values()], FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes,
         times=[columns["time"].place],
@@ -79,13 +79,10 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
         raise heights.refuse("holds no row with time and place")
     values = {key: column.size * read.values[whole, number] for number, (key, column) in enumerate(columns.items())}
     time = values["time"]
-    if not columns["time"].stated:  # a date in milliseconds or finer is known by its size
+    if columns["time"].by_convention:  # a date in milliseconds or finer is known by its size
         time = time * next((size for size in _EPOCHS if 1e8 < abs(time[0]) * size < 1e10), 1.0)
-    time, note = unrolled(time)
-    if note:
-        heights.note(note)
     latitude, longitude = (_degrees(columns[key], values[key], heights) for key in ("latitude", "longitude"))
-    if not columns["latitude"].stated and max(np.abs(latitude).max(), np.abs(longitude).max() / 2.0) <= 0.5 * math.pi:
+    if columns["latitude"].by_convention and max(abs(latitude).max(), abs(longitude).max() / 2.0) <= 0.5 * math.pi:
         raise heights.refuse(
             "latitude and longitude may be degrees or radians. Name them latitude_deg or latitude_rad."
         )
@@ -93,47 +90,30 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     if beyond.any():
         row = int(np.argmax(beyond))
         raise heights.refuse(f"line {lines[row]}: {latitude[row]:g}, {longitude[row]:g} is no place on the Earth")
-    up = values.get("height", np.zeros(len(lines)))
-    up = up + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
+    up = values.get("height", np.zeros(len(lines))) + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
     attitude = [np.degrees(values[key]) for key in ("roll", "pitch", "yaw") if key in values]
-    heights.note(
-        f"{counted(len(lines), 'recorded row')} of {', '.join(column.header for column in columns.values())}"
-    )
-    return Segment("", np.column_stack([time, latitude, longitude, up, *attitude]))
+    heights.note(f"{counted(len(lines), 'recorded row')} of {', '.join(c.header for c in columns.values())}")
+    return Segment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
 
 
-def _columns(table: NumberTable, heights: Heights) -> tuple[dict[str, _Column], str]:
+def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[str, _Column], str]:
     """The columns of a recorded flight, and what its heights are above.
 
     Roll, pitch and yaw are taken together or not at all."""
-    for header in table.headers:
-        names = [_name_and_unit(cell) for cell in header]
-        columns: dict[str, _Column] = {}
-        for key, wanted in _NAMES.items():
-            places = [
-                (wanted.split().index(name), not unit, place)
-                for place, (name, unit) in enumerate(names) if name in wanted.split()
-            ]  # fmt: skip
-            if places:
-                place = min(places)[2]
-                dimension = _DIMENSIONS.get(key, "length")
-                unit = names[place][1]
-                try:
-                    size = float(DIMENSIONS[dimension].scale(unit or _USUAL[dimension]).size)
-                except InputError as error:
-                    raise heights.refuse(f"column {header[place]}: {error.reason}") from error
-                columns[key] = _Column(place, header[place], size, bool(unit))
+    for header in headers:
+        known = [named for place, cell in enumerate(header) if (named := _meaning(cell, place, heights))]
+        columns = dict(sorted(known, reverse=True))  # the best of a key is the last
         if {"latitude", "longitude"} <= columns.keys():
             break
     else:
-        header_names = ", ".join(table.headers[0])[:120] if table.headers else "no names"
-        raise heights.refuse(f"columns latitude and longitude are missing; found {header_names}")
+        present = ", ".join(headers[0])[:120] if headers else "no names"
+        raise heights.refuse(f"columns latitude and longitude are missing; found {present}")
     if "time" not in columns:
         raise heights.refuse("has no column with the time, such as time_s. Give a path as KML or GPX.")
-    references = [key for key in (ABOVE_ELLIPSOID, ABOVE_SEA, "height", ABOVE_GROUND) if key in columns]
-    reference = references[0] if references else NO_HEIGHT
+    by_preference = (ABOVE_ELLIPSOID, ABOVE_SEA, "height", ABOVE_GROUND)
+    reference = next((key for key in by_preference if key in columns), NO_HEIGHT)
     taken = {key: columns[key] for key in ("time", "latitude", "longitude")}
-    if references:
+    if reference in columns:
         taken["height"] = columns[reference]
         if reference == "height":  # DJI's is above the place of take-off
             relative = columns["height"].header.lower().startswith("osd")
@@ -143,18 +123,26 @@ def _columns(table: NumberTable, heights: Heights) -> tuple[dict[str, _Column], 
     return taken, reference
 
 
-def _name_and_unit(cell: str) -> tuple[str, str]:
-    """The name of a column in small letters without marks, and its unit; empty where it has none."""
-    text = cell.strip().lower()
-    match = _UNIT.fullmatch(text)
-    name, unit = (match[1] or match[3] or "", match[2] or match[4] or "") if match else (text, "")
-    return re.sub(r"[^a-z]", "", _PREFIX.sub("", name)), "" if unit in _NO_UNIT else unit
+def _meaning(cell: str, place: int, heights: Heights) -> tuple[str, _Column] | None:
+    """What a column of a flight is, where its name is known."""
+    for name, unit, sure in parted(cell.strip()):
+        key, rank = _KEYS.get(re.sub(r"[^a-z]", "", _PREFIX.sub("", name.lower())), ("", 0))
+        if not key:
+            continue
+        dimension, usual = _USUAL.get(key, ("length", "m"))
+        stated = unit.lower() not in _NO_UNIT
+        size = size_of_unit(unit if stated else usual, dimension)
+        if size is None and sure:
+            raise heights.refuse(f"column {cell}: {unit!r} is not a unit of {dimension}. Write for example {usual}.")
+        if size is not None:
+            return key, _Column(rank, not stated, place, size, cell)
+    return None
 
 
 def _degrees(column: _Column, radians: Array, heights: Heights) -> Array:
     """Degrees of a place, which drones write as whole numbers of 1e-7 as well."""
     degrees: Array = np.degrees(radians)
-    if not column.stated and np.abs(degrees).max() > 1e4:
+    if column.by_convention and np.abs(degrees).max() > 1e4:
         heights.note("latitude and longitude in 1e-7 degrees")
         degrees = 1e-7 * degrees
     return degrees

@@ -381,8 +381,8 @@ def test_text_of_sixteen_bits_is_read() -> None:
     ("content", "message"),
     [
         (kml("<Placemark>" * 50 + path() + "</Placemark>" * 50), "placemark within a placemark"),
-        (b"<kml>" + b"<a>" * 200_000, "more than 100 deep"),
-        (b"<kml>" + b"<a/>" * 300_000, "more than 200000 elements"),
+        (b"<kml>" + b"<a>" * 190_000 + b"</a>" * 190_000 + b"</kml>", "holds no path"),
+        (b"<kml>" + b"<a/>" * 500_000, "more than 400000 tags"),
         (b"<kml>" + b" " * 5_000_000 + b"</kml>", "more than 5 MB of XML"),
         (kml(f"<LineString><coordinates>{'8,47,1 ' * 600_000}</coordinates></LineString>"), "more than 2000 points"),
         (b"<gpx>" + b"<wpt lat='1' lon='1'><ele>1</ele></wpt>" * 50_000 + b"</gpx>", "more than 2000 points"),

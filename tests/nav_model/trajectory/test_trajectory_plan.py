@@ -11,7 +11,6 @@ from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.files.reader import parse_file
-from nav_model.trajectory.files.sbet import parse_sbet
 from nav_model.trajectory.plan import Plan, Waypoint, _dubins, fly, strip
 
 DEGREE = math.pi / 180
@@ -176,10 +175,10 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
 @pytest.mark.parametrize(
     ("kind", "text", "said"),
     [
-        (".gpx", GPX.replace("<ele>3000</ele>", "", 1), "rtept 1 has no height"),
+        (".gpx", GPX.replace("<ele>3000</ele>", "", 1), "route, place 1 has no height"),
         (".gpx", GPX.replace('"50.2"', '"north"'), "'north' must be a finite number"),
         (".gpx", "<gpx>", "is not XML"),
-        (".gpx", "<gpx/>", "holds no route"),
+        (".gpx", "<gpx/>", "holds no path, route"),
         (".kml", KML.replace("8,50.2,3000", "8;50.2"), "is not longitude,latitude,height"),
         (".kml", KML.replace("<kml", '<!DOCTYPE a [<!ENTITY b "c">]><kml', 1), "declares entities"),
         (".kml", KML.replace("8,50,", "8,95,"), "no place on the Earth"),
@@ -231,7 +230,7 @@ def test_headings_are_read_however_they_are_written() -> None:
         records[:, [1, 2, 9]] = np.radians(records[:, [1, 2, 9]])
         records[:, 9] += 0.3
         records[:, 10] = 0.3
-        flights.append(plan_trajectory(parse_sbet(records.tobytes(), "sbet")[0], 150.0))
+        flights.append(plan_trajectory(flown(records.tobytes()), 150.0))
     times = np.linspace(0.0, 150.0, 50)
     for flight in flights[1:]:
         np.testing.assert_allclose(flight.evaluate(times), flights[0].evaluate(times), atol=1e-9)
@@ -241,4 +240,4 @@ def test_time_that_runs_backwards_in_an_sbet_file_is_refused_by_the_record() -> 
     records = np.zeros((20, 17))
     records[:, 0] = [*range(10), 3, *range(11, 20)]
     with pytest.raises(InputError, match="record 11: time runs backwards"):
-        parse_sbet(records.tobytes(), "a.out")
+        parse_file(records.tobytes(), "a.out")

@@ -1,0 +1,47 @@
+"""Names of columns with their units: "gyro_x [deg/s]", "accX_m_s2", "Height (ft)", "alt_feet"."""
+
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import NamedTuple
+
+from nav_model.base.errors import InputError
+from nav_model.base.units import parse_quantity
+
+_BRACKETS = re.compile(r"(.+?)[\s_]*[\[({](.*)[\])}]\s*")
+_UNIT_MAY_START = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
+_RUN_TOGETHER = {
+    "ms2": "m/s2", "mss": "m/s2", "mps2": "m/s2", "rads": "rad/s", "radps": "rad/s", "rps": "rad/s",
+    "degs": "deg/s", "degps": "deg/s", "gs": "g s", "ugs": "ug s",
+}  # fmt: skip
+
+
+class NamedUnit(NamedTuple):
+    """A name and its unit; empty: none. sure: brackets say that it is one."""
+
+    name: str
+    unit: str
+    sure: bool
+
+
+def parted(text: str) -> Iterator[NamedUnit]:
+    """The ways to part a column's name from its unit, the likeliest first."""
+    if match := _BRACKETS.fullmatch(text):
+        yield NamedUnit(match[1], match[2].strip(), True)
+        return
+    yield NamedUnit(text, "", False)
+    for start in reversed([place.start() for place in _UNIT_MAY_START.finditer(text)]):
+        yield NamedUnit(text[:start], text[start:].strip(" _"), False)
+
+
+def size_of_unit(unit: str, dimension: str, number: str = "1") -> float | None:
+    """The size in SI of a number of a unit as it is, or as it may be meant in a name: "m_s2", "deg_per_s", "DPS".
+
+    None where it is no unit of the dimension.
+    """
+    text = re.sub(r"^in[\s_]+", "", unit.strip(" _"))
+    for plain in (text, text.lower()):
+        for spelling in (_RUN_TOGETHER.get(re.sub(r"[\s_^.]", "", plain), plain), re.sub(r"_(?:per_)?", "/", plain)):
+            with suppress(InputError):
+                return parse_quantity(f"{number} {spelling}", dimension).value
+    return None
