@@ -7,19 +7,16 @@ Understood: `gyro_x [deg/s]`, `gx_dps`, `wx(rad/s)`, `acc_x_g`, `az`, EuRoC's `w
 
 import math
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import Final
+from collections.abc import Sequence
+from typing import Final, NamedTuple
 
+from nav_model.base.column_names import parted, size_of_unit
 from nav_model.base.errors import InputError
-from nav_model.base.units import parse_quantity
 
 COUNTS: Final = ("counts", "raw", "lsb")
 
 
-@dataclass(frozen=True)
-class Scale:
+class Scale(NamedTuple):
     """`factor` to SI; `per_sample` when the values are increments over one sample."""
 
     factor: float
@@ -27,8 +24,7 @@ class Scale:
     symbol: str
 
 
-@dataclass(frozen=True)
-class Meaning:
+class Meaning(NamedTuple):
     """Role ("time", "gyro", "accelerometer", "temperature"), axis 0..2 or None, unit text or None.
 
     `convention`: whose convention the unit is, where the name does not say it.
@@ -50,11 +46,6 @@ _OFFERED: Final = {
     "gyro": ("rad/s", "mrad/s", "deg/s", "mdeg/s", "deg/h", "rad", "mrad", "urad", "deg", "arcsec"),
     "accelerometer": ("m/s2", "g", "mg", "ug", "m/s", "mm/s", "g s", "ug s"),
 }
-_RUN_TOGETHER: Final = {
-    "ms2": "m/s2", "mss": "m/s2", "mps2": "m/s2", "rads": "rad/s", "radps": "rad/s", "rps": "rad/s",
-    "degs": "deg/s", "degps": "deg/s", "gs": "g s", "ugs": "ug s",
-}  # fmt: skip
-
 _ROLES: Final = (
     ("time", r"t|time|times|timefine|timestamp|timestamps|stamp|tow|timeofweek|seconds|secs|sec"),
     ("temperature", r"(gyro|acc|accel)?(temp|temperature)"),
@@ -73,7 +64,6 @@ _NEUTRAL: Final = frozenset(
     )
 )
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
-_UNIT_MAY_START: Final = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
 _SI: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
 # What a name says of the unit, and by whose convention.
 _BY_NAME: Final = {
@@ -105,34 +95,16 @@ def scale_of(role: str, unit: str) -> Scale:
     """
     match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.*?)(?:(?:\s+a|\s+per|\s*/)\s*count)?\s*", unit)
     number, text = (match[1] or "1", match[2]) if match else ("", unit)
-    for spelling in _spellings(text):
-        for dimension, per_sample in _DIMENSIONS[role]:
-            with suppress(InputError):
-                factor = parse_quantity(f"{number} {spelling}", dimension).value
-                if 0.0 < factor < math.inf:
-                    return Scale(factor, per_sample, unit.strip())
+    for dimension, per_sample in _DIMENSIONS[role]:
+        factor = size_of_unit(text, dimension, number)
+        if factor is not None and 0.0 < factor < math.inf:
+            return Scale(factor, per_sample, unit.strip())
     allowed = ", ".join(_OFFERED.get(role, ("s", "ms", "us", "ns")))
     raise InputError(
         f"{role}_unit",
         f"{unit!r} is not understood; allowed: {allowed}, or a number and one of these per count",
         unit,
     )
-
-
-def _spellings(text: str) -> Iterator[str]:
-    """A unit as it is, and as it may be meant in a name: "m_s2", "deg_per_s", "mps2", "DPS"."""
-    text = re.sub(r"^in[\s_]+", "", text.strip(" _"))
-    for plain in (text, text.lower()):
-        yield _RUN_TOGETHER.get(re.sub(r"[\s_^.]", "", plain), plain)
-        yield re.sub(r"_(?:per_)?", "/", plain)
-
-
-def _known(role: str, unit: str) -> bool:
-    if role == "temperature":
-        return unit.lower().strip(" °") in ("c", "degc", "deg c", "celsius")
-    with suppress(InputError):
-        return bool(scale_of(role, unit))
-    return unit.lower() in COUNTS
 
 
 def meanings_of(names: Sequence[str]) -> list[Meaning | None]:
@@ -155,44 +127,34 @@ def meaning_of(name: str) -> Meaning | None:
     """Meaning of a column or array name, None when it is not one of an inertial log's quantities."""
     text = name.strip().strip('"').lstrip("#%").strip()
     index = re.fullmatch(r"(.*)[\[(.]([0-2])[\])]?", text)
-    if index:
-        meaning = _meaning(index[1])
-        if meaning is None or meaning.axis is not None or meaning.role not in _SI:
-            return _behind_a_topic(text)
-        axis, unit = int(index[2]), _BY_INDEX.get(re.split("[./]", index[1])[-1].lower())
-        return Meaning(meaning.role, axis, unit, "PX4") if unit else replace(meaning, axis=axis)
-    return _meaning(text) or _behind_a_topic(text)
-
-
-def _behind_a_topic(text: str) -> Meaning | None:
-    """Meaning of a name behind those of a topic and its messages: "/imu/data/angular_velocity/x"."""
+    meaning = _meaning(index[1] if index else text)
+    if meaning and not index:
+        return meaning
+    if meaning and index and meaning.axis is None and meaning.role in _SI:
+        unit = _BY_INDEX.get(re.split("[./]", index[1])[-1].lower())
+        return Meaning(meaning.role, int(index[2]), unit or meaning.unit, "PX4" if unit else meaning.convention)
+    # Behind the names of a topic and its messages: "/imu/data/angular_velocity/x".
     parts = re.split(r"[./]+", text)
-    for start in range(1, len(parts)):
-        if not _OF_SOMETHING_ELSE.search("".join(parts[:start]).lower()) and (
-            meaning := _meaning(".".join(parts[start:]))
-        ):
+    behind = [k for k in range(1, len(parts)) if not _OF_SOMETHING_ELSE.search("".join(parts[:k]).lower())]
+    return next(filter(None, (_meaning(".".join(parts[start:])) for start in behind)), None)
+
+
+def _meaning(text: str) -> Meaning | None:
+    for name, unit, sure in parted(text):
+        meaning = _from_words(_words(name))
+        if meaning is None:
+            continue
+        if (sure and meaning.role in _SI) or (unit and _known(meaning.role, unit)):
+            return meaning._replace(unit=unit, convention="")
+        if not unit or (sure and meaning.role == "time"):
             return meaning
     return None
 
 
-def _meaning(text: str) -> Meaning | None:
-    match = re.fullmatch(r"(.*?)[\s_]*[\[({](.*)[\])}]\s*", text)
-    if match and match[1]:
-        meaning = _from_words(_words(match[1]))
-        if meaning is None:
-            return None
-        unit = match[2].strip()
-        if meaning.role in _SI or _known(meaning.role, unit):
-            return replace(meaning, unit=unit, convention="")
-        return meaning if meaning.role == "time" else None
-    meaning = _from_words(_words(text))
-    if meaning is not None:
-        return meaning
-    for start in reversed([place.start() for place in _UNIT_MAY_START.finditer(text)]):
-        meaning = _from_words(_words(text[:start]))
-        if meaning is not None and _known(meaning.role, text[start:].strip(" _")):
-            return replace(meaning, unit=text[start:].strip(" _"), convention="")
-    return None
+def _known(role: str, unit: str) -> bool:
+    if role == "temperature":
+        return unit.lower().strip(" °") in ("c", "degc", "deg c", "celsius")
+    return unit.lower() in COUNTS or any(size_of_unit(unit, dimension) for dimension, _ in _DIMENSIONS[role])
 
 
 def _words(text: str) -> list[str]:

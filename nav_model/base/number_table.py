@@ -99,11 +99,9 @@ class NumberTable:
                     continue
                 block, offsets, cut = self._by_field(piece, line, places, times, last=not following)
             if rows + len(block) > allowed:
-                if allowed == most_rows:
-                    raise InputError(self.file_name, f"The file has more than {most_rows} rows. Cut it.")
-                raise InputError(
-                    self.file_name, f"More than {most_bytes / 1e6:.0f} MB of numbers. Leave out columns."
-                )
+                many = f"The file has more than {most_rows} rows. Cut it."
+                much = f"More than {most_bytes / 1e6:.0f} MB of numbers. Leave out columns."
+                raise InputError(self.file_name, many if allowed == most_rows else much)
             values[rows : rows + len(block)] = block
             line_of[rows : rows + len(block)] = line + offsets
             rows, line = rows + len(block), line + count
@@ -126,23 +124,19 @@ class NumberTable:
                 return None
             piece = piece.replace(",", ".")
         # Asked for some columns, the parser does not count the others, but text among them does no harm.
-        some = self.delimiter is not None and (len(places) < self.width or self.ends_open)
-        if some:
-            lines = piece.count("\n") + (not piece.endswith("\n"))
-            if piece.count(self.delimiter or "") != lines * (self.width - 1 + self.ends_open):
-                return None
+        lines = piece.count("\n") + (not piece.endswith("\n"))
+        if self.delimiter and piece.count(self.delimiter) != lines * (self.width - 1 + self.ends_open):
+            return None
+        some = places if self.delimiter else None
         try:
             block = np.loadtxt(
-                io.StringIO(piece), delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, dtype=np.float64,
-                usecols=places if some else None,
-            )  # fmt: skip
+                io.StringIO(piece), delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, usecols=some
+            )
         except ValueError:
             return None
-        if not some:
-            if block.shape[1] != self.width:
-                return None
-            block = block[:, places]
-        return None if np.isinf(block).any() else block
+        if some is None and block.shape[1] != self.width:
+            return None
+        return None if np.isinf(block).any() else block[:, places] if some is None else block
 
     def _by_field(
         self, piece: str, first: int, places: Sequence[int], times: Collection[int], *, last: bool
@@ -163,19 +157,16 @@ class NumberTable:
                 text = fields[place]
                 try:
                     value = _number(text, self.delimiter, marks, where)
+                    wrong = "finite" if math.isinf(value) else ""
                 except ValueError:
                     value = seconds_of(text) if place in times else math.nan
-                    if math.isnan(value):
-                        raise InputError(
-                            self.file_name, f"{where}, column {place + 1}: {quoted(text)} is not a number"
-                        ) from None
-                if math.isinf(value):
-                    raise InputError(self.file_name, f"{where}, column {place + 1}: {quoted(text)} is not finite")
+                    wrong = "a number" if math.isnan(value) else ""
+                if wrong:
+                    raise InputError(self.file_name, f"{where}, column {place + 1}: {shown(text)} is not {wrong}")
                 block[row, column] = value
             if len(marks) == 2:
-                raise InputError(
-                    self.file_name, f"{marks[',']}: a decimal comma, but {marks['.']} has a decimal point."
-                )
+                reason = f"{marks[',']}: a decimal comma, but {marks['.']} has a decimal point."
+                raise InputError(self.file_name, reason)
         return block, offsets, False
 
 

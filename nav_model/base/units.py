@@ -46,19 +46,8 @@ _PLACE = re.compile(
 
 
 def parse_quantity(text: str, dimension: str) -> Parsed:
-    """Read a quantity string.
-
-    Parameters
-    ----------
-    text : str
-        A number and a unit, such as ``"0.5 °/√h"``, ``"80 ug/sqrt(Hz)"`` or ``"45°"``.
-    dimension : str
-        Key of `DIMENSIONS`.
-
-    Returns
-    -------
-    Parsed
-        Value in SI and the canonical unit symbol.
+    """Read a quantity string: a number and a unit of a dimension (key of `DIMENSIONS`), such as ``"0.5 °/√h"``,
+    ``"80 ug/sqrt(Hz)"`` or ``"45°"``.
 
     Raises
     ------
@@ -77,16 +66,9 @@ def parse_exact(
 ) -> tuple[Fraction, str]:
     """As `parse_quantity`, with the value in SI as an exact rational.
 
-    Parameters
-    ----------
-    text, dimension : str
-        As there.
-    advice : str
-        The sentence that says what to write instead of a text that is no quantity; empty: an example.
-    baseline : float, optional
-        Distance from the base station [m], which "1 cm + 1 ppm" needs.
-    letters : str
-        The two letters that the angle of a place may have, "NS" or "EW".
+    advice: the sentence that says what to write instead of a text that is no quantity; empty: an example. baseline:
+    distance from the base station [m], which "1 cm + 1 ppm" needs. letters: the two letters that the angle of a place
+    may have, "NS" or "EW".
     """
     table = DIMENSIONS[dimension]
     stripped = with_point(text.strip())
@@ -189,13 +171,7 @@ def _decimal(number: str, text: str) -> Fraction:
 
 
 def to_si(number: float | Fraction, unit: str, dimension: str) -> float:
-    """Number in `unit` (canonical symbol) to SI, rounded once.
-
-    Raises
-    ------
-    InputError
-        If the result is too large for a float.
-    """
+    """Number in `unit` (canonical symbol) to SI, rounded once; InputError if it is too large for a float."""
     try:
         return float(DIMENSIONS[dimension].amount(Fraction(number), unit))
     except OverflowError as error:
@@ -221,27 +197,18 @@ def _whole_times(unit: str, dimension: str) -> float:
 def format_quantity(
     value: float, unit: str, dimension: str, digits: int | None = None, *, zeros: bool = False, baseline: float = 0.0
 ) -> str:
-    """Print a value in SI as a quantity string in `unit`.
+    """Print a value in SI as a quantity string, ``"0.5 °/√h"`` or ``"45°"``.
 
     Parameters
     ----------
-    value : float
-        SI.
     unit : str
         Canonical symbol, or what follows the number, as `parse_quantity` has it.
-    dimension : str
-        Key of `DIMENSIONS`.
     digits : int, optional
         Significant digits. Without it, the fewest that read back as exactly the same float.
     zeros : bool
         Whether zeros at the end count as digits: ``"0.500 °/√h"``.
     baseline : float
         Distance from the base station [m], where the unit has a part for each kilometre.
-
-    Returns
-    -------
-    str
-        ``"0.5 °/√h"``; a plain degree sign follows its number without a space: ``"45°"``.
     """
     kind = DIMENSIONS[dimension]
     exact = kind.number(Fraction(value), unit, baseline)

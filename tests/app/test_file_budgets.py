@@ -12,7 +12,8 @@ _READ = """
 import io, json, resource, sys, zipfile
 import numpy as np
 from app.library.exchange import _listed, _unpack
-from nav_model.allan.log_file import Limits, LogOptions, read_log
+from nav_model.allan.log_content import Limits, LogOptions
+from nav_model.allan.log_file import read_log
 from nav_model.base.errors import InputError
 from nav_model.sar.image import read_phase_history
 resource.setrlimit(resource.RLIMIT_CPU, (120, 120))

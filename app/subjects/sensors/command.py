@@ -38,7 +38,7 @@ def add_to(commands: Any) -> None:
 def _allan(options: argparse.Namespace) -> int:
     from app.report.supplier import acceptance_json
     from app.subjects.sensors.log_study import read_options, study_log
-    from nav_model.allan.log_file import Limits
+    from nav_model.allan.log_content import Limits
     from nav_model.allan.motion import BenchNoise, MotionAnalysis, motion_to_json
     from nav_model.allan.result import to_json
     from nav_model.explore.supplier import judge_log, required

@@ -43,7 +43,7 @@ from nav_model.allan.adoption import (
     adopt_vibration_spectrum,
     bench_of,
 )
-from nav_model.allan.log_file import Limits, LogOptions
+from nav_model.allan.log_content import Limits, LogOptions
 from nav_model.allan.log_names import units_of
 from nav_model.allan.motion import MotionAnalysis, over_bench
 from nav_model.allan.result import LogAnalysis, axis_label

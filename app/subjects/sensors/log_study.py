@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from nav_model.allan.log_file import Limits, LogOptions, read_log
+from nav_model.allan.log_content import Limits, LogOptions
+from nav_model.allan.log_file import read_log
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, analyse_motion
 from nav_model.allan.result import LogAnalysis
 from nav_model.allan.static_log import analyse_log

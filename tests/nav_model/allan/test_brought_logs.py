@@ -11,7 +11,8 @@ import pytest
 
 from nav_model.allan.deviation import overlapping_allan_deviation
 from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.log_file import LogOptions, read_log
+from nav_model.allan.log_content import LogOptions
+from nav_model.allan.log_file import read_log
 from nav_model.allan.result import LogAnalysis, to_json
 from nav_model.allan.static_log import analyse_log
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.log_file import Limits, LogOptions, read_log
+from nav_model.allan.log_content import Limits, LogOptions
+from nav_model.allan.log_file import read_log
 from nav_model.allan.log_names import meaning_of, scale_of
 from nav_model.base.errors import InputError
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from nav_model.allan.imu_log import ImuLog
-from nav_model.allan.log_file import LogOptions, read_log
+from nav_model.allan.log_content import LogOptions
+from nav_model.allan.log_file import read_log
 from nav_model.allan.motion import BenchNoise, analyse_motion, motion_to_json, over_bench
 
 

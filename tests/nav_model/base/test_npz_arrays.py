@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nav_model.allan.log_file import LogOptions, read_log
+from nav_model.allan.log_content import LogOptions
+from nav_model.allan.log_file import read_log
 from nav_model.base.errors import InputError
 from nav_model.base.npz_arrays import read_npz_arrays
 

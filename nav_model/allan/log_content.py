@@ -1,0 +1,224 @@
+"""Columns of an inertial log that mean something, from a text table or an NPZ archive, and what else the file states.
+Nothing in the file is executed."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from nav_model.allan.log_names import COUNTS, Meaning, meaning_of, meanings_of
+from nav_model.base.errors import InputError
+from nav_model.base.file_kind import kind_of
+from nav_model.base.npz_arrays import read_npz_arrays
+from nav_model.base.number_table import open_table
+
+IGNORED = "-"
+SENSORS = ("gyro", "accelerometer")
+_SIX_COLUMN_NAMES = ("counts", "imu", "data", "samples", "log")
+_BAG = "If it is a ROS 2 bag, write its IMU topic as CSV, for example with PlotJuggler."
+_ARRAYS = "Write its arrays with numpy.savez, each under its name, or as CSV."
+_ADVICE = {
+    "an MCAP recording": _BAG, "an SQLite database": _BAG,
+    "a ROS bag": "Write its IMU topic as CSV: rostopic echo -b FILE -p /imu/data > imu.csv.",
+    "a PX4 log (ULog)": "Run ulog2csv on it and give the CSV of sensor_combined.",
+    "an ArduPilot log (DataFlash)": "Write its IMU messages as CSV: mavlogdump.py --format csv --types IMU FILE.",
+    "a MATLAB file": _ARRAYS, "an HDF5 file": _ARRAYS, "a single NumPy array": _ARRAYS,
+    "an Excel workbook": "Save its sheet as CSV.",
+}  # fmt: skip
+# A comment states the rate of the samples if it holds no other word than these, a number and a unit.
+_RATE_WORDS = re.compile(
+    r"[\s/#%]*(?:(?:imu|log|data|sensor|samples?|sampled|sampling|recorded|recording|logged|logging|output|update|odr|"
+    r"rate|frequency|freq|fs|at|of|the|is|was|k?hz|sps)(?![a-z])[\s:=_,;()\[\]]*)+([0-9.]+(?:e[-+]?\d+)?)\s*(k?hz|sps)?[\s.,;]*"
+)
+_LONGEST_COMMENT = 200
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What an upload may hold: bytes of the file, bytes unpacked, rows."""
+
+    file_bytes: int = 512_000_000
+    unpacked_bytes: int = 1_000_000_000
+    rows: int = 20_000_000
+
+
+@dataclass(frozen=True)
+class LogOptions:
+    """What the user states about a log; None: read it from the file, or refuse and ask.
+
+    `rate_hz`; `gyro_unit`, `accelerometer_unit`: a unit ("deg/s"), a unit per count ("0.05 deg/s") or an
+    increment ("rad", "m/s"); `columns`: names of a table's columns in order ("time", "gyro_x", ..., "-" to
+    ignore one); `arrays`: role -> array name of an NPZ archive, for archives with several candidates.
+    """
+
+    rate_hz: float | None = None
+    gyro_unit: str | None = None
+    accelerometer_unit: str | None = None
+    columns: Sequence[str] | None = None
+    arrays: Mapping[str, str] | None = None
+
+    def unit(self, role: str) -> str | None:
+        """The unit that is given for a sensor."""
+        return self.gyro_unit if role == "gyro" else self.accelerometer_unit
+
+
+class Column(NamedTuple):
+    """A column by its name in the file."""
+
+    label: str
+    meaning: Meaning
+    values: NDArray[Any]
+
+
+class LogContent(NamedTuple):
+    """Columns of a file that mean something and the names of the others; what else it states: scales per count, rate;
+    where in the file a row is; whether its last line ends too early."""
+
+    columns: list[Column]
+    others: list[str]
+    count_units: dict[str, str]
+    rate_hz: float | None
+    place: Callable[[int], str]
+    cut: bool = False
+
+    def of(self, role: str) -> list[Column]:
+        """The columns of a sensor, of times or of temperatures."""
+        return [column for column in self.columns if column.meaning.role == role]
+
+    def unit(self, role: str, options: LogOptions) -> str | None:
+        """Unit of a sensor: as given, else as the file states it."""
+        of_column = self.of(role)[0].meaning.unit
+        counted = of_column is None or of_column.lower() in COUNTS
+        return options.unit(role) or (self.count_units.get(role) if counted else of_column)
+
+
+def read_content(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
+    """What a file holds, told by its content; columns whose names mean nothing here are not read.
+
+    Raises InputError under `name`, "columns" or "arrays".
+    """
+    kind = kind_of(content)
+    if kind is None:
+        if options.arrays:
+            raise InputError("arrays", "The file is a table. Its columns are named by `columns`.", options.arrays)
+        return _from_text(content, name, options, limits)
+    if kind == "an NPZ archive":
+        if options.columns:
+            reason = "The file is an NPZ archive. Its arrays are chosen by `arrays`."
+            raise InputError("columns", reason, options.columns)
+        return _from_npz(content, name, options.arrays or {}, limits)
+    packed = "Unpack it and give the log in it." if kind.endswith("archive") else ""
+    advice = packed or _ADVICE.get(kind, "Write the inertial data as CSV, a row for each sample.")
+    raise InputError(name, f"The file is {kind}. {advice}")
+
+
+def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
+    table = open_table(content, name)
+    names, meanings = _named(table.headers, table.width, name, options.columns)
+    known = {place: meaning for place, meaning in enumerate(meanings) if meaning is not None}
+    times = [place for place, meaning in known.items() if meaning.role == "time"]
+    read = table.columns([*known], limits.rows, limits.unpacked_bytes, times)
+    columns = [Column(names[place], known[place], values) for place, values in zip(known, read.values.T, strict=True)]
+    others = [label for place, label in enumerate(names) if place not in known and label.strip(" -")]
+    lines = read.lines
+    return LogContent(columns, others, {}, _rate_of(table.comments), lambda row: f"line {lines[row]}", read.cut)
+
+
+def _named(
+    headers: Sequence[Sequence[str]], width: int, name: str, given: Sequence[str] | None
+) -> tuple[Sequence[str], list[Meaning | None]]:
+    """Name and meaning of each column: as given, or from the header nearest to the rows that has a sensor."""
+    if given is not None:
+        if len(given) != width:
+            raise InputError(name, f"{len(given)} column names are given, but the file has {width} columns.")
+        meanings = meanings_of(given)
+        for label, meaning in zip(given, meanings, strict=True):
+            if meaning is None and label != IGNORED:
+                allowed = f"time, gyro_x .. gyro_z, accelerometer_x .. accelerometer_z, temperature, {IGNORED}"
+                raise InputError(name, f"column name {label!r} is not understood; allowed: {allowed}")
+        return given, meanings
+    if not headers:
+        example = "time,gyro_x,gyro_y,gyro_z,accelerometer_x,accelerometer_y,accelerometer_z"
+        raise InputError(name, f"No header names its {width} columns. Give `columns`, such as {example}")
+    for header, below in zip(headers, [[""] * width, *headers], strict=False):
+        # The line between names and numbers may have the units.
+        pairs = zip(header, below, strict=True)
+        with_units = [f"{label} [{unit.strip('[]()')}]" if unit else label for label, unit in pairs]
+        for labels in (with_units, header):
+            meanings = meanings_of(labels)
+            if any(meaning and meaning.role in SENSORS for meaning in meanings):
+                return labels, meanings
+    return headers[0], meanings_of(headers[0])
+
+
+def _rate_of(comments: Sequence[str]) -> float | None:
+    """The rate of the samples that a comment states."""
+    for line in comments:
+        text = line.strip().lower()
+        if len(text) < _LONGEST_COMMENT and re.search("hz|sps", text) and (match := _RATE_WORDS.fullmatch(text)):
+            return float(match[1]) * (1000.0 if "khz" in text else 1.0)
+    return None
+
+
+def _from_npz(content: bytes, name: str, chosen: Mapping[str, str], limits: Limits) -> LogContent:
+    arrays = read_npz_arrays(content, name, limits.unpacked_bytes)
+    meanings = {label: meaning_of(label) for label in arrays}
+    for label, meaning in meanings.items():
+        if meaning and (meaning.role in chosen or arrays[label].ndim == 0):
+            meanings[label] = None
+    for role, label in chosen.items():
+        if label not in arrays or role not in (*SENSORS, "time", "temperature"):
+            roles, names = ", ".join((*SENSORS, "time", "temperature")), ", ".join(sorted(arrays))
+            raise InputError(name, f"arrays {role}={label!r}; roles are {roles}, arrays are {names}")
+        of_name = meaning_of(label)
+        meanings[label] = Meaning(role, None, of_name.unit if of_name and of_name.role == role else None)
+    count_units, rate_hz = _scalars(arrays)
+    columns = [
+        column
+        for label, meaning in meanings.items() if meaning
+        for column in _npz_columns(label, meaning, arrays[label], name, limits)
+    ]  # fmt: skip
+    if not any(column.meaning.role in SENSORS for column in columns):
+        columns += _six_columns(arrays, "counts" if count_units else None)
+    used = {column.label for column in columns}
+    others = [label for label, array in arrays.items() if array.size > 1 and label not in used]
+    return LogContent(columns, others, count_units, rate_hz, lambda row: f"sample {row}")
+
+
+def _scalars(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, str], float | None]:
+    """Units per count and the rate from an archive's scalar entries."""
+    units: dict[str, str] = {}
+    rate: float | None = None
+    for label, value in [(label, float(array.item())) for label, array in arrays.items() if array.size == 1]:
+        if label.endswith("_per_count"):
+            meaning = meaning_of(label.removesuffix("_per_count"))
+            if meaning is not None and meaning.unit is not None:
+                units[meaning.role] = f"{value!r} {meaning.unit}"
+        elif label.lower() in ("fs", "rate", "rate_hz", "sample_rate", "frequency"):
+            rate = value
+        elif label.lower() in ("dt", "interval", "interval_s", "ts") and value > 0.0:
+            rate = 1.0 / value
+    return units, rate
+
+
+def _npz_columns(label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits) -> Iterator[Column]:
+    if array.ndim == 0 or not len(array):
+        raise InputError(name, f"array {label!r}: holds no samples")
+    if len(array) > limits.rows:
+        raise InputError(name, f"array {label!r}: {len(array)} rows; at most {limits.rows}")
+    if array.ndim == 1:
+        yield Column(label, meaning, array)
+    elif meaning.role in SENSORS and array.ndim == 2 and array.shape[1] == 3 and meaning.axis is None:
+        yield from (Column(label, meaning._replace(axis=axis), array[:, axis]) for axis in range(3))
+    else:
+        raise InputError(name, f"array {label!r}: shape {array.shape}; one column, or three for a triad, is allowed")
+
+
+def _six_columns(arrays: Mapping[str, NDArray[Any]], unit: str | None) -> Iterator[Column]:
+    """An array of six columns under a telling name is gyro x, y, z then accelerometer x, y, z."""
+    for label, array in arrays.items():
+        if label.lower() in _SIX_COLUMN_NAMES and array.ndim == 2 and array.shape[1] == 6:
+            yield from (Column(label, Meaning(SENSORS[i // 3], i % 3, unit), array[:, i]) for i in range(6))
+            return
