@@ -162,7 +162,7 @@ class NumberTable:
                     value = seconds_of(text) if place in times else math.nan
                     wrong = "a number" if math.isnan(value) else ""
                 if wrong:
-                    raise InputError(self.file_name, f"{where}, column {place + 1}: {shown(text)} is not {wrong}")
+                    raise InputError(self.file_name, f"{where}, column {place + 1}: {quoted(text)} is not {wrong}")
                 block[row, column] = value
             if len(marks) == 2:
                 reason = f"{marks[',']}: a decimal comma, but {marks['.']} has a decimal point."

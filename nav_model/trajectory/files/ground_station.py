@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import chain
 from typing import Any, NamedTuple
 
-from nav_model.base.errors import shown
+from nav_model.base.errors import quoted
 from nav_model.trajectory.files.heights import ABOVE_GROUND, ABOVE_HOME, ABOVE_SEA, Heights, counted, plain_name
 from nav_model.trajectory.plan import Waypoint
 
@@ -88,7 +88,7 @@ def _items(items: Iterable[Any], heights: Heights, of: str = "item") -> Iterator
                 yield from _items(parts, heights, f"{where}, part")
             case {"type": "ComplexItem"}:
                 reason = "holds no lines. Open the plan in QGroundControl and save it again."
-                raise heights.refuse(f"{where} ({shown(item.get('complexItemType'))}) {reason}")
+                raise heights.refuse(f"{where} ({quoted(item.get('complexItemType'))}) {reason}")
             case {"params": [_, _, _, _, _, _, _] as params}:
                 command, frame = (
                     int(heights.number(item.get(key), f"{where}, {key}")) for key in ("command", "frame")

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
-from nav_model.base.errors import InputError, shown
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.npz_arrays import DAMAGED
 from nav_model.trajectory.files.heights import (
     ABOVE_ELLIPSOID,
@@ -78,7 +78,7 @@ def unpack(content: bytes, file_name: str) -> tuple[str, bytes] | None:
             # What a drone executes comes before the template it was made of; else the first, which is doc.kml.
             entry = min(names, key=lambda entry: not entry.filename.lower().endswith(".wpml"))
             if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                raise NotImplementedError(f"{shown(entry.filename)} is compressed in a way that is not read")
+                raise NotImplementedError(f"{quoted(entry.filename)} is compressed in a way that is not read")
             with archive.open(entry) as file:
                 inside = file.read(_MOST_XML + 1)
     except DAMAGED as error:
@@ -191,7 +191,7 @@ def _path(element: Element, heights: Heights) -> Iterator[Place]:
     for number, text in enumerate(texts, 1):
         parts = text.split(",")
         if len(parts) not in (2, 3):
-            raise heights.refuse(f"{shown(text)} is not longitude,latitude,height")
+            raise heights.refuse(f"{quoted(text)} is not longitude,latitude,height")
         yield Place(None, parts[1], parts[0], "".join(parts[2:]), None if number < len(texts) else "")
 
 
