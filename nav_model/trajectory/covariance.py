@@ -89,15 +89,15 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
         _processed(spec, model, apertures, values, of_figures, image, rest, post)
         for values, of_figures, image, rest, post in zip(variances, judged, images, rests, (False, True), strict=True)
     )
-    truth = model.truth.at(model.outputs)
+    truth, sources = model.truth.at(model.outputs), _all_sources(spec, model)
     return TrajectoryResult(
         spec=given,
         time_s=truth.time_s,
         truth=truth,
-        sources=_all_sources(spec, model),
+        sources=sources,
         real_time=real_time,
         post_processed=post_processed,
-        lines=judge(spec, truth.time_s, real_time if spec.processing == REAL_TIME else post_processed),
+        lines=judge(spec, truth.time_s, real_time if spec.processing == REAL_TIME else post_processed, sources),
         heading=heading_of(spec, truth, real_time.attitude[:, 2]),
     )
 

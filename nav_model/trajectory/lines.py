@@ -1,18 +1,35 @@
-"""The lines of a flight against the limits on their image figures."""
+"""The lines of a flight against their limits: the figures of each, and when and why one fails."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.units import format_quantity
+from nav_model.design.figures import FIGURES, figure_in_sentence
 from nav_model.trajectory.result import STATE_AXES, LineResult, Processed
 from nav_model.trajectory.specification import CovarianceSpec, Line
 
 FloatArray = NDArray[np.float64]
 
 
-def judge(spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> tuple[LineResult, ...]:
+def judge(
+    spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
+) -> tuple[LineResult, ...]:
     """Each line against the limits, in the processing that is judged. Without lines the whole flight is one."""
     lines = spec.lines or (Line("flight", 0.0, spec.study.duration),)
-    return tuple(_judged(line, spec, time_s, chosen) for line in lines)
+    return tuple(_judged(line, spec, time_s, chosen, sources) for line in lines)
+
+
+def time_in_words(seconds: float) -> str:
+    """A time to three digits below a minute, in minutes and whole seconds from there on.
+
+    >>> time_in_words(12.34), time_in_words(489.6), time_in_words(600.0)
+    ('12.3 s', '8 min 10 s', '10 min')
+    """
+    if seconds < 59.95:
+        return f"{seconds:.3g} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if rest else f"{minutes} min"
 
 
 def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *, image: bool) -> NDArray[np.bool_]:
@@ -30,23 +47,52 @@ def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *
     return inside
 
 
-def _judged(line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed) -> LineResult:
+def _judged(
+    line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
+) -> LineResult:
     start, duration, aperture = line.start, spec.study.duration, spec.inputs.aperture
     stop = min(line.stop, duration) if start < duration else line.stop
     most = dict(spec.most) | dict(line.most)
-    worst, mean, within, failing = {}, {}, {}, []
-    for name in dict.fromkeys([*(name for name in chosen.figures if name not in STATE_AXES), *most]):
-        values = chosen.figures[name][along(start, stop, spec, time_s, image=name not in STATE_AXES)]
-        values = values[np.isfinite(values)]
+    first, worst, mean, within, failing = {}, {}, {}, {}, []
+    beyond: list[tuple[float, float, str, int]] = []
+    for name, figure in chosen.figures.items():
+        on = along(start, stop, spec, time_s, image=name not in STATE_AXES)
+        outputs = np.flatnonzero(on & np.isfinite(figure))
+        values = figure[outputs]
         if values.size:
-            worst[name], mean[name] = float(values.max()), float(np.sqrt(np.mean(values**2)))
+            first[name], worst[name] = float(values[0]), float(values.max())
+            mean[name] = float(np.sqrt(np.mean(values**2)))
         if name in most:
-            within[name] = float(np.mean(values <= most[name])) if values.size else 0.0
+            over = np.flatnonzero(values > most[name])
+            within[name] = 1.0 - len(over) / len(values) if values.size else 0.0
             if within[name] < 1.0:
                 failing.append(name)
-    reason = ""
+            if over.size:
+                there = int(over[0])
+                near = slice(there - 1, there + 1)  # it passes on a straight line between two outputs
+                at = np.interp(most[name], values[near], time_s[outputs][near]) - start if there else 0.0
+                beyond.append((float(at), -worst[name] / most[name], name, int(outputs[there])))
+    reason = because = fails_by = ""
     if start >= duration:
         reason = f"is not flown, as the flight ends at {duration:.0f} s"
     elif stop - start < aperture or not worst.keys() >= set(failing):
         reason = f"has no room for an aperture of {aperture:.3g} s"
-    return LineResult(line.name, start, stop, worst, mean, most, within, tuple(failing), reason)
+    fails_at = None
+    if beyond:
+        fails_at, _, fails_by, output = min(beyond)
+        shares = chosen.shares[fails_by][:, output]
+        cause = f"{'mostly' if shares.max() > 0.5 else 'largest part'} {sources[int(shares.argmax())]}"
+        because = f"{_passed(fails_by, most[fails_by], fails_at)}; {cause}"
+    return LineResult(
+        line.name, start, stop, first, worst, mean, most, within, tuple(failing), reason, fails_at, fails_by, because
+    )
+
+
+def _passed(name: str, limit: float, fails_at: float) -> str:
+    """That a figure passes its limit, and when, in words."""
+    figure = FIGURES[name]
+    unit, spread = DIMENSIONS[figure.dimension].default_unit, "1σ" if figure.scaled else "90 %"
+    level = f"{format_quantity(limit, unit, figure.dimension, 3)} ({spread})"
+    if fails_at == 0.0:
+        return f"{figure_in_sentence(name)} is beyond {level} from the start"
+    return f"{figure_in_sentence(name)} passes {level} after {time_in_words(fails_at)}"

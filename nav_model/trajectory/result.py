@@ -54,22 +54,28 @@ class Processed:
 
 @dataclass(frozen=True)
 class LineResult:
-    """A line against its limits: worst and rms of the figures over what is flown of it, 1 sigma, its limits on them,
-    and the share of the line within each.
+    """A line against its limits: figures at its start, worst and rms over what is flown of it, 1 sigma, its limits on
+    them, and the share of the line within each.
 
     failing: names of the figures beyond their limit, or without a value on the line. reason: why no image of the line
-    can be taken, after its name in a sentence; else empty.
+    can be taken, after its name in a sentence; else empty. fails_at_s: when the first figure passes its limit [s
+    after the line's start], None where none does; fails_by: that figure; because: the same in words, with the largest
+    source at that time.
     """
 
     name: str
     start_s: float
     stop_s: float
+    first: Mapping[str, float]
     worst: Mapping[str, float]
     mean: Mapping[str, float]
     limits: Mapping[str, float]
     within: Mapping[str, float]
     failing: tuple[str, ...]
     reason: str
+    fails_at_s: float | None
+    fails_by: str
+    because: str
 
     @property
     def closes(self) -> bool:
@@ -134,7 +140,7 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
             for figure, rows in result.chosen.shares.items()
         },
         "moment": result.moment,
-        "lines": [asdict(line) | {"closes": line.closes} for line in result.lines],
+        "lines": [_line(line) for line in result.lines],
         "heading": asdict(result.heading),
         "elsewhere": [
             {"name": check.name, "value": check.value, "limit": check.limit, "met": check.met}
@@ -142,6 +148,14 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
         ],
         "closes": result.closes,
     }
+
+
+def _line(line: LineResult) -> dict[str, Any]:
+    by_figure = {"start": line.first, "worst": line.worst, "mean": line.mean}
+    figures = {name: {key: values[name] for key, values in by_figure.items()} for name in line.worst}
+    plain = asdict(line)
+    del plain["first"]
+    return plain | {"closes": line.closes, "figures": figures}
 
 
 def _processed(part: Processed) -> dict[str, Any]:

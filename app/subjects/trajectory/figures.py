@@ -6,9 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from app.document.numbers import show
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
@@ -67,12 +64,6 @@ def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, floa
     if all(level == everywhere for _, _, level in limits):
         limits = [(float(result.time_s[0]), float(result.time_s[-1]), everywhere)]
     return tuple(limit for limit in limits if not math.isnan(limit[2]))
-
-
-def cause_at(result: TrajectoryResult, name: str, at: int) -> str:
-    """The source with the largest share of a figure at an output."""
-    shares: NDArray[np.float64] = result.chosen.shares[name][:, at]
-    return "" if np.isnan(shares).all() else result.sources[int(np.nanargmax(shares))]
 
 
 def main_figure(result: TrajectoryResult) -> str:

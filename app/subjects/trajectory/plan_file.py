@@ -44,5 +44,5 @@ def _items(followed: Followed, rows: tuple[tuple[float, float, float, str], ...]
             "type": "SimpleItem", "command": _NAVIGATE, "frame": 0, "autoContinue": True, "doJumpId": number,
             "AMSLAltAboveTerrain": None, "Altitude": height, "AltitudeMode": _ABSOLUTE,
             "params": [0, 0, 0, None, *place], "line": name,
-            "verdict": line_verdict(followed.result, line) if line else "",
+            "verdict": line_verdict(line) if line else "",
         }  # fmt: skip

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.document.blocks import Answer, Cell, Row, Table, numbers, table
-from app.document.numbers import NONE, number, percent
+from app.document.numbers import NONE, percent
 from app.document.verdict import SAID
-from app.subjects.trajectory.figures import FIGURES, cause_at
+from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.run import Followed
 from nav_model.design.figures import figure_in_sentence
 
@@ -37,7 +37,7 @@ def verdict(followed: Followed, name: str) -> Answer:
     sentences: tuple[str, ...] = ()
     if failing:
         worst = max(failing, key=lambda line: (bool(line.reason), _excess(line)[1]))
-        first = failure(result, worst)
+        first = failure(worst)
         sentences = (f"{first[0].upper()}{first[1:]}.", "See Close it for what would.")
     return Answer(
         f"{'✓' if result.closes else '✗'} {word} {SAID[processing]}",
@@ -56,25 +56,12 @@ def _elsewhere(result: TrajectoryResult) -> tuple[str, ...]:
     return (f"As on Budget, the same on every flight, {'not met' if failing else 'met'}: {names}.",)
 
 
-def failure(result: TrajectoryResult, line: LineResult) -> str:
-    """Why a line fails: no image of it can be taken, or "line 3 fails by ... 12 s after its start", with the figure
-    and its largest source."""
-    from nav_model.trajectory.lines import along
-    from nav_model.trajectory.result import STATE_AXES
-
+def failure(line: LineResult) -> str:
+    """Why a line fails: no image of it can be taken, or a figure passes its limit: when, by what, and at worst."""
     if line.reason:
         return f"{line.name} {line.reason}"
-    decides = _excess(line)[0]
-    name = decides if decides in line.failing else line.failing[0]
-    figure, values, limit = FIGURES[name], result.chosen.figures[name], line.limits[name]
-    on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name not in STATE_AXES)
-    beyond = np.flatnonzero(on & (values > limit))
-    worst = int(beyond[np.argmax(values[beyond])])
-    after = number(max(float(result.time_s[worst] - line.start_s), 0.0), given=True)
-    return (
-        f"{line.name} fails by {figure.in_sentence} {figure.show(values[worst])} {after} s after its start, limit "
-        f"{figure.show(limit, given=True)} ({figure.spread}), most of it from {cause_at(result, name, worst)}"
-    )
+    worst = FIGURES[line.fails_by].show(line.worst[line.fails_by])
+    return f"{line.name} fails: {line.because}; {worst} at worst"
 
 
 def _excess(line: LineResult) -> tuple[str, float]:

@@ -85,8 +85,8 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
     assert good == 0
     assert said.word == "✗ 0 of 2 lines within the limits in real time"
     worst = max(followed.result.lines, key=lambda line: line.worst["detrended_phase"])
-    assert said.sentences[0].startswith(f"{worst.name.capitalize()} fails by detrended phase ")
-    assert "most of it from" in said.sentences[0]
+    assert said.sentences[0].startswith(f"{worst.name.capitalize()} fails: {worst.because}; ")
+    assert worst.because.startswith("detrended phase ")
     listed = line_list(followed, "detrended_phase")
     assert [[cell.text for cell in row][:3] for row in listed.rows] == [
         [f"line {n}", "✗ fails", "Detrended phase"] for n in (1, 2)
@@ -284,7 +284,7 @@ def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> No
     flight, out, wide = [{part.tag.partition("}")[2]: part for part in mark} for mark in marks]
     assert [mark["name"].text for mark in (flight, out, wide)] == ["flight", "out & ‹b›in‹/b›", "wide"]
     assert [mark["styleUrl"].text for mark in (out, wide)] == ["#fails", "#closes"]
-    assert str(out["description"].text).startswith("out &amp; &lt;b&gt;in&lt;/b&gt; fails ")  # HTML to viewers
+    assert str(out["description"].text).startswith("out &amp; &lt;b&gt;in&lt;/b&gt; fails: ")  # HTML to viewers
     assert wide["description"].text == "wide keeps its limits."
     assert flight["description"].text == "Flight: waypoints, 2 lines, 334 s; outages: none; filter of 9 states."
     mission = parse_file(as_plan(followed), "again.plan")
