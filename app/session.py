@@ -55,7 +55,7 @@ class Session(param.Parameterized):
     lineage = required(Lineage, constant=False)
     budget = required(Budget, constant=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
-    shown = param.String(doc="How figures are told, as a link says it (`app.document.display`); empty: as usual.")
+    display = param.String(doc="How figures are told, as a link says it (`app.document.display`); empty: as usual.")
     study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
     settings: dict[str, str] = declared(
         param.Dict(default={}, doc="Kind of study -> its settings as a link says them; usual ones are left out.")
@@ -129,8 +129,8 @@ class Session(param.Parameterized):
     @property
     def link(self) -> str:
         """The current design and its studies' settings, as a link's query."""
-        shown = f"{_SHOWN}{self.shown}" if self.shown else ""
-        parts = (to_query(self.design), self.study_link, *self.settings.values(), shown)
+        display = f"{_SHOWN}{self.display}" if self.display else ""
+        parts = (to_query(self.design), self.study_link, *self.settings.values(), display)
         return "&".join(part for part in parts if part)
 
     @property
@@ -251,5 +251,5 @@ def link_parts(query: str) -> tuple[str, str, str]:
     """A link's query in three: the design's part, the studies' settings, and the display of figures."""
     of_design, of_study = split_link(query)
     parts = of_design.split("&")
-    shown = next((part.removeprefix(_SHOWN) for part in parts if part.startswith(_SHOWN)), "")
-    return "&".join(part for part in parts if not part.startswith(_SHOWN)), of_study, shown
+    display = next((part.removeprefix(_SHOWN) for part in parts if part.startswith(_SHOWN)), "")
+    return "&".join(part for part in parts if not part.startswith(_SHOWN)), of_study, display

@@ -18,7 +18,7 @@ def in_words(chart: Drawing | TradeMapChart) -> str:
 
 def _curves(chart: Chart) -> str:
     parts = [f"Curves of {_axis(chart.y_label)} against {_axis(chart.x_label)}."]
-    parts += [said for line in chart.lines if (said := _line(line))]
+    parts += [words for line in chart.lines if (words := _line(line))]
     for band in chart.bands:
         seen = np.flatnonzero(np.isfinite(band.low) & np.isfinite(band.high))
         if len(seen):
@@ -53,7 +53,7 @@ def _line(line: Line) -> str:
 
 def _bars(chart: BarChart) -> str:
     rows, unit = sorted(chart.bars, key=lambda bar: -bar.second)[:_MOST], chart.unit
-    said = "; ".join(
+    bars = "; ".join(
         f"{bar.label} {_n(bar.first)}{unit} {chart.first_label}, {_n(bar.second)}{unit} {chart.second_label}"
         + "".join(f", {100 * share:.0f} % of it {name}" for name, share in bar.parts)
         for bar in rows
@@ -63,23 +63,23 @@ def _bars(chart: BarChart) -> str:
         for label, limit in ((chart.first_label, chart.first_limit), (chart.second_label, chart.second_limit))
         if math.isfinite(limit)
     )
-    return f"Bars of {_axis(chart.x_label)}, largest first: {said}." + (f" Limits: {limits}." if limits else "")
+    return f"Bars of {_axis(chart.x_label)}, largest first: {bars}." + (f" Limits: {limits}." if limits else "")
 
 
 def _dots(chart: DotChart) -> str:
-    said = []
+    dots = []
     for dot in chart.dots:
         values = [("formula", dot.closed), ("runs", dot.ensemble)]
-        told = ", ".join(f"{name} {_n(value)}°" for name, value in values if math.isfinite(value))
-        if told:
-            said.append(f"{dot.label}: {told}")
+        values_text = ", ".join(f"{name} {_n(value)}°" for name, value in values if math.isfinite(value))
+        if values_text:
+            dots.append(f"{dot.label}: {values_text}")
     limit = f" Limit {_n(chart.limit)}°." if math.isfinite(chart.limit) else ""
-    return f"Bars of {_axis(chart.x_label)}: {'; '.join(said)}.{limit}"
+    return f"Bars of {_axis(chart.x_label)}: {'; '.join(dots)}.{limit}"
 
 
 def _map(chart: MapChart) -> str:
     shares = np.bincount(chart.winner.ravel(), minlength=len(chart.names)) / chart.winner.size
-    said = ", ".join(
+    names = ", ".join(
         f"{name} on {100 * share:.0f} %" for name, share in zip(chart.names, shares, strict=True) if share > 0.005
     )
     points = "".join(
@@ -87,12 +87,12 @@ def _map(chart: MapChart) -> str:
         for points in chart.points
         for name, x, y in list(zip(points.names, points.x, points.y, strict=True))[:_MOST]
     )
-    return f"Map of {_axis(chart.y_label)} against {_axis(chart.x_label)}; which holds where: {said}.{points}"
+    return f"Map of {_axis(chart.y_label)} against {_axis(chart.x_label)}; which holds where: {names}.{points}"
 
 
 def _pictures(chart: PictureChart) -> str:
-    said = "; ".join(f"{name}, {caption}" for name, caption in zip(chart.names, chart.captions, strict=True))
-    return f"Images over one scale, {chart.axes}: {said}."
+    names = "; ".join(f"{name}, {caption}" for name, caption in zip(chart.names, chart.captions, strict=True))
+    return f"Images over one scale, {chart.axes}: {names}."
 
 
 def _trade(chart: TradeMapChart) -> str:

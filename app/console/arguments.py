@@ -14,23 +14,23 @@ from nav_model.design.file import KEY_VALUE, MAX_BYTES, parse_design, read_bytes
 from nav_model.design.parts import all_keys
 
 
-def design_arguments(parser: argparse.ArgumentParser, *, one: bool) -> None:
+def design_arguments(parser: argparse.ArgumentParser, *, single: bool) -> None:
     parser.add_argument(
         "designs",
         nargs="*",
-        metavar="DESIGN" if one else "DESIGN...",
+        metavar="DESIGN" if single else "DESIGN...",
         help="design file (TOML), or - for standard input",
     )
     parser.add_argument("--set", dest="changes", action="extend", nargs="+", default=[], metavar="KEY=VALUE",
         help='override values of the file, e.g. imu.angle_random_walk="0.3 °/√h"')  # fmt: skip
-    parser.set_defaults(one=one, parser=parser)
+    parser.set_defaults(single=single, parser=parser)
 
 
 def paths_of(options: argparse.Namespace) -> list[str]:
     """The design files named, also a path that argparse took as a value of --set."""
     paths, changes = list(options.designs), list(options.changes)
     known = all_keys()
-    while changes and "=" not in changes[-1] and changes[-1] not in known and not (options.one and paths):
+    while changes and "=" not in changes[-1] and changes[-1] not in known and not (options.single and paths):
         paths.append(changes.pop())
     for change in changes:
         if "=" not in change:
@@ -38,7 +38,7 @@ def paths_of(options: argparse.Namespace) -> list[str]:
     options.changes = changes
     if not paths:
         options.parser.error("no DESIGN given; name a file, or - for standard input")
-    if options.one and len(paths) > 1:
+    if options.single and len(paths) > 1:
         options.parser.error(f"takes one DESIGN, but {len(paths)} are given: {', '.join(paths)}")
     return paths
 

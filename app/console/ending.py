@@ -154,8 +154,8 @@ def _stoppable() -> Iterator[None]:
     before = {number: signal.getsignal(number) for number in _WORDS}
 
     def stop(number: int, _: Any) -> None:
-        for told in _WORDS:  # the way out is short, and must not be cut
-            signal.signal(told, signal.SIG_IGN)
+        for signal_number in _WORDS:  # the way out is short, and must not be cut
+            signal.signal(signal_number, signal.SIG_IGN)
         kill_workers()
         raise Stopped(number)
 

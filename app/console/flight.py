@@ -76,8 +76,8 @@ def flight_study(
         plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared
     except InputError as error:
         # Under the option's name; a key of the design keeps its own, and a plan has its outages from there.
-        own = error.key == "outage" and not options.outages
-        key = "trajectory.outages" if own else error.key if "." in error.key else f"--{error.key}"
+        from_design = error.key == "outage" and not options.outages
+        key = "trajectory.outages" if from_design else error.key if "." in error.key else f"--{error.key}"
         raise error.under(key) from error
     return spec, flight
 

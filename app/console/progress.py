@@ -18,14 +18,14 @@ _QUIET_SECONDS = 5.0  # between lines where standard error is not a terminal
 def show_progress() -> Iterator[Callable[[str, float], None]]:
     """A function of the activity and the share done (0 to 1), which prints both with the time left."""
     terminal = sys.stderr.isatty()
-    clock, said = Clock(), -math.inf
+    clock, last = Clock(), -math.inf
 
     def show(what: str, share: float) -> None:
-        nonlocal said
+        nonlocal last
         now = time.monotonic()
-        if not terminal and now - said < _QUIET_SECONDS and share < 1:
+        if not terminal and now - last < _QUIET_SECONDS and share < 1:
             return
-        said = now
+        last = now
         line = clock.progress(what, share).words
         # One piece: a command that is stopped reports it on a separate line.
         print(f"\r\x1b[K{line}" if terminal else f"{line}\n", end="", file=sys.stderr, flush=True)

@@ -183,7 +183,7 @@ export function render({ model }) {
 
   // --- how figures are told ---
   const [spread, units] = [".spread", ".units"].map(at)
-  const shown = () => { [spread.value, units.value] = [...(model.shown || "").split("."), ""] }
+  const display = () => { [spread.value, units.value] = [...(model.display || "").split("."), ""] }
   spread.onchange = units.onchange = () => {
     tell({ do: "show", word: units.value ? `${spread.value}.${units.value}` : spread.value })
   }
@@ -234,7 +234,7 @@ export function render({ model }) {
     at("[data-do=redo]").disabled = !model.can_redo
   }
   const follow = {
-    named, description: described, active: () => { turned(); find(".main-content")?.scrollTo(0, 0) }, can_undo: can, can_redo: can, studies, left_out: studies, writing, shown,
+    named, description: described, active: () => { turned(); find(".main-content")?.scrollTo(0, 0) }, can_undo: can, can_redo: can, studies, left_out: studies, writing, display,
   }
   for (const [property, change] of Object.entries(follow)) {
     model.on(property, change)

@@ -21,7 +21,7 @@ _KINDS = {
 
 
 class Bar(PlainScript):
-    """The bar; ``told`` is called for each action of the user, with a dict that has the action's name under "do"."""
+    """The bar; ``on_event`` takes each action of the user, with a dict that has the action's name under "do"."""
 
     named = param.String(doc="Name of the design, which a person can change here.")
     description = param.String(doc="What its author says of the design, which a person can change here.")
@@ -34,14 +34,14 @@ class Bar(PlainScript):
     studies = param.List(default=[], doc="Dicts of kind, label, ticked: the finished studies a report may hold.")
     left_out = param.String(doc="What a report written now would lack.")
     writing = param.String(doc="What is being written; empty: nothing.")
-    shown = param.String(doc='How figures are told, such as "95.si"; empty: as usual.')
+    display = param.String(doc='How figures are told, such as "95.si"; empty: as usual.')
 
     _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
     _before = FIND
 
-    def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:
+    def __init__(self, on_event: Callable[[dict[str, Any]], None], **params: Any) -> None:
         super().__init__(**params)
-        self._told = told
+        self._on_event = on_event
 
     def give(self, name: str, data: bytes) -> None:
         """Have the browser save a file."""
@@ -49,4 +49,4 @@ class Bar(PlainScript):
 
     def _handle_msg(self, msg: Any) -> None:
         if isinstance(msg, dict) and isinstance(msg.get("do"), str):
-            self._told(msg)
+            self._on_event(msg)

@@ -104,9 +104,9 @@ class Frame(pn.viewable.Viewer):
                 if view is not None:
                     view.show(self.session.budget)
 
-    @param.depends("session.shown", watch=True)
+    @param.depends("session.display", watch=True)
     def _tell_otherwise(self) -> None:
-        self._toolbar.bar.shown = self.session.shown
+        self._toolbar.bar.display = self.session.display
         self._say_width()
         self._show()
         self._keep_soon()
@@ -127,10 +127,10 @@ class Frame(pn.viewable.Viewer):
 
     def _come_back(self, link: str, base: str) -> None:
         """Restore what the browser's tab kept before this page was reloaded."""
-        of_design, of_study, shown = link_parts(link)
+        of_design, of_study, display = link_parts(link)
         opened = self.session.design
         try:
-            self.session.shown = display_of(shown).word
+            self.session.display = display_of(display).word
             problem = self.session.adopt(from_query(of_design))
         except InputError as error:
             problem = error
@@ -157,11 +157,11 @@ class Frame(pn.viewable.Viewer):
     def _say_width(self) -> None:
         """Where figures do not follow the choice of how to show them, say so."""
         design, address = self.session.design, TABS[self._toolbar.bar.active].address
-        display = display_of(self.session.shown).of(design)
+        display = display_of(self.session.display).of(design)
         page = AS_REQUIRED.of(design) if address == "image" else ONE_SIGMA
         self._told.visible = display != page and address in _OF_ITS_OWN
         if self._told.visible:
-            self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(page.spread, display.said)}</p>'
+            self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(page.spread, display.in_words)}</p>'
 
     def _turned(self, event: Any) -> None:
         """Show the page's empty place at once and fill it in the next turn of the event loop."""
@@ -251,7 +251,7 @@ class Frame(pn.viewable.Viewer):
                     self._tour,
                     Repairs(margin=0, width=0, height=0),
                     self._lifeline,
-                    Remembered(DISPLAY_COOKIE, self.session.param.shown),
+                    Remembered(DISPLAY_COOKIE, self.session.param.display),
                     styles=FULL_HEIGHT,
                 )
             ],

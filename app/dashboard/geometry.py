@@ -23,14 +23,14 @@ def geometry_sketch(budget: Budget) -> str:
     degrees = f"{number(math.degrees(angle), given=True)}°"
     slant, aperture = show(float(radar.slant_range), "length", given=True), show(float(sar.aperture_length), "length")
     time = show(float(sar.aperture_time), "time")
-    said = (
+    text = (
         f"Geometry: an aperture of {aperture}, flown in {time}; a line of sight of {slant} slant range to the scene; "
         f"grazing angle {degrees}."
     )
     arc = 26.0
     ax, ay = _TARGET - arc * math.cos(angle), _GROUND - arc * math.sin(angle)
     anchor, at = ("start", x + dx + 6) if x < _WIDTH / 2 else ("end", x - dx - 6)
-    return f"""<svg viewBox="0 0 {_WIDTH} 134" width="100%" role="img" aria-label="{escape(said)}"
+    return f"""<svg viewBox="0 0 {_WIDTH} 134" width="100%" role="img" aria-label="{escape(text)}"
  font-size="11" fill="currentColor" stroke="currentColor" stroke-width="0">
 <line x1="8" y1="{_GROUND}" x2="{_WIDTH - 8}" y2="{_GROUND}" stroke-width="1"/>
 <line x1="{x:.1f}" y1="{y:.1f}" x2="{x:.1f}" y2="{_GROUND}" stroke-width="1" stroke-dasharray="2 3" opacity=".6"/>

@@ -17,7 +17,7 @@ class ReportChoice:
     def chosen(self) -> dict[str, Any]:
         """The findings to report, by kind; also those of another design, so that the report says that it omits
         them."""
-        return {kind: found for kind, found in self._session.findings.items() if kind not in self._unticked}
+        return {kind: finding for kind, finding in self._session.findings.items() if kind not in self._unticked}
 
     def tick(self, kind: str, ticked: bool) -> None:
         """Take a study into the report, or leave it out."""
@@ -33,11 +33,12 @@ class ReportChoice:
 
     def lacking(self) -> str:
         """What a report written now would omit, in words."""
-        left = [STUDIES[kind].study for kind, fits in self._fits().items() if not fits]
-        said = [f"Not in the report, because they belong to another design: {', '.join(left)}."] if left else []
+        studies = [STUDIES[kind].study for kind, fits in self._fits().items() if not fits]
+        text = f"Not in the report, because they belong to another design: {', '.join(studies)}."
+        lines = [text] if studies else []
         if self._session.running:
-            said.append("A study is still running. A report written now will not include it.")
-        return " ".join(said)
+            lines.append("A study is still running. A report written now will not include it.")
+        return " ".join(lines)
 
     def _fits(self) -> dict[str, bool]:
         return belonging(self._session.findings, self._session.design) if self._session.findings else {}

@@ -55,7 +55,7 @@ class Toolbar(View):
             can_undo=session.param.can_undo,
             can_redo=session.param.can_redo,
             link=session.short_link,
-            shown=session.shown,
+            display=session.display,
             sizing_mode="stretch_width",
             margin=0,
         )
@@ -92,7 +92,7 @@ class Toolbar(View):
             case "examples":
                 self._show_examples()
             case "show":
-                self.session.shown = display_of(str(deed.get("word", ""))).word
+                self.session.display = display_of(str(deed.get("word", ""))).word
             case "save":
                 text = format_design(self.session.design)
                 self.bar.give(f"{slug(self.session.design.name)}.toml", text.encode("utf-8"))
@@ -145,11 +145,11 @@ class Toolbar(View):
         """Write a report in a worker."""
 
         async def write() -> bytes:
-            budget, findings, shown = self.session.budget, self._choice.chosen(), self.session.shown
+            budget, findings, display = self.session.budget, self._choice.chosen(), self.session.display
             # Sections are made here, in a thread: findings are large, their sections are small enough to send to the
             # worker.
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
-            return await run_in_pool(report_bytes, [budget], f".{suffix}", None, (), [study], None, shown)
+            return await run_in_pool(report_bytes, [budget], f".{suffix}", None, (), [study], None, display)
 
         name = f"{slug(self.session.design.name)}.{suffix}"
         await self._hand_over(name, "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report", write)

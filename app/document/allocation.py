@@ -21,7 +21,7 @@ SPLIT_WORDS = {
 }
 
 
-def entry_texts(design: Design, check: Check, found: Allocation) -> list[dict[str, str]]:
+def entry_texts(design: Design, check: Check, allocation: Allocation) -> list[dict[str, str]]:
     """Each entry as texts, the largest of today first."""
     return [
         {
@@ -33,38 +33,38 @@ def entry_texts(design: Design, check: Check, found: Allocation) -> list[dict[st
             else signed_percent(entry.margin).replace("the limit", "allocated"),
             "owner": printable(entry.owner) or NONE,
         }
-        for entry in sorted(found.entries, key=lambda entry: -entry.estimated)
+        for entry in sorted(allocation.entries, key=lambda entry: -entry.estimated)
     ]
 
 
-def outcome(design: Design, check: Check, found: Allocation) -> str:
+def outcome(design: Design, check: Check, allocation: Allocation) -> str:
     """Whether the entries fit, and how they were split."""
-    limit = check_quantity(design, check, found.limit, given=True)
-    whole = f"{check.label}: limit {limit}, reserve {percent(found.reserve)}"
-    if found.closes:
+    limit = check_quantity(design, check, allocation.limit, given=True)
+    whole = f"{check.label}: limit {limit}, reserve {percent(allocation.reserve)}"
+    if allocation.closes:
         plan = design.allocation or Allotment()
         value = check_quantity(design, check, check.value)
-        excess = "" if check.met else f": {number(check.value / found.limit)} x too high"
+        excess = "" if check.met else f": {number(check.value / allocation.limit)} x too high"
         return f"{whole}. Split: {SPLIT_WORDS[plan.split]}. Estimated {value}{excess}."
-    return f"{whole}. Does not fit: {', '.join(found.blocked_by)} locked too high."
+    return f"{whole}. Does not fit: {', '.join(allocation.blocked_by)} locked too high."
 
 
 def allocation_table(budget: Budget, check: Check, key: str) -> Table | Text:
     """The allocation of one requirement, as the design says."""
     try:
-        found = allocate(budget, check.name)
+        split = allocate(budget, check.name)
     except InputError as error:
         return Text(f"Allocation of {printable(check.label)}: {error.reason}")
-    locked = {printable(entry.source) for entry in found.entries if entry.locked}
+    locked = {printable(entry.source) for entry in split.entries if entry.locked}
     return table(
         f"{key}-allocation-{budget.verdict.checks.index(check)}",
         f"Allocation of {printable(check.label)}",
         (("Source", 1.5), *numbers("Allocated", "Estimated", "Margin"), ("Owner", 1)),
         (
             (f"{source}, locked" if source in locked else source, *rest)
-            for source, *rest in (row.values() for row in entry_texts(budget.design, check, found))
+            for source, *rest in (row.values() for row in entry_texts(budget.design, check, split))
         ),
-        f"{outcome(budget.design, check, found)} Random entries combine in quadrature, systematic ones linearly.",
+        f"{outcome(budget.design, check, split)} Random entries combine in quadrature, systematic ones linearly.",
     )
 
 

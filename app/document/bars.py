@@ -69,7 +69,7 @@ class _Scale:
         self._metres: Callable[[Bar], float] = lambda bar: getattr(bar, f"{kind}_mm")
         self._unit = chart.unit
         self._limit = getattr(chart, f"{kind}_limit")
-        lengths = [self._length(bar) for one in (chart, was) if one for bar in one.bars] + [self._limit]
+        lengths = [self._length(bar) for part in (chart, was) if part for bar in part.bars] + [self._limit]
         self._most = _round_up(max((length for length in lengths if math.isfinite(length)), default=0.0))
         texts = [self._told(bar) for bar in chart.bars if math.isfinite(self._length(bar))]
         room = max([40 + 4 * len(self._unit), *(_width(text) for text in texts)])
@@ -109,12 +109,12 @@ class _Scale:
 
     def _parts(self, bar: Bar, length: float) -> str:
         """What the bar is made of, in the shares of the variance; the first is named where there is room."""
-        said = ""
+        html = ""
         for n, (name, share) in enumerate(bar.parts):
-            told = f"{escape(name)} {percent(share)}"
+            label = f"{escape(name)} {percent(share)}"
             room = n == 0 and share * length > _NAMED * self._most
-            said += f'<s style="width:{100 * share:.1f}%" title="{told}">{told if room else ""}</s>'
-        return said
+            html += f'<s style="width:{100 * share:.1f}%" title="{label}">{label if room else ""}</s>'
+        return html
 
     def axis(self) -> str:
         half, most = (number(length, given=True) for length in (self._most / 2, self._most))

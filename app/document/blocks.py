@@ -102,8 +102,8 @@ def numbers(*titles: str, width: float = 0, group: str = "", sortable: bool = Fa
     return tuple(Column(title, True, width, group, sortable) for title in titles)
 
 
-def _column(told: str | tuple[str, float]) -> Column:
-    return Column(told) if isinstance(told, str) else Column(told[0], width=told[1])
+def _column(column: str | tuple[str, float]) -> Column:
+    return Column(column) if isinstance(column, str) else Column(column[0], width=column[1])
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ class Way(NamedTuple):
 
 def value_ways(design: Design, solutions: Iterable[Solution]) -> tuple[Way, ...]:
     """The inputs of which a value closes the design, each at its largest."""
-    found = ((solution, offer(design, solution)) for solution in solutions)
+    offers = ((solution, offer(design, solution)) for solution in solutions)
     return tuple(
         Way(
             offered.changes,
@@ -47,7 +47,7 @@ def value_ways(design: Design, solutions: Iterable[Solution]) -> tuple[Way, ...]
             input_in_words(design, offered.key, solution.current),
             f"limited by {figure_in_sentence(solution.together.binding)}{_image(design, offered, solution.current)}",
         )
-        for solution, offered in found
+        for solution, offered in offers
         if offered is not None
     )
 
@@ -67,25 +67,25 @@ def beyond_one(budget: Budget) -> str:
     if pairs := closing_pairs(design, keys)[:_PAIRS]:
         names = "; ".join(" and ".join(in_sentence(declaration_of(key).label) for key in pair) for pair in pairs)
         return f"Change two inputs together, on “Trade-off map”: {names}."
-    said = ["No two of these inputs together close it either."]
+    sentences = ["No two of these inputs together close it either."]
     for check in budget.verdict.checks:
         parts = budget.x.contributors.entering(check.on, budget.processing)
         alone = (check.confidence or 1.0) * with_contributors(0.0, parts)
         if alone > check.limit:
             value, limit = (check_quantity(design, check, size) for size in (alone, check.limit))
             names = " and ".join(part.name for part in parts)
-            said.append(f"{names} alone: {value} of {limit} for {figure_in_sentence(check.name)}.")
-    return " ".join(said)
+            sentences.append(f"{names} alone: {value} of {limit} for {figure_in_sentence(check.name)}.")
+    return " ".join(sentences)
 
 
-def ways_table(found: Sequence[Way], *, closes: bool) -> Table:
+def ways_table(ways: Sequence[Way], *, closes: bool) -> Table:
     """The ways, for a design that ``closes`` already or does not; the value of a row is its text."""
     what = "Largest values that still close, one at a time" if closes else "Each of these alone closes the design"
     return table(
         "ways",
         f"{what}. Click one to apply it; you can undo.",
         ("Change", "From", "Why"),
-        ((Cell(way.text, value=way.text), way.now, way.why) for way in found),
+        ((Cell(way.text, value=way.text), way.now, way.why) for way in ways),
         "Values are solved with the other inputs fixed, rounded down to three digits, and checked by running the "
         "budget again. A figure can fall again for larger values, by some per cent: such values are not offered.",
     )

@@ -56,8 +56,8 @@ class Display:
         """What one sigma is multiplied by; ``pair`` for a horizontal position or velocity."""
         if self.required:
             return float(self.spread.removesuffix("σ"))
-        _, one, two = SPREADS[self.spread]
-        return two if pair else one
+        _, single, pair_of_axes = SPREADS[self.spread]
+        return pair_of_axes if pair else single
 
     def named(self, *, pair: bool = False) -> str:
         """The spread shown, such as "2σ" or "CEP"."""
@@ -82,14 +82,14 @@ class Display:
         crossings stay."""
         if self == ONE_SIGMA:
             return chart
-        turned = self.units == SI and chart.y_label.endswith("[°]")
+        in_radians = self.units == SI and chart.y_label.endswith("[°]")
 
         def of(label: str) -> float:
             pair = "horizontal" in label or "horizontal" in chart.y_label
-            return (math.radians(1) if turned else 1.0) * self.factor(pair=pair)
+            return (math.radians(1) if in_radians else 1.0) * self.factor(pair=pair)
 
-        told = dict.fromkeys(self.named(pair="horizontal" in line.label + chart.y_label) for line in chart.lines)
-        label = chart.y_label.replace("1σ", " and ".join(told))
+        spreads = dict.fromkeys(self.named(pair="horizontal" in line.label + chart.y_label) for line in chart.lines)
+        label = chart.y_label.replace("1σ", " and ".join(spreads))
         low, high = chart.y_range or (math.nan, math.nan)
         factors = [of(line.label) for line in chart.lines]
         return replace(
@@ -106,7 +106,7 @@ class Display:
                 )
                 for limit in chart.limits
             ),
-            y_label=label.replace("[°]", "[rad]") if turned else label,
+            y_label=label.replace("[°]", "[rad]") if in_radians else label,
             y_range=(low * min(factors), high * max(factors)) if chart.y_range else None,
         )
 
@@ -141,7 +141,7 @@ class Display:
         return "" if self.required or self == ONE_SIGMA else ", limits scaled"
 
     @property
-    def said(self) -> str:
+    def in_words(self) -> str:
         """The choice in words, such as "95 %, SI units"."""
         return f"{self.spread}, {'SI units' if self.units == SI else 'units as on data sheets'}"
 

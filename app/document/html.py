@@ -58,7 +58,7 @@ def to_html(report: Report) -> str:
     script, places = components(plots) if plots else ("", {})
     equations = {item.mark for block in report.blocks() if isinstance(block, Equations) for item in block.items}
 
-    def said(text: str) -> Markup:
+    def linked(text: str) -> Markup:
         return _with_links(text, equations)
 
     environment = Environment(
@@ -69,8 +69,8 @@ def to_html(report: Report) -> str:
         lstrip_blocks=True,
     )
     environment.filters.update(
-        said=said,
-        told=lambda block: Markup(html_of(block, said=said)),
+        linked=linked,
+        rendered=lambda block: Markup(html_of(block, html=linked)),
         rows=_data_rows,
         kind=lambda block: type(block).__name__,
         data=_data_url,
@@ -115,9 +115,9 @@ def _with_links(text: str, marks: Iterable[str]) -> Markup:
     """Escaped text with its equation marks as links."""
     known = set(marks)
 
-    def link(found: re.Match[str]) -> str:
-        mark = found[1]
-        return f'<a href="#{mark}">[{mark}]</a>' if mark in known else found[0]
+    def link(match: re.Match[str]) -> str:
+        mark = match[1]
+        return f'<a href="#{mark}">[{mark}]</a>' if mark in known else match[0]
 
     return Markup(MARK.sub(link, str(escape(UNIT_GAP.sub("\N{NO-BREAK SPACE}", text)))))
 
@@ -154,8 +154,8 @@ def _data_rows(chart: AnyChart) -> list[tuple[str, ...]]:
 def _at_a_few_places(chart: AnyChart) -> AnyChart:
     if isinstance(chart, MapChart):
         down, across = (slice(None, None, max(1, size // _MAP_ROWS)) for size in chart.values.shape)
-        kept = {name: getattr(chart, name)[down, across] for name in ("winner", "values")}
-        return replace(chart, x=chart.x[across], y=chart.y[down], **kept)
+        sampled = {name: getattr(chart, name)[down, across] for name in ("winner", "values")}
+        return replace(chart, x=chart.x[across], y=chart.y[down], **sampled)
     if isinstance(chart, Chart):
         return replace(chart, bands=(), lines=tuple(map(_few_points, chart.lines)))
     return chart

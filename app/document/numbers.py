@@ -96,8 +96,8 @@ def margin_in_sentence(margin: float) -> str:
     >>> margin_in_sentence(0.1421), margin_in_sentence(-1.4437)
     ('margin +14.2 %', '2.44 × the limit')
     """
-    told = signed_percent(margin)
-    return f"margin {told}" if told.endswith("%") else told
+    text = signed_percent(margin)
+    return f"margin {text}" if text.endswith("%") else text
 
 
 def margin_in_short(margin: float) -> str:
@@ -108,13 +108,13 @@ def margin_in_short(margin: float) -> str:
     ('✓ +80 %', '✓ at the limit', '✗ just over the limit', '✓ +99.6 %')
     """
     if abs(margin) < 0.005:
-        told = _at_limit(margin)
+        text = _at_limit(margin)
     elif margin < -1:
-        told = f"{number(1 - margin)} ×"
+        text = f"{number(1 - margin)} ×"
     else:
         little = _LEFT < 1 - margin < 0.005
-        told = _signed(f"{_short_of_all(margin):+.1f} %" if little else f"{100 * margin:+.0f} %")
-    return f"{'✓' if margin >= 0 else '✗'} {told}"
+        text = _signed(f"{_short_of_all(margin):+.1f} %" if little else f"{100 * margin:+.0f} %")
+    return f"{'✓' if margin >= 0 else '✗'} {text}"
 
 
 def _short_of_all(share: float) -> float:
@@ -156,5 +156,5 @@ def millimetres(phase: float, wavelength: float) -> str:
 
 
 def _signed(text: str) -> str:
-    powers = _POWER.sub(lambda found: f"·10{found[1].translate(_RAISED)}", text)
+    powers = _POWER.sub(lambda match: f"·10{match[1].translate(_RAISED)}", text)
     return powers.replace("-", "−")

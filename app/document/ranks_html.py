@@ -34,20 +34,20 @@ def _shown(dot: Dot) -> float:
 
 
 def _figures(dot: Dot, chart: DotChart) -> str:
-    shown = _shown(dot)
-    if math.isnan(shown):
+    angle = _shown(dot)
+    if math.isnan(angle):
         return f'<td class="quiet" colspan="{1 + chart.has_wholes}">{_COMING}</td>'
-    values = [shown, *([dot.whole] if chart.has_wholes else [])]
+    values = [angle, *([dot.whole] if chart.has_wholes else [])]
     return "".join(f'<td class="num">{number(value)}</td>' for value in values)
 
 
 def _tip(dot: Dot, chart: DotChart) -> str:
-    said = [] if math.isnan(dot.closed) else [f"formula {number(dot.closed)}°"]
+    parts = [] if math.isnan(dot.closed) else [f"formula {number(dot.closed)}°"]
     if not math.isnan(dot.ensemble):
-        said.append(f"runs {number(dot.ensemble)}° rms, 5 to 95 %: {number(dot.low)}° to {number(dot.high)}°")
+        parts.append(f"runs {number(dot.ensemble)}° rms, 5 to 95 %: {number(dot.low)}° to {number(dot.high)}°")
     if math.isfinite(_shown(dot)):
-        said.append(f"{number(chart.millimetres * _shown(dot))} mm along the line of sight")
-    return "; ".join((*said, dot.source))
+        parts.append(f"{number(chart.millimetres * _shown(dot))} mm along the line of sight")
+    return "; ".join((*parts, dot.source))
 
 
 class _Scale:
@@ -65,16 +65,16 @@ class _Scale:
 
     def marks(self, dot: Dot) -> str:
         """Bar to the rms of the runs, their band, the formula's diamond, and the limit."""
-        said = ""
+        html = ""
         if math.isfinite(dot.ensemble):
             low, high = self._share(dot.low), self._share(dot.high)
-            said += f'<i style="width:{self._share(dot.ensemble):.2f}%"></i>'
-            said += f'<s style="left:{low:.2f}%;width:{high - low:.2f}%"></s>'
+            html += f'<i style="width:{self._share(dot.ensemble):.2f}%"></i>'
+            html += f'<s style="left:{low:.2f}%;width:{high - low:.2f}%"></s>'
         if math.isfinite(dot.closed):
-            said += f'<b style="left:{self._share(dot.closed):.2f}%"></b>'
+            html += f'<b style="left:{self._share(dot.closed):.2f}%"></b>'
         if math.isfinite(self._limit):
-            said += f'<u style="left:{self._share(self._limit):.2f}%"></u>'
-        return said
+            html += f'<u style="left:{self._share(self._limit):.2f}%"></u>'
+        return html
 
     def axis(self) -> str:
         """A mark at each decade."""

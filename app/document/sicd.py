@@ -9,7 +9,7 @@ NAMESPACE = "urn:SICD:1.4.0"
 _NAMES = ("P1", "P2", "P3", "V1", "V2", "V3")
 
 
-def sicd_xml(found: ErrorStatistics) -> bytes:
+def sicd_xml(statistics: ErrorStatistics) -> bytes:
     """The element ErrorStatistics: composite at the scene's centre, and components in the frame RIC_ECF.
 
     Over a flat Earth that frame's axes (radial, in track, cross track) are up, along the track and across it. The
@@ -18,18 +18,18 @@ def sicd_xml(found: ErrorStatistics) -> bytes:
     ElementTree.register_namespace("", NAMESPACE)
     root = ElementTree.Element(_tag("ErrorStatistics"))
     composite = _add(root, "CompositeSCP")
-    for name, value in (("Rg", found.range), ("Az", found.azimuth), ("RgAz", found.correlation)):
+    for name, value in (("Rg", statistics.range), ("Az", statistics.azimuth), ("RgAz", statistics.correlation)):
         _add(composite, name, value)
     components = _add(root, "Components")
     error = _add(components, "PosVelErr")
     _add(error, "Frame").text = "RIC_ECF"
-    sigmas = [math.sqrt(found.trajectory[i, i]) for i in range(6)]
+    sigmas = [math.sqrt(statistics.trajectory[i, i]) for i in range(6)]
     for name, sigma in zip(_NAMES, sigmas, strict=True):
         _add(error, name, sigma)
     correlations = _add(error, "CorrCoefs")
-    for i, one in enumerate(_NAMES):
+    for i, axis in enumerate(_NAMES):
         for j in range(i + 1, 6):
-            _add(correlations, one + _NAMES[j], found.trajectory[i, j] / (sigmas[i] * sigmas[j]))
+            _add(correlations, axis + _NAMES[j], statistics.trajectory[i, j] / (sigmas[i] * sigmas[j]))
     _add(_add(components, "RadarSensor"), "RangeBias", 0.0)
     ElementTree.indent(root)
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"

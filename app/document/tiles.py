@@ -11,7 +11,7 @@ from app.document.numbers import margin_in_short
 
 
 def tiles_html(
-    figures: KeyFigures, before: KeyFigures | None = None, said: Callable[[str], str] | None = None
+    figures: KeyFigures, before: KeyFigures | None = None, render: Callable[[str], str] | None = None
 ) -> str:
     """Tiles as HTML.
 
@@ -20,16 +20,16 @@ def tiles_html(
     figures : KeyFigures
     before : KeyFigures, optional
         The values before a change, compared by their name: an outline of the bar, and the old value.
-    said : callable, optional
+    render : callable, optional
         How a detail is written, as HTML, under its figure; without it the detail is a tip.
     """
     old = {figure.label: figure for figure in before.items} if before else {}
     limited = sorted(
         (figure for figure in figures.items if figure.met is not None), key=lambda figure: bool(figure.met)
     )
-    if said or not limited:
-        tiles = "".join(_tile(figure, old.get(figure.label), said) for figure in figures.items)
-        return f'<dl class="{"cards" if said else "tiles"}" aria-label="{escape(figures.caption)}">{tiles}</dl>'
+    if render or not limited:
+        tiles = "".join(_tile(figure, old.get(figure.label), render) for figure in figures.items)
+        return f'<dl class="{"cards" if render else "tiles"}" aria-label="{escape(figures.caption)}">{tiles}</dl>'
     tiles = "".join(_tile(figure, old.get(figure.label), None) for figure in limited)
     others = "".join(_other(figure, old.get(figure.label)) for figure in figures.items if figure.met is None)
     return (
@@ -46,7 +46,7 @@ def _other(figure: KeyFigure, was: KeyFigure | None) -> str:
     )
 
 
-def _tile(figure: KeyFigure, was: KeyFigure | None, said: Callable[[str], str] | None) -> str:
+def _tile(figure: KeyFigure, was: KeyFigure | None, render: Callable[[str], str] | None) -> str:
     mark = limit = tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
@@ -58,8 +58,8 @@ def _tile(figure: KeyFigure, was: KeyFigure | None, said: Callable[[str], str] |
         bar += f'<b style="width:{_share(was.used)}%"></b>'
     below = f"<span>{escape(limit or figure.limit or 'no limit')}</span>{_change(figure, was)}"
     label = escape(figure.label)
-    tip = "" if said else f' title="{label}: {escape(figure.detail)}"'
-    detail = f'<dd class="fine quiet">{said(figure.detail)}</dd>' if said else ""
+    tip = "" if render else f' title="{label}: {escape(figure.detail)}"'
+    detail = f'<dd class="fine quiet">{render(figure.detail)}</dd>' if render else ""
     return (
         f'<div class="card tile {tone}"{tip}><dt>{label}</dt>'
         f'<dd><span class="big num">{escape(figure.value)}</span> {mark}</dd>'

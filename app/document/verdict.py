@@ -53,14 +53,14 @@ def shown_check(design: Design, check: Check, display: Display) -> tuple[str, st
     pair = "horizontal" in check.on
     factor = display.factor(pair=pair) / check.confidence if check.confidence and not display.required else 1.0
 
-    def said(value: float, *, given: bool = False) -> str:
+    def text_of(value: float, *, given: bool = False) -> str:
         if display.units == SI and check.dimension != "level":
             return display.in_si(value, check.dimension, given=given)
         return check_quantity(design, check, value, given=given)
 
-    told = f"{check.confidence:g}σ" if display.required and check.confidence else display.named(pair=pair)
-    at = "" if check.confidence is None else f" at {told}"
-    return said(factor * check.value), said(factor * check.limit, given=True), at
+    spread = f"{check.confidence:g}σ" if display.required and check.confidence else display.named(pair=pair)
+    at = "" if check.confidence is None else f" at {spread}"
+    return text_of(factor * check.value), text_of(factor * check.limit, given=True), at
 
 
 def met_cell(check: Check) -> Cell:
@@ -159,10 +159,10 @@ def verdicts_in_short(budget: Budget, *, both: bool = True) -> dict[str, str]:
             other = budget.other_verdict
             margins[other.processing] = None if other.tightest is None else other.tightest.margin
 
-    def said(mode: str) -> str:
+    def label(mode: str) -> str:
         name, margin = mode[:1].upper() + mode[1:], margins.get(mode)
         if not both and mode != chosen:
             return f"{name} …"
         return name if margin is None else f"{name} {margin_in_short(margin)}"
 
-    return {said(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}
+    return {label(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}

@@ -82,8 +82,8 @@ def identified(design: Design) -> str:
 
 def printable(text: str) -> str:
     """A text without control characters and byte-order marks, which no font can show; line breaks stay."""
-    kept = (" " if unicodedata.category(sign) == "Cc" and sign != "\n" else sign for sign in text)
-    return "".join(kept).replace("\ufeff", "")
+    signs = (" " if unicodedata.category(sign) == "Cc" and sign != "\n" else sign for sign in text)
+    return "".join(signs).replace("\ufeff", "")
 
 
 def shortened(name: str, length: int = 70) -> str:

@@ -76,8 +76,8 @@ def _is_read_only(path: Path) -> dict[str, str]:
     A write-ahead log needs files beside the database to be read as well; if they cannot be made and none exists,
     nobody writes, and the file can be read as it is.
     """
-    own = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
-    if not path.exists() or (os.access(path, os.W_OK, **own) and os.access(path.parent, os.W_OK, **own)):
+    options = {"effective_ids": True} if os.access in os.supports_effective_ids else {}
+    if not path.exists() or (os.access(path, os.W_OK, **options) and os.access(path.parent, os.W_OK, **options)):
         return {}
     log = path.with_name(path.name + "-wal")
     return {"mode": "ro"} if log.exists() and log.stat().st_size else {"mode": "ro", "immutable": "1"}
@@ -108,7 +108,7 @@ def _begin(connection: Connection) -> None:
 
 
 @contextmanager
-def said(message: str) -> Iterator[None]:
+def database_faults(message: str) -> Iterator[None]:
     """Turn a fault of the database into a message for the user, with its reason.
 
     Raises

@@ -141,7 +141,7 @@ def _unpack(data: bytes) -> dict[str, bytes]:
     if len(data) > MAX_ARCHIVE:
         raise InputError("archive", f"larger than {MAX_ARCHIVE} bytes")
     files: dict[str, bytes] = {}
-    left = _MAX_UNPACKED
+    room = _MAX_UNPACKED
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
@@ -154,8 +154,8 @@ def _unpack(data: bytes) -> dict[str, bytes]:
                 if path != _LIST and not path.lower().endswith(".toml"):
                     raise InputError(path, f"is neither a design file (*.toml) nor {_LIST}")
                 with archive.open(entry) as file:
-                    files[path] = _read(file, path, left)
-                left -= len(files[path])
+                    files[path] = _read(file, path, room)
+                room -= len(files[path])
     except InputError:
         raise
     except DAMAGED as error:
@@ -172,8 +172,8 @@ def _safe(path: str) -> str:
     return path
 
 
-def _read(file: IO[bytes], path: str, left: int) -> bytes:
-    bound = min(MAX_ARCHIVE if path == _LIST else _MAX_FILE, left)
+def _read(file: IO[bytes], path: str, room: int) -> bytes:
+    bound = min(MAX_ARCHIVE if path == _LIST else _MAX_FILE, room)
     content = file.read(bound + 1)
     if len(content) > bound:
         raise InputError(path, f"unpacks to more than {bound} bytes")

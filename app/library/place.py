@@ -38,11 +38,11 @@ def look_at(address: str) -> str:
     """
     if not address and not default_address().exists():
         return ""
-    found = Library(address or default_address())
+    opened = Library(address or default_address())
     try:
-        return "the library is read-only: its file or folder cannot be written" if found.read_only else ""
+        return "the library is read-only: its file or folder cannot be written" if opened.read_only else ""
     finally:
-        found.close()
+        opened.close()
 
 
 def library() -> Library:

@@ -92,8 +92,8 @@ class Review:
 
     def standing(self, place: int, requirement: str) -> Decision | None:
         """The latest decision on a requirement of an item."""
-        own = [d for d in self.decisions if (d.place, d.requirement) == (place, requirement)]
-        return own[-1] if own else None
+        decisions = [d for d in self.decisions if (d.place, d.requirement) == (place, requirement)]
+        return decisions[-1] if decisions else None
 
     def points(self) -> list[tuple[int, str]]:
         """Everything to decide on: an item's place and a requirement's name."""
@@ -115,7 +115,7 @@ class Review:
     def waivers(self) -> list[Decision]:
         """The latest decisions that accept an unmet requirement; each has a reason."""
         made = (self.standing(*point) for point in self.points())
-        return [own for own in made if own is not None and own.accepted and not self.met(own.place, own.requirement)]
+        return [d for d in made if d is not None and d.accepted and not self.met(d.place, d.requirement)]
 
     def rejected(self) -> list[tuple[int, str]]:
         """Those of `points` whose latest decision is a rejection."""
@@ -171,10 +171,10 @@ def load_review(library: Library, review: str) -> Review:
 def version_of(library: Library, review: str) -> int:
     """Number of additions to a review so far; 0 for one that does not exist."""
     with library.read() as connection:
-        found = connection.execute(
+        version = connection.execute(
             text("SELECT version FROM reviews WHERE id = :review"), {"review": review}
         ).scalar()
-        return int(found or 0)
+        return int(version or 0)
 
 
 def add_comment(library: Library, review: str, place: int, subject: str, author: str, comment: str) -> Review:
@@ -235,11 +235,11 @@ def sign(library: Library, review: str, author: str, seen: int) -> Review:
             raise Conflict(
                 "review", "Somebody added a comment or a decision after you opened it. Look again before you sign."
             )
-        left = now_there.open_points()
-        if left:
-            place, name = left[0]
+        undecided = now_there.open_points()
+        if undecided:
+            place, name = undecided[0]
             first = f"{label_of(name)} (D{place})"
-            need = "1 requirement still needs" if len(left) == 1 else f"{len(left)} requirements still need"
+            need = "1 requirement still needs" if len(undecided) == 1 else f"{len(undecided)} requirements still need"
             raise InputError("review", f"{need} a decision. Next: {first}.")
         connection.execute(
             text(
@@ -291,10 +291,10 @@ def _locked(connection: Connection, review: str) -> Review:
 
 
 def _load(connection: Connection, review: str) -> Review:
-    found = () if "\0" in review else _reviews(connection, review)
-    if not found:
+    reviews = () if "\0" in review else _reviews(connection, review)
+    if not reviews:
         raise InputError("review", f"{review[:60]!r} is not in the library")
-    return found[0]
+    return reviews[0]
 
 
 def _reviews(connection: Connection, review: str | None = None) -> tuple[Review, ...]:
@@ -306,16 +306,16 @@ def _reviews(connection: Connection, review: str | None = None) -> tuple[Review,
         return connection.execute(text(f"{query} {where} ORDER BY {order}"), only).mappings().all()
 
     def by_review(table: str, order: str) -> dict[str, list[dict[str, Any]]]:
-        found: dict[str, list[dict[str, Any]]] = defaultdict(list)
+        groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
         for row in rows(f"SELECT * FROM {table}", "review", order):
-            found[row["review"]].append({name: value for name, value in row.items() if name != "review"})
-        return found
+            groups[row["review"]].append({name: value for name, value in row.items() if name != "review"})
+        return groups
 
     frozen = "SELECT r.* FROM revisions AS r JOIN review_items AS i ON i.design = r.design AND i.number = r.number"
     heads = rows("SELECT * FROM reviews", "id", "opened DESC, id")
     items, comments = by_review("review_items", "place"), by_review("review_comments", "number")
     decisions = by_review("review_decisions", "number")
-    revisions = {own.key: own for own in map(as_revision, rows(frozen, "i.review", "i.place"))}
+    revisions = {revision.key: revision for revision in map(as_revision, rows(frozen, "i.review", "i.place"))}
     return tuple(
         _whole_or_in_doubt(dict(head), items[head["id"]], comments[head["id"]], decisions[head["id"]], revisions)
         for head in heads
@@ -334,7 +334,7 @@ def _whole_or_in_doubt(head: dict[str, Any], *parts: Any) -> Review:
 
 def _assembled(
     head: dict[str, Any], item_rows: Sequence[dict[str, Any]], comment_rows: Sequence[dict[str, Any]],
-    decision_rows: Sequence[dict[str, Any]], found: Mapping[str, Revision],
+    decision_rows: Sequence[dict[str, Any]], by_key: Mapping[str, Revision],
 ) -> Review:  # fmt: skip
     """A review from its rows, in order, and the revisions that its items name."""
     items = tuple(
@@ -344,7 +344,7 @@ def _assembled(
     loaded = Review(
         **head,
         items=items,
-        revisions=tuple(found[item.key] for item in items),
+        revisions=tuple(by_key[item.key] for item in items),
         comments=tuple(Comment(**row) for row in comment_rows),
         decisions=tuple(Decision(**{**row, "accepted": bool(row["accepted"])}) for row in decision_rows),
         doubt="",
@@ -366,8 +366,8 @@ def _doubt(review: Review) -> str:
     if review.signed is None:
         # Each addition counts, and so does the signature: without all that it left, there is one too many.
         added = 1 + len(review.comments) + len(review.decisions)
-        left = review.signed_by or review.seal or review.signature
-        return CHANGED if left or review.version != added else ""
+        signed = review.signed_by or review.seal or review.signature
+        return CHANGED if signed or review.version != added else ""
     seal = _seal(review)
     if review.seal == (earlier := _seal(review, _SEALED_AT_FIRST)):  # by a program before the verdict was sealed
         seal = earlier
@@ -382,7 +382,7 @@ _SEALED_OF_REVISIONS = (*_SEALED_AT_FIRST, "closes", "verdict", "product")
 def _seal(review: Review, of_revisions: Sequence[str] = _SEALED_OF_REVISIONS) -> str:
     """SHA-256 over everything that is signed, except the seal itself."""
     content = {name: value for name, value in asdict(review).items() if name not in _NOT_SEALED}
-    content["revisions"] = [{name: getattr(own, name) for name in of_revisions} for own in review.revisions]
+    content["revisions"] = [{name: getattr(revision, name) for name in of_revisions} for revision in review.revisions]
     return _sha256(json.dumps(content, sort_keys=True, ensure_ascii=False))
 
 

@@ -41,8 +41,8 @@ def version_of(connection: Connection) -> int:
     stated = connection.execute(text("SELECT * FROM schema_version")).all()
     version = stated[0][0] if len(stated) == 1 and len(stated[0]) == 1 else None
     if not isinstance(version, int) or version < 0:
-        said = "nothing" if not stated else f"{len(stated)} rows" if len(stated) > 1 else repr(stated[0])[:60]
-        raise InputError("library", f"states {said} as its schema version, which must be one whole number")
+        content = "nothing" if not stated else f"{len(stated)} rows" if len(stated) > 1 else repr(stated[0])[:60]
+        raise InputError("library", f"states {content} as its schema version, which must be one whole number")
     if version > len(STEPS):
         raise InputError(
             "library", f"has schema version {version}; this program knows up to {len(STEPS)}: use a newer one"

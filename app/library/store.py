@@ -18,7 +18,7 @@ from typing import Any
 from sqlalchemy import Connection, RowMapping, text
 
 from app.document.verdict import verdict_of
-from app.library.engine import engine_at, is_read_only, said
+from app.library.engine import database_faults, engine_at, is_read_only
 from app.library.schema import is_current, migrate, version_of
 from app.library.texts import clean, clean_tags
 from nav_model.base.errors import InputError
@@ -98,7 +98,7 @@ class Library:
     def __init__(self, address: str | Path) -> None:
         self.engine = engine_at(address)
         self.read_only = is_read_only(self.engine)
-        with said("cannot be opened: {}"):
+        with database_faults("cannot be opened: {}"):
             with self._transaction(writes=False) as connection:
                 current = is_current(version_of(connection))
             if not current and self.read_only:
@@ -130,8 +130,9 @@ class Library:
         if self.read_only:
             raise InputError("library", "is read-only: its file or folder cannot be written; nothing was saved")
         # A server that goes while it confirms may have written.
-        with said("did not confirm this: {}; check before you do it again"), self._transaction(writes=True) as own:
-            yield own
+        faults = database_faults("did not confirm this: {}; check before you do it again")
+        with faults, self._transaction(writes=True) as connection:
+            yield connection
 
     @contextmanager
     def read(self) -> Iterator[Connection]:
@@ -142,7 +143,7 @@ class Library:
         InputError
             If it cannot be read.
         """
-        with said("cannot be read: {}"), self._transaction(writes=False) as connection:
+        with database_faults("cannot be read: {}"), self._transaction(writes=False) as connection:
             yield connection
 
     # --- saving ----------------------------------------------------------------------------------------
@@ -188,8 +189,8 @@ class Library:
         any revision."""
         with self.read() as connection:
             tags: dict[str, list[str]] = {}
-            for design, own in connection.execute(text("SELECT design, tag FROM tags ORDER BY tag")):
-                tags.setdefault(design, []).append(own)
+            for design, tagged in connection.execute(text("SELECT design, tag FROM tags ORDER BY tag")):
+                tags.setdefault(design, []).append(tagged)
             rows = connection.execute(
                 text(
                     "SELECT r.* FROM designs d JOIN revisions r ON r.design = d.id "
@@ -198,14 +199,14 @@ class Library:
                 {"archived": int(archived)},
             ).mappings()
             words = search.lower().split()
-            said: dict[str, list[str]] = {design: list(own) for design, own in tags.items()}
+            words_of: dict[str, list[str]] = {design: list(texts) for design, texts in tags.items()}
             if words:
                 for design, *texts in connection.execute(text("SELECT design, name, note, author FROM revisions")):
-                    said.setdefault(design, []).extend(texts)
+                    words_of.setdefault(design, []).extend(texts)
             return tuple(
                 Saved(**vars(latest), tags=tuple(tags.get(latest.design, ())))
                 for latest in map(as_revision, rows)
-                if (not tag or tag in tags.get(latest.design, ())) and _holds(words, said.get(latest.design, []))
+                if (not tag or tag in tags.get(latest.design, ())) and _holds(words, words_of.get(latest.design, []))
             )
 
     def tags(self) -> tuple[str, ...]:

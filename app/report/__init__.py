@@ -21,12 +21,12 @@ def report_bytes(
     added: Sequence[Section] = (),
     studies: Sequence[Sequence[Section]] = (),
     front: Chapter | None = None,
-    shown: str = "",
+    display: str = "",
 ) -> bytes:
     """The report as the bytes of a file of `kind`, one of `SUFFIXES`; pages have it made in a worker process.
 
     Sections `added` are placed before the shared ones; `studies` are `app.report.studies.study_sections` for each
-    budget, which go into its chapter; ``front`` is the first page; ``shown`` how figures of the budget are told, as a
+    budget, which go into its chapter; ``front`` is the first page; ``display`` how its figures are told, as a
     link says it (`app.document.display`).
     """
     if kind == SPREADSHEET:
@@ -37,7 +37,7 @@ def report_bytes(
     from app.document.display import display_of
     from app.report.content import report_of
 
-    return document_bytes(report_of(budgets, now, added, studies, front, display_of(shown)), kind)
+    return document_bytes(report_of(budgets, now, added, studies, front, display_of(display)), kind)
 
 
 def document_bytes(report: Report, kind: str) -> bytes:

@@ -18,7 +18,7 @@ from nav_model.budget import analyse
 def add_to(commands: Any) -> None:
     """Declare the command."""
     report = commands.add_parser("report", help="write a design report")
-    design_arguments(report, one=False)
+    design_arguments(report, single=False)
     add = report.add_argument
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html, FILE.pdf or FILE.xlsx")
     add("--with", dest="studies", default="", metavar="STUDY,...",
@@ -64,7 +64,7 @@ def _report(options: argparse.Namespace) -> int:
             for design, label in zip(designs, design_labels(len(designs)), strict=True):
                 findings = {key: STUDIES[key].load("report").study(design, options) for key in wanted}
                 studies.append(study_sections(findings, design, chapter_key(label)))
-            file.write(report_bytes(budgets, kind, studies=studies, shown=options.show))
+            file.write(report_bytes(budgets, kind, studies=studies, display=options.show))
     print(f"wrote {options.output}", file=sys.stderr)
     return 0
 

@@ -85,13 +85,13 @@ def difference_tables(
 def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
     def row(budget: Budget, label: str) -> Row:
         answer = verdict_of(budget)
-        said = (NONE, NONE, NONE)
+        tightest_words = (NONE, NONE, NONE)
         if tightest := budget.verdict.tightest:
             words = check_words(budget.design, tightest)
-            said = (tightest.label, words.margin, f"{tightest.sensor}, {words.share}")
+            tightest_words = (tightest.label, words.margin, f"{tightest.sensor}, {words.share}")
         design, word = budget.design, Cell(answer.word, tone=answer.tone)
         name = labelled(label, title_of(design))
-        return name, design.content_hash[:12], word, budget.verdict.processing, *said
+        return name, design.content_hash[:12], word, budget.verdict.processing, *tightest_words
 
     return table(
         "c-verdicts-table",
@@ -111,15 +111,15 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
 
 def _sigmas(budget: Budget) -> dict[str, float]:
     """Each figure at one sigma, of the design's processing; while fixes come in, before a fix."""
-    found = figures(replace(inputs_of(budget.design), steady_state="prior"), _COMPARED)
-    return {name: float(found[name]) for name in _COMPARED}
+    sigmas = figures(replace(inputs_of(budget.design), steady_state="prior"), _COMPARED)
+    return {name: float(sigmas[name]) for name in _COMPARED}
 
 
 def _figures(
     budgets: Sequence[Budget], labels: Sequence[str], display: Display, wide: int = _COLUMNS
 ) -> tuple[Table, ...]:
     by_design = [_sigmas(budget) for budget in budgets]
-    sigmas = {name: [found[name] for found in by_design] for name in _COMPARED}
+    sigmas = {name: [sigma[name] for sigma in by_design] for name in _COMPARED}
 
     def cell(name: str, design: int) -> CellLike:
         limit, pair, sigma = limit_on(name), FIGURES[name].pair, sigmas[name][design]
@@ -131,7 +131,7 @@ def _figures(
         best = min(sigmas[name]) < max(sigmas[name]) and sigma == min(sigmas[name])
         return Cell(text, "best", "good") if best else text
 
-    def told(name: str) -> str:
+    def label_for(name: str) -> str:
         label = label_of(name)
         return label if display == ONE_SIGMA else f"{label}, {display.named(pair=FIGURES[name].pair)}"
 
@@ -140,7 +140,7 @@ def _figures(
             f"c-figures-{columns.start}",
             f"Errors, {display.spread}{part}; the smallest of all designs is marked best",
             _head("Quantity", columns, labels, numeric=True),
-            ((told(name), *(cell(name, design) for design in columns)) for name in _COMPARED),
+            ((label_for(name), *(cell(name, design) for design in columns)) for name in _COMPARED),
             "Each design has its own outage, radar, aperture and processing. In real time: before a fix [T-8], "
             "phases [S-5], [S-2], [T-15], [S-6]. Post-processed: smoothed [P-3], [P-5]. Outage: in real time [T-17].",
         )
@@ -184,29 +184,29 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
 
 def own_differences(designs: Sequence[Design]) -> dict[str, list[str]]:
     """Contributors, requirements of the user's own and allocation that differ: what each is in every design."""
-    told = [_own_words(design) for design in designs]
-    names = dict.fromkeys(name for words in told for name in words)
-    found = {name: [words.get(name, "not given") for words in told] for name in names}
-    return {name: texts for name, texts in found.items() if len(set(texts)) > 1}
+    by_design = [_own_words(design) for design in designs]
+    names = dict.fromkeys(name for words in by_design for name in words)
+    texts_of = {name: [words.get(name, "not given") for words in by_design] for name in names}
+    return {name: texts for name, texts in texts_of.items() if len(set(texts)) > 1}
 
 
 def _own_words(design: Design) -> dict[str, str]:
     """Each contributor, limit and the allocation of a design in words."""
-    said = {}
-    for one in design.contributors:
-        allowance = f" + {percent(one.allowance)}" if one.allowance else ""
-        texts = (f"{one.show(6)}{allowance} in {label_of(one.enters)}", one.kind, one.processing,
-                 one.owner and f"owner {one.owner}", one.source)  # fmt: skip
-        said[f"Contributor {printable(one.name)}"] = printable(", ".join(filter(None, texts)))
+    texts_of = {}
+    for part in design.contributors:
+        allowance = f" + {percent(part.allowance)}" if part.allowance else ""
+        texts = (f"{part.show(6)}{allowance} in {label_of(part.enters)}", part.kind, part.processing,
+                 part.owner and f"owner {part.owner}", part.source)  # fmt: skip
+        texts_of[f"Contributor {printable(part.name)}"] = printable(", ".join(filter(None, texts)))
     for limit in design.limits:
         record = limit.record()
         asked = [label_of(limit.on), *list(record.values())[2:]]
-        said[f"Requirement {printable(limit.name)}"] = printable(", ".join(asked))
+        texts_of[f"Requirement {printable(limit.name)}"] = printable(", ".join(asked))
     if design.allocation:
         plan = design.allocation
         locks = (f"{lock.name} {lock.show(6)} of {label_of(lock.requirement)}" for lock in plan.locks)
-        said["Allocation"] = printable(", ".join((plan.split, f"reserve {percent(plan.reserve)}", *locks)))
-    return said
+        texts_of["Allocation"] = printable(", ".join((plan.split, f"reserve {percent(plan.reserve)}", *locks)))
+    return texts_of
 
 
 def _in_parts(
@@ -227,8 +227,8 @@ def _charts(budgets: Sequence[Budget], labels: Sequence[str], display: Display) 
     blocks = []
     for start in range(0, len(budgets), _LINES):
         part = slice(start, start + _LINES)
-        shown = budgets[part], labels[part]
-        for chart in (display.timeline(position_comparison(*shown)), display.bars(phase_comparison(*shown))):
+        choice = budgets[part], labels[part]
+        for chart in (display.timeline(position_comparison(*choice)), display.bars(phase_comparison(*choice))):
             blocks.append(chart_block(chart, f"c-{start}"))
     return tuple(blocks)
 

@@ -53,8 +53,8 @@ def report_of(
     facts = (("Written", f"{now:%d %B %Y, %H:%M} UTC"), ("Program", f"NavBudget {version('navbudget')}"))
     labels = design_labels(len(budgets))
     chapters = tuple(
-        _chapter(budget, label, facts, found, display)
-        for budget, label, found in zip(budgets, labels, studies, strict=True)
+        _chapter(budget, label, facts, findings, display)
+        for budget, label, findings in zip(budgets, labels, studies, strict=True)
     )
     if len(budgets) > 1:
         chapters = (comparison_chapter(budgets, labels, facts, display), *chapters)
@@ -63,8 +63,8 @@ def report_of(
         title = f"{_REPORT}: {title_of(budgets[0].design)}"
     if front is not None:
         chapters, title = (front, *chapters), f"{front.kind}: {printable(front.title)}"
-    told = [section for chapter in chapters for section in chapter.sections] + [*added]
-    shared = (*added, *_shared(budgets, labels, told))
+    sections = [section for chapter in chapters for section in chapter.sections] + [*added]
+    shared = (*added, *_shared(budgets, labels, sections))
     return Report(title, now.isoformat(timespec="seconds"), version("navbudget"), chapters, shared)
 
 
@@ -74,7 +74,7 @@ def _chapter(
     design, display = budget.design, display.of(budget.design)
     name = labelled(label, title_of(design))
     key = chapter_key(label)
-    told = () if display == ONE_SIGMA else (("Values of the budget", f"{display.said}; all others 1σ"),)
+    spread = () if display == ONE_SIGMA else (("Values of the budget", f"{display.in_words}; all others 1σ"),)
     return Chapter(
         key=key,
         kind=_REPORT,
@@ -86,7 +86,7 @@ def _chapter(
             ("Design", design.content_hash[:12]),
             *facts,
             ("Content hash (SHA-256)", design.content_hash),
-            *told,
+            *spread,
         ),
         sections=(
             *BY_KEY["budget"].load("report").sections(budget, key, display),
@@ -98,13 +98,13 @@ def _chapter(
     )
 
 
-def _shared(budgets: Sequence[Budget], labels: Sequence[str], told: Sequence[Section]) -> tuple[Section, ...]:
+def _shared(budgets: Sequence[Budget], labels: Sequence[str], sections: Sequence[Section]) -> tuple[Section, ...]:
     subjects = tuple(
         f"{labelled(label, title_of(budget.design))}, content hash {budget.design.content_hash}"
         for budget, label in zip(budgets, labels, strict=True)
     )
-    equations, symbols = with_cited(_marks_in(told))
-    added = (text for section in told for text in section.references)
+    equations, symbols = with_cited(_marks_in(sections))
+    added = (text for section in sections for text in section.references)
     references = dict.fromkeys((*references_of(equations), *added))
     return (
         Section("equations", "Equations", (Equations(equations),)),
@@ -127,8 +127,8 @@ def _texts(thing: Any) -> Iterator[str]:
         yield thing.alt
         yield from (getattr(line, "source", "") for line in getattr(thing.chart, "lines", ()))
     elif isinstance(thing, tuple):
-        for one in thing:
-            yield from _texts(one)
+        for part in thing:
+            yield from _texts(part)
     elif is_dataclass(thing):
         for field in fields(thing):
             yield from _texts(getattr(thing, field.name))

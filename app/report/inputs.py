@@ -32,7 +32,7 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
         rows.append((part.title if entry is None else f"{part.title}: {_preset(design, part.section, entry)}",))
         named = INPUTS[part.section]
         if part.optional:
-            named = {name: one for name, one in named.items() if design[f"{part.section}.{name}"] != one.default}
+            named = {name: q for name, q in named.items() if design[f"{part.section}.{name}"] != q.default}
         rows += (_row(design, part.section, name, entry, aperture_time) for name in named)
         if entry is not None:
             rows += (
@@ -83,8 +83,8 @@ def shown_value(design: Design, section: str, name: str) -> str:
     if not declaration.dimension:
         return f"{value:g}"
     written = design.written.get(key, "")
-    if said := declaration.conversion(float(value), written, design.baseline):
-        return said
+    if converted := declaration.conversion(float(value), written, design.baseline):
+        return converted
     written_as, text = declaration.write(float(value), written)
     if written_as == name:
         return str(text)

@@ -85,15 +85,15 @@ class _Sheets:
         self._verdict(sheets["Post-processed"], live=False)
         sheets["Budget"].activate()
 
-    def _start(self, sheet: Any, title: str, columns: Mapping[str, float], said: Sequence[str] = ()) -> int:
+    def _start(self, sheet: Any, title: str, columns: Mapping[str, float], lines: Sequence[str] = ()) -> int:
         """Title, sentences and heads of the columns; the row after them."""
         sheet.set_row(0, 24)
         sheet.write_row(0, 0, (title, *[""] * (len(columns) - 1)), self.title)
-        sheet.write_column(1, 0, said)
+        sheet.write_column(1, 0, lines)
         sheet.set_landscape()
-        sheet.repeat_rows(len(said) + 2)
+        sheet.repeat_rows(len(lines) + 2)
         sheet.fit_to_pages(1, 0)
-        row = len(said) + 2
+        row = len(lines) + 2
         sheet.set_row(row, 30)  # two lines, which not every program finds out
         sheet.write_row(row, 0, columns, self.head)
         for column, (name, width) in enumerate(columns.items()):
@@ -136,8 +136,8 @@ class _Sheets:
         sheet.write_formula(row + 1, 1, f"=SUM(F{first + 1}:F{row})>0", None, False)
         self._name(_CHANGED, "Inputs", row + 1, 1)
         sheet.write(row + 3, 0, "Fixed here: the formulas do not follow these. Change them in NavBudget.", self.bold)
-        for at, said in enumerate(fixed, row + 4):
-            sheet.write_row(at, 0, said)
+        for at, line in enumerate(fixed, row + 4):
+            sheet.write_row(at, 0, line)
 
     def _input(self, sheet: Any, row: int, key: str) -> None:
         declaration, unit = declaration_of(key), _unit_of(self.design, key)
@@ -157,9 +157,9 @@ class _Sheets:
 
     def _entry(self, sheet: Any, row: int, symbol: str, label: str, value: Any, unit: "_Unit", doc: str) -> None:
         """A cell to change, in SI under its name, and what it is as computed."""
-        shown, cell = None if value is None else unit.number(value), f"B{row + 1}"
-        sheet.write_row(row, 0, (label, None, unit.symbol, None, shown, None, doc))
-        sheet.write(row, 1, shown, self.entry)
+        number, cell = None if value is None else unit.number(value), f"B{row + 1}"
+        sheet.write_row(row, 0, (label, None, unit.symbol, None, number, None, doc))
+        sheet.write(row, 1, number, self.entry)
         in_si = f'=IF({cell}="","",{unit.to_si(cell)})'
         sheet.write_formula(row, 3, in_si, self.number, "" if value is None else value)
         self._name(symbol, "Inputs", row, 3)
@@ -214,9 +214,9 @@ class _Sheets:
             self._state(sheet, row, 8, taken=any(variance.taken for variance in variances))
         row = first + len(self.traces.sources)
         for column, part in enumerate(parts, 1):
-            for own in self.traces.contributors.get(f"{part}_phase", ()):
-                sheet.write(row, 0, own.name)
-                self._part_of(sheet, row, column, f"{part}_phase", own.size, systematic=own.systematic)
+            for entry in self.traces.contributors.get(f"{part}_phase", ()):
+                sheet.write(row, 0, entry.name)
+                self._part_of(sheet, row, column, f"{part}_phase", entry.size, systematic=entry.systematic)
                 self._state(sheet, row, 8, taken=False)
                 row += 1
         sheet.write(row, 0, "Sum", self.bold)
@@ -228,9 +228,9 @@ class _Sheets:
     def _part_of(self, sheet: Any, row: int, at: int, figure: str, size: Any, *, systematic: bool = False) -> None:
         """The 1σ of a source or a contributor of a phase, and its share: a systematic one adds linearly to the root
         of what is random."""
-        shown, whole = np.degrees(size), self.cells.cell(f"real_time_{figure}")
+        degrees, whole = np.degrees(size), self.cells.cell(f"real_time_{figure}")
         root = self.cells.cell(f"root_{figure}") if figure in self.traces.contributors else whole
-        sheet.write_formula(row, at, f"={shown.text}", self.figure, float(shown.value))
+        sheet.write_formula(row, at, f"={degrees.text}", self.figure, float(degrees.value))
         with np.errstate(invalid="ignore"):  # of a phase that is zero
             share = size / whole if systematic else size**2 / (whole * root)
         formula = f"=IF({whole.text}=0,0,{share.text})"
@@ -244,8 +244,8 @@ class _Sheets:
             key = REQUIRED.get(figure)
             unit = _unit_of(self.design, f"requirements.{key}") if key else _Unit.of("", dimension)
             sheet.write_row(row, 0, (line.label, None, unit.symbol, line.mark))
-            shown = self.level if unit.symbol == "dB" else self.figure
-            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", shown, unit.number(line.value))
+            look = self.level if unit.symbol == "dB" else self.figure
+            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", look, unit.number(line.value))
             self._state(sheet, row, 4, taken=line.taken)
         self._greyed(sheet, f"A{first + 1}:E{row + 1}", f"$E{first + 1}")
 
@@ -261,13 +261,13 @@ class _Sheets:
             "Requirement": 38, "Value, 1σ": 14, "Factor": 8, "Value checked": 14, "Limit": 12, "Unit": 8,
             "Margin": 10, "Met": 12, "Equation": 16, "State": 22, "Main error source (as computed)": 40,
         }  # fmt: skip
-        said = (
+        lines = (
             "",
             "Values are live formulas of the sheet Inputs, unless the column State says otherwise."
             if live
             else "NavBudget computed these values from the column As computed of Inputs; no formula does.",
         )
-        first = row = self._start(sheet, f"{printable(title_of(self.design))}, {SAID[processing]}", columns, said)
+        first = row = self._start(sheet, f"{printable(title_of(self.design))}, {SAID[processing]}", columns, lines)
         checks = {check.name: check for check in verdict.checks}
         for row, name in enumerate(names, first):
             self._check(sheet, row, name, checks.get(name), fixed.get(name))
@@ -294,28 +294,28 @@ class _Sheets:
             unit, limit, given = _unit_of(self.design, key), symbol_of(key), cast("float | None", self.design[key])
             symbol, follows = f"real_time_{name}", True
         else:
-            number, own = next((n, one) for n, one in enumerate(self.design.limits, 1) if one.name == name)
-            unit, limit, given = _Unit.of(own.unit, own.dimension), own_key(number), own.value
-            symbol, follows = f"real_time_{limit}", own.confidence is None
+            number, limit_of = next((n, item) for n, item in enumerate(self.design.limits, 1) if item.name == name)
+            unit, limit, given = _Unit.of(limit_of.unit, limit_of.dimension), own_key(number), limit_of.value
+            symbol, follows = f"real_time_{limit}", limit_of.confidence is None
             if symbol not in self.cells.named:  # a figure that has a cell already
-                symbol = f"real_time_{own.on}"
+                symbol = f"real_time_{limit_of.on}"
         line = self.cells.named[symbol]
         usual = self.design.requirements.confidence
         confidence = check.confidence if check else usual if name not in FIGURES or FIGURES[name].scaled else None
         factor = confidence or 1.0
-        said = "=1" if confidence is None else "=requirements_confidence" if follows else f"={factor!r}"
+        formula = "=1" if confidence is None else "=requirements_confidence" if follows else f"={factor!r}"
         sigma = float(line.value if fixed is None else fixed)
         checked = factor * sigma
-        shown = self.level if unit.symbol == "dB" else self.figure
+        look = self.level if unit.symbol == "dB" else self.figure
         sheet.write(row, 0, label_of(name))
         if fixed is None:
-            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", shown, unit.number(sigma))
+            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", look, unit.number(sigma))
         else:
-            sheet.write(row, 1, unit.number(sigma), shown)
-        sheet.write_formula(row, 2, said, None, factor)
-        sheet.write_formula(row, 3, f"=B{at}*C{at}", shown, unit.number(checked))
+            sheet.write(row, 1, unit.number(sigma), look)
+        sheet.write_formula(row, 2, formula, None, factor)
+        sheet.write_formula(row, 3, f"=B{at}*C{at}", look, unit.number(checked))
         allowed = "" if given is None else unit.number(given)
-        sheet.write_formula(row, 4, f'=IF({limit}="","",{unit.from_si(limit)})', shown, allowed)
+        sheet.write_formula(row, 4, f'=IF({limit}="","",{unit.from_si(limit)})', look, allowed)
         sheet.write(row, 5, unit.symbol)
         margin: Any = "" if given is None else 1 - checked / given
         of_limit = f"{unit.to_si(f'D{at}')}/({unit.to_si(f'E{at}')})"

@@ -18,20 +18,20 @@ def study_sections(findings: Mapping[str, Any], design: Design, key: str) -> tup
 
     findings: subject's key -> finding. key: what the keys of the design's sections begin with.
     """
-    told: list[Section] = []
-    left = []
+    sections: list[Section] = []
+    others = []
     for kind, subject in STUDIES.items():
         if kind not in findings:
             continue
         report = subject.load("report")
         if other := report.another_design(findings[kind], design):
-            left.append(f"{subject.study}: the last study belongs to another design, {other}.")
+            others.append(f"{subject.study}: the last study belongs to another design, {other}.")
         else:
-            told += report.sections(findings[kind], key)
-    if left:
-        left.append("Run them again for this design to include them.")
-        told.append(Section(f"{key}-left-out", "Studies left out", (Bullets(tuple(left)),)))
-    return tuple(told)
+            sections += report.sections(findings[kind], key)
+    if others:
+        others.append("Run them again for this design to include them.")
+        sections.append(Section(f"{key}-left-out", "Studies left out", (Bullets(tuple(others)),)))
+    return tuple(sections)
 
 
 def belonging(findings: Mapping[str, Any], design: Design) -> dict[str, bool]:

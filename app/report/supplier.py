@@ -100,8 +100,8 @@ def supplier_bytes(design: Design, unit: Unit) -> bytes:
 def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float) -> Table:
     """Required values; the reading that is accepted is so large a share of each."""
     note = f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ."
-    if design.allocation and (left := [printable(one.name) for one in design.limits if one.on in RESPONSE]):
-        note += f" Not allocated, so not in these values: limits on the impulse response ({', '.join(left)})."
+    if design.allocation and (others := [printable(c.name) for c in design.limits if c.on in RESPONSE]):
+        note += f" Not allocated, so not in these values: limits on the impulse response ({', '.join(others)})."
     if bounded := [in_sentence(declaration_of(line.key).label) for line in lines if line.bounded]:
         note += f" The most that a design may have, as no limit asks for less: {', '.join(bounded)}."
     rows = (
@@ -132,26 +132,26 @@ def _meaning(plan: Allotment | None) -> str:
 def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
     """What the values hold for, and what the design assumes beside them, which the supplier confirms."""
 
-    def said(key: str) -> str:
+    def text_of(key: str) -> str:
         return input_in_words(design, key, cast("float", design[key]))
 
     if unit == "gnss":
         slow = "none"
         if design.gnss.correlated:
-            slow = f"{said('gnss.correlated_noise')} for {said('gnss.correlation_time')}"
+            slow = f"{text_of('gnss.correlated_noise')} for {text_of('gnss.correlation_time')}"
         return (
             f"Fixes every {design.gnss.interval:g} s. Errors independent from fix to fix, per axis.",
             f"Slow error (ionosphere, multipath) assumed beside these values: {slow}.",
-            f"Lever arm to the IMU, error assumed: {said('trajectory.lever_arm_error')}. Latency of the fixes "
-            f"against the IMU's clock, error assumed: {said('trajectory.time_offset')}. Both to be confirmed.",
+            f"Lever arm to the IMU, error assumed: {text_of('trajectory.lever_arm_error')}. Latency of the fixes "
+            f"against the IMU's clock, error assumed: {text_of('trajectory.time_offset')}. Both to be confirmed.",
         )
-    bandwidth = said("motion.imu_bandwidth") if design.motion.imu_bandwidth else "not stated"
+    bandwidth = text_of("motion.imu_bandwidth") if design.motion.imu_bandwidth else "not stated"
     return (
         f"At rest, white noise per axis. The design multiplies it by {design.imu.vibration_factor:g} in flight.",
-        f"Bias that the filter does not absorb, assumed 1σ: {said('imu.accelerometer_bias')} and "
-        f"{said('imu.gyro_bias')}. A log at rest does not show it: the in-run bias instability is to be stated.",
+        f"Bias that the filter does not absorb, assumed 1σ: {text_of('imu.accelerometer_bias')} and "
+        f"{text_of('imu.gyro_bias')}. A log at rest does not show it: the in-run bias instability is to be stated.",
         f"Bandwidth of rates and accelerations: {bandwidth}. Latency against the radar, error assumed: "
-        f"{said('trajectory.radar_time_offset')}.",
+        f"{text_of('trajectory.radar_time_offset')}.",
         "The values hold over the temperature range of the flight; change of bias and scale factor with temperature "
         "is to be stated.",
     )
@@ -171,12 +171,12 @@ def _proof(design: Design, unit: Unit) -> str:
 
 
 def _decision(unit: Unit, degrees: float) -> str:
-    said = (
+    rule = (
         f"Decision: every axis may read at most {100 * accepted_share(degrees):.1f} % of the required value. That "
         f"is the root of the chi-square quantile at {100 * (1 - CONFIDENCE):.0f} % over the degrees of freedom, "
         f"here {degrees:.0f}. Shorter logs need a lower reading"
     )
-    return f"{said}: navbudget allan LOG --against DESIGN computes both and decides." if unit == "imu" else f"{said}."
+    return f"{rule}: navbudget allan LOG --against DESIGN computes both and decides." if unit == "imu" else f"{rule}."
 
 
 def acceptance_blocks(
@@ -184,8 +184,8 @@ def acceptance_blocks(
 ) -> tuple[Answer, Table]:
     """Whether a log shows what is required of the inertial unit, and why, by axis; `reading`: how it was read."""
     failed = [axis_label(row.name) for row in rows if not row.passes]
-    said = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"All {len(rows)} axes pass."
-    answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {said}",))
+    text = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"All {len(rows)} axes pass."
+    answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {text}",))
     body: Iterable[Row] = (
         (
             axis_label(row.name),

@@ -83,9 +83,9 @@ class Traces:
 
     def _or(self, key: str, otherwise: Traced) -> Any:
         """The input, or what is used where its cell is empty."""
-        own, value = self._cell(key), self.design[key]
-        used = otherwise.value if value is None else own.value
-        return Traced(f'IF({own.text}="",{otherwise.text},{own.text})', used, self.workings)
+        cell, value = self._cell(key), self.design[key]
+        used = otherwise.value if value is None else cell.value
+        return Traced(f'IF({cell.text}="",{otherwise.text},{cell.text})', used, self.workings)
 
     def _inputs(self) -> Inputs:
         """What `inputs_of` makes of cells in the place of numbers."""
@@ -113,7 +113,7 @@ class Traces:
         ]
         if x.velocity is not None:
             named += [("velocity_vertical", "vertical velocity", "m/s"), ("velocity_interval", "interval", "s")]
-        changes: dict[str, Any] = {symbol: name(symbol, getattr(x, symbol), *said) for symbol, *said in named}
+        changes: dict[str, Any] = {symbol: name(symbol, getattr(x, symbol), *words) for symbol, *words in named}
         if (bias := self.plain.x.rectified) is not None:
             changes["rectified"] = name("rectified", bias, "bias caused by vibration", "m/s²", "[P-12]")
         mark, parts = "[P-8]", ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope")
@@ -161,8 +161,8 @@ class Traces:
             cells = {}
             for field, element in channel._asdict().items():
                 place = field[1:]
-                said = f"{label} covariance {place}", _CHANNEL[place], mark
-                cells[field] = self.workings.name(f"{prefix}_{field}", element, *said, taken=taken)
+                words = f"{label} covariance {place}", _CHANNEL[place], mark
+                cells[field] = self.workings.name(f"{prefix}_{field}", element, *words, taken=taken)
             return channel._replace(**cells)
 
         return Sawtooth(named(saw.horizontal, "horizontal", marks[0]), named(saw.vertical, "vertical", marks[1]))
@@ -269,8 +269,8 @@ class Traces:
         shift = model.shift
         model.shift = type(shift)(*self._variances("shift_{}", shift._asdict(), "variance of the shift", "[P-7]"))
         parts = dict(zip(("azimuth", "across", "both"), model.ground, strict=True))
-        one, other, both = self._variances("ground_{}", parts, "on the ground", "[P-7]")
-        model.ground = one, other, both
+        first, second, product = self._variances("ground_{}", parts, "on the ground", "[P-7]")
+        model.ground = first, second, product
         for name in of_kind("place"):
             self._figure(name, model.value(name))
 

@@ -80,7 +80,7 @@ class SharedSocket(socket.socket):
                 raise
             self._rest()
             raise BlockingIOError from error
-        self._waiting = [one for one in self._waiting if (open_ := one()) is not None and open_.fileno() >= 0]
+        self._waiting = [h for h in self._waiting if (open_ := h()) is not None and open_.fileno() >= 0]
         if len(self._waiting) >= self._most and (first := self._waiting.pop(0)()) is not None:
             with suppress(OSError):  # it has just gone
                 first.shutdown(socket.SHUT_RDWR)
@@ -89,7 +89,7 @@ class SharedSocket(socket.socket):
 
     def keep(self, accepted: socket.socket) -> None:
         """A connection has become a page's."""
-        self._waiting = [one for one in self._waiting if one() is not accepted]
+        self._waiting = [h for h in self._waiting if h() is not accepted]
 
     def _rest(self) -> None:
         """No more files can be opened: accept nobody for a moment, or the event loop would ask without end."""

@@ -98,7 +98,7 @@ _MOST_FAULTS = 50  # of one connection
 
 def being_sent() -> bool:
     """Whether messages to a page are still being sent."""
-    streams = (own.ws_connection.stream for own in _connections if own.ws_connection is not None)
+    streams = (c.ws_connection.stream for c in _connections if c.ws_connection is not None)
     return any(stream is not None and stream.writing() for stream in streams)
 
 
@@ -133,19 +133,19 @@ async def _place_for(address: str, context: ApplicationContext) -> bool:
     else of the one with most pages.
     """
     sessions = list(context.sessions)
-    left = [own for own in sessions if own.connection_count == 0]
+    idle = [s for s in sessions if s.connection_count == 0]
     connected = (page.request.remote_ip for page in _connections if not page.hung_up())
-    held = Counter([*connected, *map(_addresses.get, left)])
+    held = Counter([*connected, *map(_addresses.get, idle)])
     full = _here.full(len(sessions))
     if not is_loopback(address) and held[address] >= max(1, _here.most // (2 * _here.row.board.processes)):
-        left = [own for own in left if _addresses.get(own) == address]
+        idle = [s for s in idle if _addresses.get(s) == address]
     elif full:
-        left = [own for own in left if held[_addresses.get(own)] > 1]
+        idle = [s for s in idle if held[_addresses.get(s)] > 1]
     else:
         return True
-    if not left:
+    if not idle:
         return False
-    first = max(left, key=lambda own: (held[_addresses.get(own)], own.milliseconds_since_last_unsubscribe))
+    first = max(idle, key=lambda s: (held[_addresses.get(s)], s.milliseconds_since_last_unsubscribe))
     await end_session(context, first)
     return not _here.full(len(list(context.sessions)))
 

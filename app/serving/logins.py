@@ -100,9 +100,9 @@ class Logins:
         with self._writing() as connection:
             outside = text("DELETE FROM login_tries WHERE at NOT BETWEEN :since AND :now")
             connection.execute(outside, {"since": now - _WINDOW, "now": now})
-            for one in who:
+            for name in who:
                 connection.execute(
-                    text("INSERT INTO login_tries VALUES (:who, :at)"), {"who": _hashed(one), "at": now}
+                    text("INSERT INTO login_tries VALUES (:who, :at)"), {"who": _hashed(name), "at": now}
                 )
 
 

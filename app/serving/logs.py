@@ -27,25 +27,25 @@ class JsonFormatter(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         """The record as a line of JSON, without what may quote a design."""
-        said: dict[str, Any] = {
+        entry: dict[str, Any] = {
             "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
             "level": record.levelname.lower(),
             "logger": record.name,
             "process": record.process,
         }
         if record.name == LOGGER.name:
-            said |= {"event": record.msg, **getattr(record, "fields", {})}
+            entry |= {"event": record.msg, **getattr(record, "fields", {})}
         else:
-            said |= {"at": f"{record.module}:{record.lineno}"}
+            entry |= {"at": f"{record.module}:{record.lineno}"}
             if record.args:  # with nothing put in, the text may already be filled out
-                said["template"] = str(record.msg)
+                entry["template"] = str(record.msg)
         if record.exc_info and record.exc_info[0] is not None:
             frames = traceback.extract_tb(record.exc_info[2])
-            said |= {
+            entry |= {
                 "exception": record.exc_info[0].__name__,
                 "raised": [f"{frame.filename}:{frame.lineno} {frame.name}" for frame in frames[-5:]],
             }
-        return json.dumps(said, ensure_ascii=False)
+        return json.dumps(entry, ensure_ascii=False)
 
 
 class TextFormatter(logging.Formatter):

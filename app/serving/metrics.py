@@ -59,9 +59,9 @@ class ServerMetrics(Collector):
         families: dict[str, Metric] = {}
         for process in range(self._board.processes):
             pid = self._board.get(process, "pid")
-            for found in ProcessCollector(pid=partial(int, pid), registry=None).collect() if pid else ():
-                family = families.setdefault(found.name, Metric(found.name, found.documentation, found.type))
-                for sample in found.samples:
+            for m in ProcessCollector(pid=partial(int, pid), registry=None).collect() if pid else ():
+                family = families.setdefault(m.name, Metric(m.name, m.documentation, m.type))
+                for sample in m.samples:
                     family.add_sample(sample.name, {**sample.labels, "process": str(process)}, sample.value)
         yield from families.values()
 

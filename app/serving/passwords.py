@@ -73,20 +73,20 @@ def _parsed(text: str) -> _Hash | None:
     """A hash as written by `password_line`; None if it is not one."""
     try:
         kind, cost, block, lanes, salt, key = text.split("$")
-        found = _Hash(int(cost), int(block), int(lanes),
+        parsed = _Hash(int(cost), int(block), int(lanes),
                       base64.b64decode(salt, validate=True), base64.b64decode(key, validate=True))  # fmt: skip
     except (ValueError, binascii.Error):
         return None
     usable = (
         kind == "scrypt"
-        and 2 <= found.cost <= _MOST_COST
-        and found.cost & (found.cost - 1) == 0
-        and 1 <= found.block <= _MOST_BLOCK
-        and 1 <= found.lanes <= _MOST_LANES
-        and len(found.salt) >= _SALT_BYTES
-        and len(found.key) == _KEY_BYTES
+        and 2 <= parsed.cost <= _MOST_COST
+        and parsed.cost & (parsed.cost - 1) == 0
+        and 1 <= parsed.block <= _MOST_BLOCK
+        and 1 <= parsed.lanes <= _MOST_LANES
+        and len(parsed.salt) >= _SALT_BYTES
+        and len(parsed.key) == _KEY_BYTES
     )
-    return found if usable else None
+    return parsed if usable else None
 
 
 def read_passwords(path: Path) -> Mapping[str, _Hash]:
@@ -107,15 +107,15 @@ def read_passwords(path: Path) -> Mapping[str, _Hash]:
         if not line.strip() or line.startswith("#"):
             continue
         name, colon, text = line.strip().rpartition(":")
-        found = _parsed(text)
-        if not colon or not name or found is None:
+        parsed = _parsed(text)
+        if not colon or not name or parsed is None:
             # The line itself stays out of the message: somebody may have written a password in clear.
             raise InputError(
                 "--password-file", f"{path} line {number} is not name:hash; `navbudget password NAME` prints one"
             )
         if name in people:
             raise InputError("--password-file", f"{path} line {number} names {name!r} a second time")
-        people[name] = found
+        people[name] = parsed
     if not people:
         raise InputError("--password-file", f"{path} names nobody; `navbudget password NAME` prints a line for it")
     return people
@@ -138,10 +138,10 @@ class Passwords:
 
     def _now(self) -> tuple[int, int] | None:
         try:
-            found = self.path.stat()
+            status = self.path.stat()
         except OSError:
             return None
-        return found.st_mtime_ns, found.st_size
+        return status.st_mtime_ns, status.st_size
 
     def _current(self) -> Mapping[str, _Hash]:
         stamp = self._now()
@@ -155,13 +155,13 @@ class Passwords:
 
     def mark(self, name: str) -> str | None:
         """A mark that changes with this user's password; None for a name not in the file."""
-        found = self._current().get(name)
-        return None if found is None else _text(found.salt + found.key)
+        person = self._current().get(name)
+        return None if person is None else _text(person.salt + person.key)
 
     def fits(self, name: str, password: str) -> bool:
         """Whether name and password match; takes as long for an unknown name."""
         if len(password) > MAX_PASSWORD:
             return False
-        found = self._current().get(name)
-        right = (found or _NOBODY).fits(password)
-        return right and found is not None
+        person = self._current().get(name)
+        right = (person or _NOBODY).fits(password)
+        return right and person is not None

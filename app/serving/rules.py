@@ -105,20 +105,20 @@ def _within(option: str, value: float, least: float, most: float) -> None:
 def in_numbers(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     """An address that needs no name server, an IPv4 address mapped into IPv6 as itself; None for a name."""
     try:
-        found = ipaddress.ip_address(address)
+        number = ipaddress.ip_address(address)
     except ValueError:
         return None
-    return getattr(found, "ipv4_mapped", None) or found
+    return getattr(number, "ipv4_mapped", None) or number
 
 
 def is_loopback(address: str) -> bool:
     """Whether only this machine can reach an address."""
-    return address == "localhost" or ((found := in_numbers(address)) is not None and found.is_loopback)
+    return address == "localhost" or ((number := in_numbers(address)) is not None and number.is_loopback)
 
 
 def is_everywhere(address: str) -> bool:
     """Whether listening on an address is listening on all that this machine has."""
-    return (found := in_numbers(address)) is not None and found.is_unspecified
+    return (number := in_numbers(address)) is not None and number.is_unspecified
 
 
 def cookie_secret(path: Path | None) -> str:

@@ -79,7 +79,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     """
     design, notice = first_design(), ""
     query = pn.state.location.search if pn.state.location else ""
-    of_design, of_study, shown = link_parts(query)
+    of_design, of_study, display = link_parts(query)
     if of_design and not is_review_link(query):
         try:
             design = from_query(of_design)
@@ -91,9 +91,9 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
         session, notice = Session(first_design()), f"The link was not used. {error}"
     session.take_studies(of_study)
     try:
-        session.shown = display_of(shown or recalled(DISPLAY_COOKIE)).word
+        session.display = display_of(display or recalled(DISPLAY_COOKIE)).word
     except InputError as error:
-        notice = notice or (f"The link was not used whole. {error}" if shown else "")
+        notice = notice or (f"The link was not used whole. {error}" if display else "")
     if changed is not None:
         session.param.watch(changed, "budget")
     return Frame(session, notice).__panel__()

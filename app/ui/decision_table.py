@@ -10,7 +10,7 @@ from app.upstream.plain_script import PlainScript
 
 
 class DecisionTable(PlainScript):
-    """Requirements with the decision in force; ``told`` is called with what a person decides, a dict.
+    """Requirements with the decision in force; ``on_decision`` is called with what a person decides, a dict.
 
     Under "do" it has "decide" (with place, name, accepted, reason, and seen: the number of the decision that was in
     view, 0 for none) or "accept" (with points: pairs of place and name that were open and met).
@@ -24,10 +24,10 @@ class DecisionTable(PlainScript):
 
     _stylesheets: ClassVar[list[str]] = [SHEET]
 
-    def __init__(self, told: Callable[[dict[str, Any]], None], **params: Any) -> None:
+    def __init__(self, on_decision: Callable[[dict[str, Any]], None], **params: Any) -> None:
         super().__init__(**params)
-        self._told = told
+        self._on_decision = on_decision
 
     def _handle_msg(self, msg: Any) -> None:
         if isinstance(msg, dict) and msg.get("do") in {"decide", "accept"}:
-            self._told(msg)
+            self._on_decision(msg)

@@ -26,7 +26,7 @@ class Field(NamedTuple):
 
 
 class RowEditor(PlainScript):
-    """The rows in force; ``told`` is called with all rows that have what they need whenever one changes.
+    """The rows in force; ``on_change`` is called with all rows that have what they need whenever one changes.
 
     It returns why they are refused, or nothing. What was typed stays in the boxes either way.
     """
@@ -40,10 +40,10 @@ class RowEditor(PlainScript):
 
     _stylesheets: ClassVar[list[str]] = [SHEET]
 
-    def __init__(self, fields: tuple[Field, ...], told: Callable[[Rows], object], **params: Any) -> None:
+    def __init__(self, fields: tuple[Field, ...], on_change: Callable[[Rows], object], **params: Any) -> None:
         columns = [field._asdict() for field in fields]
         super().__init__(columns=columns, **{"sizing_mode": "stretch_width", "margin": (4, 10), **params})
-        self._told = told
+        self._on_change = on_change
         self._keys = {field.key for field in fields if not field.read}
 
     def _handle_msg(self, msg: Any) -> None:
@@ -61,7 +61,7 @@ class RowEditor(PlainScript):
         given = [
             {key: str(text) for key, text in row.items() if key in self._keys and str(text).strip()} for row in rows
         ]
-        refused = self._told(given)
+        refused = self._on_change(given)
         if isinstance(refused, InputError) and (place := _PLACE.fullmatch(refused.key)):
             labels = {column["key"]: column["label"] for column in self.columns}
             refused = refused.under(", ".join(filter(None, (place[1], labels.get(place[2])))))

@@ -35,9 +35,9 @@ class RunBar(View):
         )
 
         async def pressed(_: Any) -> None:
-            begun = start()
-            if isinstance(begun, Awaitable):
-                await begun
+            started = start()
+            if isinstance(started, Awaitable):
+                await started
 
         self.start.on_click(pressed)
         self.cancel.on_click(self._cancel)

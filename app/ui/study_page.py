@@ -19,7 +19,7 @@ from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
 from app.ui.theme import PRINT_NOTHING
 from app.ui.view import View
-from app.work.result_cache import keep, kept
+from app.work.result_cache import cached, keep
 from app.work.run import Run
 from nav_model.budget import Budget
 
@@ -128,7 +128,7 @@ class StudyPage(View, Generic[_T]):
 
     def _recall(self) -> bool:
         """Show what this server still has of these settings, unless a person waits for a run. Whether it has any."""
-        result = kept(*self._key) if self._key and (self._by_itself or not self.run.running) else None
+        result = cached(*self._key) if self._key and (self._by_itself or not self.run.running) else None
         if result is None:
             return False
         self._asked = self._key or ()

@@ -52,16 +52,16 @@ class StudySettings:
 
     def _follow(self) -> bool:
         """Take what the session's link says; what is no setting stays out. Whether anything is another now."""
-        before, said = self.text, self._session.settings.get(self._kind, "")
-        if said == before:
+        before, query = self.text, self._session.settings.get(self._kind, "")
+        if query == before:
             return False
-        found = dict(parse_qsl(said))
+        texts = dict(parse_qsl(query))
         taken: dict[str, Any] = {}
         for name in self._names:
             declared = self._of.param[name]
-            value = taken[name] = found.get(f"{self._kind}.{name}", declared.default)
+            value = taken[name] = texts.get(f"{self._kind}.{name}", declared.default)
             if isinstance(declared, param.Selector):
-                taken[name] = next((one for one in declared.objects if str(one) == str(value)), declared.default)
+                taken[name] = next((o for o in declared.objects if str(o) == str(value)), declared.default)
         self._of.param.update(**taken)
         return self.text != before
 

@@ -70,8 +70,8 @@ def debounce(work: Callable[[], None]) -> Callable[[], None]:
 
     def look() -> None:
         """By a timer of the loop: one of the document's costs as much as some of the work."""
-        if (left := due - time.monotonic()) > 0:
-            asyncio.get_running_loop().call_later(left, look)
+        if (wait := due - time.monotonic()) > 0:
+            asyncio.get_running_loop().call_later(wait, look)
         elif _is_open(document):
             document.add_next_tick_callback(rested)
 

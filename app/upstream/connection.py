@@ -78,8 +78,8 @@ class FirstChanges(WSHandler):
 def _collected(document: Document, lock: threading.Lock) -> list[Any]:
     """What is to be told of all that a hold collected before the page was ready."""
     if document not in _sent:
-        told: list[Any] = _drain_as_shipped(document, lock)
-        return told
+        collected: list[Any] = _drain_as_shipped(document, lock)
+        return collected
     with lock:
         events, callbacks = list(document.callbacks._held_events), document.callbacks
         callbacks._held_events, callbacks._hold = [], None

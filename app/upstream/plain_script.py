@@ -29,5 +29,5 @@ class PlainScript(JSComponent):
             cls._stylesheets = [*cls._stylesheets, sheet.read_text("utf-8")]
 
     def _get_properties(self, doc: Any) -> dict[str, Any]:
-        found: dict[str, Any] = super()._get_properties(doc)
-        return {**found, "bundle": hashlib.sha256(found["esm"].encode()).hexdigest()}
+        properties: dict[str, Any] = super()._get_properties(doc)
+        return {**properties, "bundle": hashlib.sha256(properties["esm"].encode()).hexdigest()}

@@ -44,11 +44,11 @@ def _get_children(
     component: ReactiveESM, _: Any, document: Any, root: Any, parent: Any, comm: Any
 ) -> tuple[dict[str, Any], list[Any]]:
     made: dict[str, Any] = {}
-    kept: list[Any] = []
+    models: list[Any] = []
     for name in _children(component.__class__):
         made[name], old = component._get_child_model(getattr(component, name), document, root, parent, comm)
-        kept += old
-    return made, kept
+        models += old
+    return made, models
 
 
 def _get_properties(component: ReactiveESM, document: Any) -> dict[str, Any]:
@@ -61,8 +61,8 @@ def _get_properties(component: ReactiveESM, document: Any) -> dict[str, Any]:
 
 
 def _init_params(component: Syncable) -> dict[str, Any]:
-    found = {name: getattr(component, name) for name in component._synced_params}
-    return {name: value for name, value in found.items() if value is not None}
+    values = {name: getattr(component, name) for name in component._synced_params}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def skip_event_copies() -> None:
@@ -95,8 +95,8 @@ def _kept_defaults(kind: type[HasProps]) -> tuple[PropertyDescriptor[Any], ...]:
 
     An empty container is made when it is looked at: for most, never.
     """
-    own = (each for each in kind.descriptors() if each.has_unstable_default(kind))
-    return tuple(each for each in own if not _is_empty(each.class_default(kind)))
+    descriptors = (each for each in kind.descriptors() if each.has_unstable_default(kind))
+    return tuple(each for each in descriptors if not _is_empty(each.class_default(kind)))
 
 
 def _is_empty(default: Any) -> bool:
@@ -127,13 +127,13 @@ def _query(
 ) -> dict[str, Any]:
     if include_defaults or _themed(model):
         return _shipped_query(model, query, include_defaults=include_defaults, include_undefined=include_undefined)
-    own, found = model._unstable_default_values, {}
+    defaults, values = model._unstable_default_values, {}
     for name in model.properties(_with_props=True):
-        if (name in model._property_values or name in own) and query(descriptor := model.lookup(name)):
+        if (name in model._property_values or name in defaults) and query(descriptor := model.lookup(name)):
             value = descriptor.get_value(model)
-            if not (name in own and isinstance(value, PropertyValueContainer)):
-                found[name] = value
-    return found
+            if not (name in defaults and isinstance(value, PropertyValueContainer)):
+                values[name] = value
+    return values
 
 
 def check_given_values() -> None:

@@ -55,9 +55,9 @@ def _params(protocol: str | None, host: str | None, uri: str | None) -> dict[str
     # A request's path never has the host in it; "//a" would be taken for one.
     at = urlsplit(f"//{host or ''}")
     path, _, search = (uri or "").partition("?")
-    found = {"protocol": f"{protocol}:" if protocol else "", "hostname": at.hostname or "", "href": href,
+    values = {"protocol": f"{protocol}:" if protocol else "", "hostname": at.hostname or "", "href": href,
              "port": str(at.port or ""), "pathname": path, "search": f"?{search}" if search else ""}  # fmt: skip
-    return {name: value for name, value in found.items() if value}
+    return {name: value for name, value in values.items() if value}
 
 
 def read_any_address() -> None:

@@ -142,7 +142,7 @@ def _work(ends: Connection, begin: Callable[[], None] | None) -> None:
 
 def _held_memory() -> int:
     """Bytes of memory that this process holds now; where only Linux would tell, too many to be kept."""
-    told = Path("/proc/self/statm")
-    if not told.exists():
+    path = Path("/proc/self/statm")
+    if not path.exists():
         return sys.maxsize
-    return int(told.read_text("ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    return int(path.read_text("ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")

@@ -16,7 +16,7 @@ def keep(result: Any, kind: str, *asked: str, most: int = _MOST) -> None:
         del _kept[key]
 
 
-def kept(kind: str, *asked: str) -> Any:
+def cached(kind: str, *asked: str) -> Any:
     """The result with the same key; None if there is none."""
     if (kind, *asked) in _kept:
         _kept.move_to_end((kind, *asked))

@@ -35,7 +35,7 @@ class Progress:
 
     what: str
     share: float | None = None
-    left: float | None = None
+    remaining_s: float | None = None
 
     @property
     def words(self) -> str:
@@ -44,7 +44,7 @@ class Progress:
         >>> Progress("100 of 400 runs", 0.25, 12.3).words
         '100 of 400 runs, about 12 s left'
         """
-        return self.what if self.left is None else f"{self.what}, about {self.left:.0f} s left"
+        return self.what if self.remaining_s is None else f"{self.what}, about {self.remaining_s:.0f} s left"
 
 
 class Clock:
@@ -63,8 +63,8 @@ class Clock:
         if not share:
             self._began = now
             return Progress(what, share)
-        left = (now - self._began) * (1 - share) / share if _LEAST_SHARE <= share < 1 else None
-        return Progress(what, share, left)
+        remaining = (now - self._began) * (1 - share) / share if _LEAST_SHARE <= share < 1 else None
+        return Progress(what, share, remaining)
 
 
 class Run(param.Parameterized):

@@ -135,8 +135,8 @@ def _curves(axes: Any, chart: Chart) -> None:
             axes.plot([], [], **look)
     for limit in chart.limits:
         if not math.isnan(limit.level):
-            said = f"limit (scaled to {spread_of(chart.y_label)})"
-            axes.plot([limit.start, limit.stop], [limit.level] * 2, label=said, **pen(STYLES["limit"]))
+            text = f"limit (scaled to {spread_of(chart.y_label)})"
+            axes.plot([limit.start, limit.stop], [limit.level] * 2, label=text, **pen(STYLES["limit"]))
     if chart.x_range is not None:
         axes.set_xlim(*chart.x_range)
     if chart.square:
@@ -174,8 +174,8 @@ def _bars(axes: Any, chart: BarChart) -> None:
             edgecolor=colour, linewidth=0.6, hatch=hatch or None,
         )  # fmt: skip
         if not math.isnan(limit):
-            said = f"limit on {label}, at {spread_of(chart.x_label)}"
-            axes.axvline(limit, label=said, **pen(STYLES["limit"], dash))
+            text = f"limit on {label}, at {spread_of(chart.x_label)}"
+            axes.axvline(limit, label=text, **pen(STYLES["limit"], dash))
     axes.set_yticks(list(rows), [_begun(bar.label) for bar in bars])
     axes.set_ylim(len(bars) - 0.5, -0.5)  # a last row without a second bar stays whole
     axes.set_xlim(left=0)

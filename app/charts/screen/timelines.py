@@ -95,7 +95,7 @@ class Timelines:
         for plot, source in zip(self.plots, sources, strict=True):
             look = {"text_align": "left", "text_baseline": "top", "x_offset": 5, "y_offset": 3}
             add_glyph(plot, source, Text(x="x", y="y", text="text", background_fill_color=INK, **CHIP, **look))
-        told = [
+        texts = [
             {
                 "lines": [(line.label, _column(chart, line.key)) for line in chart.lines],
                 "unit": unit_of(chart.x_label),
@@ -103,7 +103,7 @@ class Timelines:
             for chart in charts
         ]
         curves, axes = self._sources["timelines"], [plot.yaxis[0] for plot in self.plots]
-        arguments = {"curves": curves, "plots": list(self.plots), "axes": axes, "sources": sources, "charts": told}
+        arguments = {"curves": curves, "plots": list(self.plots), "axes": axes, "sources": sources, "charts": texts}
         for plot in self.plots:
             plot.js_on_event(MouseMove, CustomJS(args=arguments, code=_READ_OUT))
             plot.js_on_event(MouseLeave, CustomJS(args=arguments, code=_READ_OUT))

@@ -24,9 +24,9 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         """Label, help, units and the scale of the slider."""
         declared = self._declared
         sheet = declared.datasheet if declared.datasheet.startswith("Not ") else f"Data sheet: {declared.datasheet}"
-        said = " ".join(part for part in (str(declared.doc), sheet, f"Typical: {declared.typical}.") if part)
+        text = " ".join(part for part in (str(declared.doc), sheet, f"Typical: {declared.typical}.") if part)
         empty = declared.when_empty if declared.allow_None else ""
-        return text_row(str(declared.label), said, declared.dimension, empty=empty, scale=self._scale)
+        return text_row(str(declared.label), text, declared.dimension, empty=empty, scale=self._scale)
 
     def current(self) -> Row:
         """The value in its unit, and where it came from."""
@@ -34,14 +34,14 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         value, unit = design[self.key], design.unit(self.key)
         assert value is None or isinstance(value, float | int)
         mark, note = _source(design, self.key)
-        told: Row = {"text": entered(design, self.key), "size": value, "unit": unit, "mark": mark, "note": note}
+        row: Row = {"text": entered(design, self.key), "size": value, "unit": unit, "mark": mark, "note": note}
         if value is not None and (
             made := self._declared.conversion(value, design.written.get(self.key, ""), design.baseline)
         ):
-            told |= {"note": f"{made}. {note}".strip(), "converted": True}
+            row |= {"note": f"{made}. {note}".strip(), "converted": True}
         if self._scale is not None:
-            told["place"] = self._scale.ends[1] if value is None else self._scale.place(value)
-        return told
+            row["place"] = self._scale.ends[1] if value is None else self._scale.place(value)
+        return row
 
     def slide(self, place: float) -> InputError | None:
         """Apply a place of the slider, in the current unit."""
@@ -59,9 +59,9 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
 
 def _source(design: Design, key: str) -> tuple[str, str]:
     """Where a value came from: a mark if there is something to heed, and the words."""
-    mark, said = _against_catalogue(design, key)
+    mark, note = _against_catalogue(design, key)
     origin = f"From: {design.origins[key]}." if key in design.origins else ""
-    return mark, f"{origin} {said}".strip()
+    return mark, f"{origin} {note}".strip()
 
 
 def _against_catalogue(design: Design, key: str) -> tuple[str, str]:

@@ -27,7 +27,7 @@ from nav_model.explore.vendor_table import COLUMNS, vendor_table, with_unit
 def add_to(commands: Any) -> None:
     """Declare the command."""
     evaluate = commands.add_parser("evaluate", help="print the whole budget of a design as JSON")
-    design_arguments(evaluate, one=True)
+    design_arguments(evaluate, single=True)
     evaluate.add_argument(
         "--times", metavar="S,S,...", help="times of the outage curves, in seconds since the last fix"
     )
@@ -39,11 +39,11 @@ def add_to(commands: Any) -> None:
     evaluate.set_defaults(run=_evaluate)
 
     check = commands.add_parser("check", help="check designs against their requirements")
-    design_arguments(check, one=False)
+    design_arguments(check, single=False)
     check.set_defaults(run=_check)
 
     share_out = commands.add_parser("allocate", help="split a requirement's limit among sources and contributors")
-    design_arguments(share_out, one=True)
+    design_arguments(share_out, single=True)
     share_out.add_argument("--requirement", metavar="NAME", help="a requirement's name; by default the tightest")
     share_out.add_argument(
         "--split",
@@ -61,13 +61,13 @@ def add_to(commands: Any) -> None:
     share_out.set_defaults(run=_allocate)
 
     vendor = commands.add_parser("table", help="print the errors that data sheets print: no outage, 10 s and 60 s")
-    design_arguments(vendor, one=True)
+    design_arguments(vendor, single=True)
     vendor.add_argument("--imu", metavar="NAME", help="an IMU of the catalogue in place of the design's")
     vendor.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
     vendor.set_defaults(run=_table)
 
     export = commands.add_parser("export", help="write the sensor noise as another filter reads it")
-    design_arguments(export, one=True)
+    design_arguments(export, single=True)
     export.add_argument("--for", dest="filter", required=True, choices=tuple(FILTERS), help="the filter")
     export.set_defaults(run=_export)
 

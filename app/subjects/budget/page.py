@@ -111,7 +111,7 @@ class BudgetPage(View):
             ),
         )
         self._tell_soon = debounce(self._tell)
-        self._shown = session.shown
+        self._shown = session.display
         self._feed(budget)
         self._tell()
         # The answer is on the screen while the figures, most of the browser's work, are still drawn.
@@ -125,15 +125,15 @@ class BudgetPage(View):
 
     @property
     def _display(self) -> Display:
-        return display_of(self.session.shown).of(self.session.design)
+        return display_of(self.session.display).of(self.session.design)
 
     def _timelines(self, budget: Budget) -> list[Chart]:
         return [self._display.timeline(chart) for chart in timelines.all_timelines(budget)]
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        if self.session.compared is not self._compared or self._shown != self.session.shown:
-            self._shown = self.session.shown
+        if self.session.compared is not self._compared or self._shown != self.session.display:
+            self._shown = self.session.display
             self._hold()
         self._strip.show(verdict_strip(budget, self._display), _invalid(self.session.invalid))
         self._offer_modes(both=False)

@@ -32,7 +32,7 @@ def _add_explore(commands: Any) -> None:
     }
     parsers = {name: questions.add_parser(name, help=text) for name, text in helps.items()}
     for parser in parsers.values():
-        design_arguments(parser, one=True)
+        design_arguments(parser, single=True)
         parser.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
         parser.set_defaults(run=_explore)
     add = parsers["rank"].add_argument

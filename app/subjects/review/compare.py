@@ -52,7 +52,7 @@ class CompareView(View):
             self.desk.say(f"Not compared. {error}", wrong=True)
             return False
         labels = design_labels(len(budgets))
-        self._revisions, display = revisions, display_of(self.desk.session.shown)
+        self._revisions, display = revisions, display_of(self.desk.session.display)
         display = display.of(*(budget.design for budget in budgets))
         self._tables.object = listed(revisions, "Compared") + html_of(*difference_tables(budgets, labels, display))
         phase = display.bars(phase_comparison(budgets, labels))
@@ -78,9 +78,9 @@ class CompareView(View):
 
     async def _report(self, suffix: str) -> bytes:
         budgets = [revision.budget() for revision in self._revisions]
-        return await run_in_pool(report_bytes, budgets, suffix, None, (), (), None, self.desk.session.shown)
+        return await run_in_pool(report_bytes, budgets, suffix, None, (), (), None, self.desk.session.display)
 
-    @param.depends("desk.session.shown", watch=True)
+    @param.depends("desk.session.display", watch=True)
     async def _tell_otherwise(self) -> None:
         """Follow how figures are shown."""
         if self._revisions:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def add_to(commands: Any) -> None:
     """Declare the command."""
     sar = commands.add_parser("sar", help="compute image quality for every navigation strategy, as JSON")
-    design_arguments(sar, one=True)
+    design_arguments(sar, single=True)
     add = sar.add_argument
     add("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
     add("--seed", type=int, default=0, help="seed of the ensemble (default 0)")

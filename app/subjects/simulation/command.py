@@ -17,7 +17,7 @@ def add_to(commands: Any) -> None:
         "with the filter covariance and the formulas. --set also takes sensor errors, receiver and filter tuning, "
         "e.g. --set gyro.bias_instability='25 °/h'.",
     )
-    design_arguments(simulate, one=True)
+    design_arguments(simulate, single=True)
     add = simulate.add_argument
     add("--inputs", action="store_true", help="list the further inputs of --set and stop")
     add("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")

@@ -17,7 +17,7 @@ def add_to(commands: Any) -> None:
         "(saved on the Suborbital page or with --save) states every input. --set takes keys of the design and "
         "inputs of the study, e.g. --set tracker.from_height='80 km'.",
     )
-    design_arguments(suborbital, one=True)
+    design_arguments(suborbital, single=True)
     add = suborbital.add_argument
     add("--save", type=Path, metavar="FILE", help="also write the study's inputs as a study file")
     add("--inputs", action="store_true", help="list the inputs of the study and stop")

@@ -5,7 +5,7 @@ from contextlib import suppress
 
 from app.subjects.suborbital.inputs import Trajectory
 from app.work.cancellable import RunLost, run_alone
-from app.work.result_cache import keep, kept
+from app.work.result_cache import cached, keep
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.suborbital.settings import DEFAULTS, Settings, from_design
@@ -36,6 +36,6 @@ async def fly_study(settings: Settings, trajectory: Trajectory, progress: Callab
 async def fly_ahead(design: Design) -> None:
     """Have the usual study of a design, and a process that has loaded what the next needs."""
     settings = from_design(DEFAULTS, design)
-    if kept(*asked(settings)) is None:
+    if cached(*asked(settings)) is None:
         with suppress(InputError, RunLost):  # whoever asks runs it again, and is told
             await fly_study(settings, None, lambda *_: None)

@@ -72,7 +72,7 @@ def theory() -> str:
             for e in equations
         )
         parts.append(_folded(f"part-{letter}", title, f"{len(equations)} equations", body, opened=letter == "T"))
-    table = html_of(_symbols(), said=lambda text: set_[text[1:], False] if text.startswith(_MATH) else prose(text))
+    table = html_of(_symbols(), html=lambda text: set_[text[1:], False] if text.startswith(_MATH) else prose(text))
     parts.append(_folded("symbols", "Symbols", f"{len(ALL_SYMBOLS)} symbols with their units", table))
     works = html_of(Bullets(tuple(WORKS.values())))
     methods = html_of(Bullets(tuple(f"{what}: {work}" for what, work in METHODS), "Methods"))

@@ -20,7 +20,7 @@ def add_to(commands: Any) -> None:
         "`simulate --inputs` lists. The flight is that of the design's section [trajectory], or of a file: plans are "
         "flown at the design's speed with coordinated turns, recordings as they were flown.",
     )
-    design_arguments(trajectory, one=True)
+    design_arguments(trajectory, single=True)
     flight_arguments(trajectory, "plan")
     add = trajectory.add_argument
     add("-o", "--output", type=Path, metavar="FILE", help="FILE.json (default: standard output)")

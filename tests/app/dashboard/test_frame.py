@@ -30,13 +30,13 @@ def test_every_component_is_marked_as_the_pages():
 def test_pages_that_stay_at_one_sigma_say_so():
     session = Session(first_design())
     frame = Frame(session)
-    session.shown = "95.si"
+    session.display = "95.si"
     assert not frame._told.visible  # the Budget page follows
     frame._go_to("explore")
     assert frame._told.visible
     assert "This page shows 1σ" in frame._told.object
     assert "95 %, SI units" in frame._told.object
-    session.shown = ""
+    session.display = ""
     assert not frame._told.visible
 
 

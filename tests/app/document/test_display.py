@@ -56,7 +56,7 @@ def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     page = BudgetPage(session)
     said = page._strip._text.object
     assert "40.4 cm" in page._tiles.object
-    session.shown = "2s.si"
+    session.display = "2s.si"
     page.show(session.budget)
     assert "0.808 m" in page._tiles.object  # twice 0.4039 m
     assert "limit 4 m<" in page._tiles.object  # 2 m at 1σ

@@ -26,7 +26,7 @@ def test_what_fails_comes_first_and_what_has_no_limit_last() -> None:
 
 
 def test_in_a_report_they_keep_their_order_and_tell_their_detail() -> None:
-    html = tiles_html(FIGURES, said=lambda text: f"<i>{text}</i>")
+    html = tiles_html(FIGURES, render=lambda text: f"<i>{text}</i>")
     assert names(html) == ["Tilt", "CE90", "Quadratic phase"]
     for figure in FIGURES.items:
         assert f"<i>{figure.detail}</i>" in html
@@ -50,6 +50,6 @@ def test_what_people_write_is_text() -> None:
     hostile = '<script>alert("1")</script>&'
     figure = KeyFigure(hostile, hostile, hostile, hostile, met=True, used=0.5)
     for said in (None, lambda _: ""):
-        html = tiles_html(KeyFigures(hostile, (figure,)), said=said)
+        html = tiles_html(KeyFigures(hostile, (figure,)), render=said)
         assert "<script" not in html
         assert names(html) == [hostile]

@@ -22,12 +22,12 @@ def test_the_time_left_is_the_time_spent_over_the_share_done():
     clock = Clock(lambda: now[0])
     assert clock.progress("compiling") == Progress("compiling", None, None)
     now[0] += 30.0  # preparing says nothing of the pace
-    assert clock.progress("flying", 0.0).left is None
+    assert clock.progress("flying", 0.0).remaining_s is None
     now[0] += 4.0
     assert clock.progress("flying", 0.25) == Progress("flying", 0.25, pytest.approx(12.0))
     now[0] += 12.0
-    assert clock.progress("flying", 1.0).left is None
-    assert clock.progress("flying", 0.001).left is None
+    assert clock.progress("flying", 1.0).remaining_s is None
+    assert clock.progress("flying", 0.001).remaining_s is None
 
 
 def test_progress_in_words_and_as_a_bar():

@@ -8,7 +8,7 @@ from app.serving.server import first_design
 from app.subjects.suborbital import studies
 from app.subjects.suborbital.studies import asked, fly_ahead, fly_study
 from app.work.cancellable import RunLost
-from app.work.result_cache import kept
+from app.work.result_cache import cached
 from nav_model.suborbital.settings import DEFAULTS, from_design
 
 _USUAL = from_design(DEFAULTS, first_design())
@@ -38,7 +38,7 @@ def flights(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> _Flights:
 
 async def test_the_usual_study_is_there_before_anybody_asks(flights: _Flights) -> None:
     await fly_ahead(first_design())
-    assert kept(*asked(_USUAL)) == "the study"
+    assert cached(*asked(_USUAL)) == "the study"
     await fly_ahead(first_design())
     assert len(flights.flown) == 1
 
@@ -47,7 +47,7 @@ async def test_the_study_of_a_file_is_not_kept(flights: _Flights) -> None:
     said: list[str] = []
     await fly_study(_USUAL, ("mine.csv", b""), lambda _, what: said.append(what))
     assert said == ["gravity models"]
-    assert kept(*asked(_USUAL)) is None
+    assert cached(*asked(_USUAL)) is None
 
 
 async def test_a_study_ahead_that_fails_is_flown_again_by_who_asks(flights: _Flights) -> None:
@@ -55,4 +55,4 @@ async def test_a_study_ahead_that_fails_is_flown_again_by_who_asks(flights: _Fli
     await fly_ahead(first_design())
     flights.fails = False
     assert await fly_study(_USUAL, None, lambda *_: None) == "the study"
-    assert kept(*asked(_USUAL)) == "the study"
+    assert cached(*asked(_USUAL)) == "the study"
