@@ -62,7 +62,7 @@ class SearchPanel(Question):
 
     run = required(Run)
     words = param.String(label="Filter")
-    own_receiver = chosen(True, {"Your receiver": True, "All receivers": False}, "Receiver")
+    own = chosen(True, {"Your receiver": True, "All receivers": False}, "Receiver")
     biases: Biases = chosen("design", _BIASES, "Residual biases")
 
     def __init__(self, session: Session) -> None:
@@ -99,7 +99,7 @@ class SearchPanel(Question):
         tools = pn.FlexBox(
             *(
                 pmui.RadioButtonGroup.from_param(chosen, margin=(8, 10), stylesheets=[SWITCH])
-                for chosen in (self.param.own_receiver, self.param.biases)
+                for chosen in (self.param.own, self.param.biases)
             ),
             words,
             self._file,
@@ -127,7 +127,7 @@ class SearchPanel(Question):
             self.run.cancel()
             self._show_ranking(Ranking(), NO_LIMIT)
             return
-        imus, receivers = self._entries("imu"), {} if self.own_receiver else self._entries("gnss")
+        imus, receivers = self._entries("imu"), {} if self.own else self._entries("gnss")
         question = budget.design, imus, receivers, self.biases
         if len(imus) * (1 + len(receivers)) <= _MOST_AT_ONCE:
             self.run.cancel()
@@ -149,10 +149,10 @@ class SearchPanel(Question):
 
     def _show_ranking(self, ranking: Ranking, answer: Answer | None = None) -> None:
         self._ranking = ranking
-        self.answer = answer or search_answer(ranking.rows, self.own_receiver, ranking.unbiased)
+        self.answer = answer or search_answer(ranking.rows, self.own, ranking.unbiased)
         self._fill()
 
-    @param.depends("own_receiver", "biases", watch=True)
+    @param.depends("own", "biases", watch=True)
     def _again(self) -> None:
         self.show(self.session.budget)
 
@@ -161,7 +161,7 @@ class SearchPanel(Question):
         """Show the first rows that hold every word of the filter."""
         words = self.words.lower().split()
         rows = [row for row in self._ranking.rows if all(word in self._text(row) for word in words)]
-        self._table.html = html_of(search_table(rows[:_MOST_ROWS], self.own_receiver)) if self._ranking.rows else ""
+        self._table.html = html_of(search_table(rows[:_MOST_ROWS], self.own)) if self._ranking.rows else ""
         notes = []
         if len(rows) > _MOST_ROWS:
             notes.append(f"The first {_MOST_ROWS} of {len(rows)} rows; the filter finds the others, the CSV has all.")
@@ -173,7 +173,7 @@ class SearchPanel(Question):
     def _text(self, row: Candidate) -> str:
         """What a filter finds a row by."""
         verdict = "closes" if row.closes else "does not close"
-        receiver = "" if self.own_receiver else row.gnss
+        receiver = "" if self.own else row.gnss
         parts = (row.imu, receiver, verdict, label_of(row.tightest), row.dominant, *row.doubts)
         return " ".join(parts).lower()
 
@@ -185,7 +185,7 @@ class SearchPanel(Question):
         if row.imu in self._own["imu"]:  # a unit of the user's own is no preset of the product
             changes["imu.preset"] = None
         problem = self.session.change(changes, row.written)
-        what = row.imu if self.own_receiver else row.pair
+        what = row.imu if self.own else row.pair
         self._say(f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo.")
 
     async def _opened(self, name: str, content: bytes) -> None:

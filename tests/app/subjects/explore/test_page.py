@@ -115,7 +115,7 @@ def test_imus_with_the_designs_receiver_come_first_and_all_pairs_on_demand(explo
     margins = [row.margin for row in search._ranking.rows]
     assert margins == sorted(margins, reverse=True)
     few = len(margins)
-    search.own_receiver = False
+    search.own = False
     assert len(search._ranking.rows) == few * (1 + len(catalogue("gnss")))
     own = [row.margin for row in search._ranking.rows if row.gnss == OWN_GNSS]
     assert own == margins
@@ -123,7 +123,7 @@ def test_imus_with_the_designs_receiver_come_first_and_all_pairs_on_demand(explo
 
 def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) -> None:
     search = _search(explore)
-    search.own_receiver = False
+    search.own = False
     before = search._table.html.count("<tr>")
     assert "Added Our &lt;b&gt;unit&lt;/b&gt;, Our receiver" in _open(explore, OWN.encode())
     assert search._table.html.count("<tr>") > before
@@ -155,8 +155,8 @@ def test_files_add_up_and_one_that_is_refused_changes_nothing_and_is_not_kept(ex
     assert {"Our IMU", "Our <b>unit</b>"} <= {row.imu for row in search._ranking.rows}
     assert "others are in EUR" in _open(explore, EXAMPLE.replace("Our IMU", "New").replace("EUR", "USD").encode())
     assert search._keep.disabled
-    search.own_receiver = False
-    search.own_receiver = True
+    search.own = False
+    search.own = True
     assert search._table.html == added
 
 
@@ -211,7 +211,7 @@ def test_many_pairs_are_ranked_in_a_worker_and_the_first_rows_shown(
     explore: ExplorePage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     search = _search(explore)
-    search.own_receiver = False
+    search.own = False
     _open(explore, _many(200, 0).encode())
     asked: list[Any] = []
 
@@ -236,7 +236,7 @@ def test_many_pairs_are_ranked_in_a_worker_and_the_first_rows_shown(
     last = rows[-1]
     search.words = f"{last.imu} {last.gnss}"
     assert f'value="{last.pair}"' in search._table.html
-    search.own_receiver = True
+    search.own = True
     assert {row.gnss for row in search._ranking.rows} == {OWN_GNSS}  # few again: at once
 
 
