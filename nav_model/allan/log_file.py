@@ -1,7 +1,7 @@
 """Reads an inertial log (a text table or NPZ) into SI rates; every error says what and where."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -83,9 +83,7 @@ def read_log(
     signals, content, notes = reader.signals(), reader.content, reader.notes
     rate_hz = max(signal.rate_hz for signal in signals.values())
     if content.others:
-        more = len(content.others) - _MOST_NAMES
-        names = ", ".join(label[:40] for label in content.others[:_MOST_NAMES])
-        notes.append(f"not used: {names}{f' and {more} more' if more > 0 else ''}")
+        notes.append(f"not used: {_listed(content.others)}")
     if content.cut:
         notes.append("the last line ends too early and is left out")
     return ImuLog(
@@ -123,19 +121,18 @@ class _Reader:
             return
         sensors = {column.label for column in columns if column.meaning.role in SENSORS}
         if sensors and sensors <= {*empty}:
-            raise self.refuse(f"{', '.join(label[:40] for label in empty[:_MOST_NAMES])} hold no numbers.")
+            raise self.refuse(f"{_listed(empty)} hold no numbers.")
         self.content = self.content._replace(columns=[column for column in columns if column.label not in empty])
-        self.notes.append(f"empty: {', '.join(empty)}")
+        self.notes.append(f"empty: {_listed(empty)}")
 
     def check_complete(self) -> None:
         """Refuse a log without sensors, rate or units, under all that is missing; and units of no sensor in it."""
         content, options = self.content, self.options
         sensors = [role for role in SENSORS if content.of(role)]
         if not sensors:
-            raise self.refuse(
-                "No gyro or accelerometer columns are recognised: "
-                "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`",
-            )
+            labels = _listed([*content.others, *(column.label for column in content.columns)])
+            advice = "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
+            raise self.refuse(f"No gyro or accelerometer columns are recognised among {labels}: {advice}")
         for role in SENSORS:
             if (given := options.unit(role)) and role not in sensors:
                 raise InputError(f"{role}_unit", f"{given!r} is given, but the file has no {role}.", given)
@@ -298,6 +295,12 @@ class _Reader:
             self.notes.append("temperature ignored: sampled differently from the sensors")
             return None
         return values
+
+
+def _listed(labels: Sequence[str]) -> str:
+    """The first of the names of a file."""
+    more = len(labels) - _MOST_NAMES
+    return ", ".join(label[:40] for label in labels[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def _joined(columns: list[Column]) -> list[Column]:

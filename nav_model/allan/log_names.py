@@ -47,11 +47,11 @@ _OFFERED: Final = {
     "accelerometer": ("m/s2", "g", "mg", "ug", "m/s", "mm/s", "g s", "ug s"),
 }
 _ROLES: Final = (
-    ("time", r"t|time|times|timefine|timestamp|timestamps|stamp|tow|timeofweek|seconds|secs|sec"),
+    ("time", r"t|time|times|timefine|timestamp|timestamps|stamp|i?tow|timeofweek|seconds|secs|sec"),
     ("temperature", r"(gyro|acc|accel)?(temp|temperature)"),
-    ("gyro", r"g|gyr|gyro|gyroscope|gyros|gyrorotation|w|omega|wrss|wibb"),
-    ("gyro", r"angularvelocity|angularrate|angvel|rotationrate|dtheta|dang|dangle|deltatheta|deltaangle|dth"),
-    ("accelerometer", r"a|f|acc|accel|accelerometer|accelerometers|acceleration|accelerometeracceleration"),
+    ("gyro", r"g|gyr|gyro|gyroscope|gyros|gyrorotation|as|w|omega|wrss|wibb"),
+    ("gyro", r"angularvelocity|angularrate|angrate|angvel|rotationrate|dtheta|dang|dangle|deltatheta|deltaangle|dth"),
+    ("accelerometer", r"a|f|acc|accl|accel|accelerometer|accelerometers|acceleration|accelerometeracceleration"),
     ("accelerometer", r"linearacceleration|linacc|specificforce|force|arss|fib|fibb"),
     ("accelerometer", r"dvel|dv|deltav|deltavelocity|velinc"),
 )  # fmt: skip
@@ -60,7 +60,7 @@ _NEUTRAL: Final = frozenset(
         r"\w+",
         "imu sensor sensors combined field msg message data body calibrated cal corrected filtered measured"
         " compensated output value in header sample since start startup elapsed system device host unix epoch"
-        " utc log logging gps txt scaled",
+        " utc log logging gps txt scaled out uncomp",
     )
 )
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
@@ -78,7 +78,10 @@ _LAYOUTS: Final = (
     (r"\bpacketcounter\b.* (utc)?second\b", "MT Manager", ("gyr([xyz])", "gyro", "rad/s"),
      ("sampletimefine", "time", "0.1 ms")),
     (r"\bpacketcounter\b", "Xsens", ("acc([xyz])", "accelerometer", "m/s2")),
-    (r"\btimeus\b", "ArduPilot", ("gyr([xyz])", "gyro", "rad/s"), ("acc([xyz])", "accelerometer", "m/s2")),
+    (r"\btimeus\b", "ArduPilot", ("gyr([xyz])", "gyro", "rad/s"), ("acc([xyz])", "accelerometer", "m/s2"),
+     ("t", "temperature", "C")),
+    (r"\btimestartup\b", "VectorNav", ("(?:uncomp)?(?:angularrate|gyro)([xyz])", "gyro", "rad/s"),
+     ("(?:uncomp)?acc(?:el)?([xyz])", "accelerometer", "m/s2"), ("timestartup", "time", "ns")),
 )  # fmt: skip
 
 
@@ -93,10 +96,9 @@ def scale_of(role: str, unit: str) -> Scale:
 
     Raises InputError under ``gyro_unit``, ``accelerometer_unit`` or ``time_unit``, with units that are allowed.
     """
-    match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.*?)(?:(?:\s+a|\s+per|\s*/)\s*count)?\s*", unit)
-    number, text = (match[1] or "1", match[2]) if match else ("", unit)
+    of_count = re.sub(r"(\s+a|\s+per|\s*/)\s*count\s*$", "", unit)
     for dimension, per_sample in _DIMENSIONS[role]:
-        factor = size_of_unit(text, dimension, number)
+        factor = size_of_unit(of_count, dimension)
         if factor is not None and 0.0 < factor < math.inf:
             return Scale(factor, per_sample, unit.strip())
     allowed = ", ".join(_OFFERED.get(role, ("s", "ms", "us", "ns")))
@@ -109,7 +111,7 @@ def scale_of(role: str, unit: str) -> Scale:
 
 def meanings_of(names: Sequence[str]) -> list[Meaning | None]:
     """Meaning of each of the columns of a file, which may show together what unit they are in by convention."""
-    meanings = [meaning_of(name) for name in names]
+    meanings = [meaning_of(name) for name in _counted_from_zero(names)]
     plain = ["".join(_words(name)) for name in names]
     for mark, program, *columns in _LAYOUTS:
         if not re.search(mark, " ".join(plain)):
@@ -121,6 +123,18 @@ def meanings_of(names: Sequence[str]) -> list[Meaning | None]:
                     axis = "xyz".index(match[1]) if match.lastindex else None
                     meanings[at] = Meaning(role, axis, unit, program)
     return meanings
+
+
+def _counted_from_zero(names: Sequence[str]) -> list[str]:
+    """The names, where three with one stem count the axes from 0 or 1 with their numbers from 0 in brackets: "gyro_1"
+    is gyro[0]."""
+    matches = [re.fullmatch(r"(.*?[^\W\d])[\s_.]*[\[(]?([0-3])[\])]?", name.strip(' "')) for name in names]
+    digits = {match[1]: [m[2] for m in matches if m and m[1] == match[1]] for match in matches if match}
+    first = {stem: int(found[0]) for stem, found in digits.items() if found in (["0", "1", "2"], ["1", "2", "3"])}
+    return [
+        f"{match[1]}[{int(match[2]) - first[match[1]]}]" if match and match[1] in first else name
+        for match, name in zip(matches, names, strict=True)
+    ]
 
 
 def meaning_of(name: str) -> Meaning | None:
@@ -146,7 +160,7 @@ def _meaning(text: str) -> Meaning | None:
             continue
         if (sure and meaning.role in _SI) or (unit and _known(meaning.role, unit)):
             return meaning._replace(unit=unit, convention="")
-        if not unit or (sure and meaning.role == "time"):
+        if not unit or (sure and meaning.role == "time" and len(name) > 1):  # "Time (UTC)", but not "T (°)"
             return meaning
     return None
 
@@ -165,6 +179,7 @@ def _words(text: str) -> list[str]:
 def _from_words(words: list[str]) -> Meaning | None:
     words = words[2:] if words[:1] == ["imu"] and len(words) > 1 and words[1].isdigit() else words
     joined = "".join(word for word in words if word not in _NEUTRAL)
+    joined = joined or ("time" if {"epoch", "elapsed"} & {*words} else "")
     stems: list[tuple[str, int | None]] = [(joined, None)]
     if len(joined) > 1 and joined[-1] in "xyz":
         stems.append((joined[:-1], "xyz".index(joined[-1])))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from nav_model.base.errors import InputError
 from nav_model.base.units import parse_quantity
 
+_NUMBER = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?(.*)", re.DOTALL)
 _BRACKETS = re.compile(r"(.+?)[\s_]*[\[({](.*)[\])}]\s*")
 _UNIT_MAY_START = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
 _RUN_TOGETHER = {
@@ -34,12 +35,13 @@ def parted(text: str) -> Iterator[NamedUnit]:
         yield NamedUnit(text[:start], text[start:].strip(" _"), False)
 
 
-def size_of_unit(unit: str, dimension: str, number: str = "1") -> float | None:
-    """The size in SI of a number of a unit as it is, or as it may be meant in a name: "m_s2", "deg_per_s", "DPS".
+def size_of_unit(unit: str, dimension: str) -> float | None:
+    """The size in SI of a unit, or of a number of it ("0.001 s"), as it may be meant in a name: "m_s2", "deg_per_s".
 
     None where it is no unit of the dimension.
     """
-    text = re.sub(r"^in[\s_]+", "", unit.strip(" _"))
+    number, text = _NUMBER.match(unit).groups("1")
+    text = re.sub(r"^in[\s_]+", "", text.strip(" _"))
     for plain in (text, text.lower()):
         for spelling in (_RUN_TOGETHER.get(re.sub(r"[\s_^.]", "", plain), plain), re.sub(r"_(?:per_)?", "/", plain)):
             with suppress(InputError):

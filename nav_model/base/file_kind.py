@@ -20,6 +20,7 @@ _TEXTS: Final = (
     ("<", "XML"),
     (r"(\{\s*[\"}]|\[\s*[\[{\"\d-])", "JSON"),
     (r"\$[A-Z]{2,5},", "NMEA sentences"),
+    (r"[#%](RAW|CORR|INS|BEST|IMU)[A-Z]+A,", "messages of a NovAtel receiver"),
 )
 _START = 4096
 _ZIPPED: Final[Mapping[bytes, str]] = {

@@ -26,7 +26,9 @@ _HEAD_LINES = 200
 _SAMPLE_LINES = 50
 _LONGEST_LINE = 100_000
 _EMPTY = frozenset(("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "nat"))
-_TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2}):(\d\d):(\d\d(?:[.,]\d*)?)")
+_TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2})[:.](\d\d)[:.](\d\d(?:[.,]\d*)?)")
+_DURATION = re.compile(r"\s*([-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?)\s*s(?:ec)?\s*")
+_SPANS_TWO = re.compile(r"gps|gpst|utc|time|date", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
 _WHOLE = re.compile(r"\s*[-+]?\d+\s*")
 
@@ -265,6 +267,8 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
         glued = re.sub(r"\s+(?=[\[(])", "", bare)  # a blank before a unit parts nothing
         for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
             names = tuple(name.strip() for name in _fields((bare if mark else glued).rstrip(mark), mark))
+            if mark is None and len(names) == width - 1 and _SPANS_TWO.fullmatch(names[0]):
+                names = ("date", *names)  # a blank between date or week, and time
             if len(names) == width and not all(map(_is_number, names)):
                 headers.append(names)
                 break
@@ -285,7 +289,9 @@ def _number(text: str, delimiter: str | None, marks: dict[str, str], where: str)
 
 
 def seconds_of(text: str) -> float:
-    """Seconds of a date with a time, UTC unless it says otherwise, or of a time of day; NaN: neither."""
+    """Seconds of a date with a time, UTC unless it says otherwise, of a time of day, or of "0.1 sec"; NaN: none."""
+    if duration := _DURATION.fullmatch(text):
+        return float(duration[1].replace(",", "."))
     try:
         moment = datetime.fromisoformat(text.strip().replace(",", "."))
         return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()

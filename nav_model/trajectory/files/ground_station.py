@@ -15,7 +15,10 @@ _MOST_TEXT = 5_000_000  # bytes
 WAYPOINT_LIST = b"QGC WPL"
 # Commands and frames of MAVLink.
 _PASSED = {16, 17, 18, 19, 31, 82}  # waypoints, places to loiter at
-_NOT_FLOWN = {20: "return", 21: "landing", 22: "take-off", 84: "take-off", 85: "landing", 177: "jump"}
+_NOT_FLOWN = {
+    20: "return", 21: "landing", 22: "take-off", 84: "take-off", 85: "landing", 177: "jump", 178: "change of speed",
+    195: "region of interest", 203: "picture",
+}  # fmt: skip
 _CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP = 206, 2000, 2001
 _REFERENCES = {0: ABOVE_SEA, 5: ABOVE_SEA, 3: ABOVE_HOME, 6: ABOVE_HOME, 10: ABOVE_GROUND, 11: ABOVE_GROUND}
 
@@ -86,16 +89,20 @@ def _items(items: Iterable[Any], heights: Heights, of: str = "item") -> Iterator
         match item:
             case {"type": "ComplexItem", "TransectStyleComplexItem": {"Items": [*parts]}} if of == "item":
                 yield from _items(parts, heights, f"{where}, part")
+            case {"type": "ComplexItem", "complexItemType": str(kind)} if "Landing" in kind:
+                yield _Item(where, 21, 0, [])
             case {"type": "ComplexItem"}:
                 reason = "holds no lines. Open the plan in QGroundControl and save it again."
                 raise heights.refuse(f"{where} ({quoted(item.get('complexItemType'))}) {reason}")
-            case {"params": [_, _, _, _, _, _, _] as params}:
-                command, frame = (
-                    int(heights.number(item.get(key), f"{where}, {key}")) for key in ("command", "frame")
-                )
+            case {"command": command, "frame": frame, "params": [*params]}:
+                if isinstance(place := item.get("coordinate"), list):  # as older plans have it
+                    params = [*params, *place]
+                if len(params) != 7:
+                    raise heights.refuse(f"{where} has {len(params)} parameters, seven belong there")
+                command, frame = (int(heights.number(number, where)) for number in (command, frame))
                 yield _Item(where, command, frame, params, item.get("line"))
             case _:
-                raise heights.refuse(f"{where} is no mission item with seven parameters")
+                raise heights.refuse(f"{where} is no mission item with command, frame and parameters")
 
 
 def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:
@@ -119,7 +126,7 @@ def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:
             north, east, up = params[4:7]
             places.append((heights.waypoint(north, east, up, _REFERENCES[frame], where), shooting))
         else:
-            unused[_NOT_FLOWN.get(command, f"command {command}")] += 1
+            unused[_NOT_FLOWN.get(command, f"item of command {command}")] += 1
     if unused:
         heights.note("not used: " + ", ".join(counted(number, noun) for noun, number in unused.items()))
     if not names:

@@ -7,6 +7,7 @@ import io
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
@@ -106,11 +107,13 @@ def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list
             "holds an area and no path. Draw the lines to be flown as a path, or plan parallel lines."
         )
     if not chosen:
-        raise heights.refuse("holds no path, route, track or point")
+        tour = " but a tour of the camera" if root.find(".//{*}Tour") is not None else ""
+        raise heights.refuse(f"holds no path, route, track or point{tour}")
     taken = [shape for shape in shapes if shape.noun == chosen]
     flight: tuple[Waypoint, ...] | list[Segment]
     if chosen == _RECORDED:
         flight = [segment(name, [place[:4] for place in places], up, heights) for _, name, places, up in taken]
+        number = sum(len(part.rows) for part in flight)
     else:
         flight = tuple(
             heights.waypoint(
@@ -120,8 +123,12 @@ def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list
             )
             for number, shape in enumerate(taken, 1) for at, place in enumerate(shape.places, 1)
         )  # fmt: skip
+        # A path that goes on where the one before ends has that place once.
+        ends = [a.line == "" and (a.latitude, a.longitude) == (b.latitude, b.longitude) for a, b in pairwise(flight)]
+        flight = tuple(point for point, end in zip(flight, [*ends, False], strict=True) if not end)
+        number = len(flight)
     no_path = "no path, so single points in their order: " if chosen == "point" else ""
-    heights.note(f"{no_path}{counted(len(taken), chosen)}, {counted(len(flight), 'place')}")
+    heights.note(f"{no_path}{counted(len(taken), chosen)}, {counted(number, 'place')}")
     if unused := [counted(number, noun) for noun, number in count.items() if noun != chosen]:
         heights.note(f"not used: {', '.join(unused)}")
     return flight
@@ -168,7 +175,9 @@ def _gpx(root: Element) -> Iterator[Shape]:
 def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
     """Missions of DJI, else the geometries of placemarks in the order of the file."""
     if root.find(".//{*}executeHeight") is not None:
-        yield from (_mission(folder, heights) for folder in root.iterfind(".//{*}Folder"))
+        folders = root.findall(".//{*}Folder")
+        for number, folder in enumerate(folders, 1):
+            yield _mission(folder, f"line {number}." if len(folders) > 1 else "line ", heights)
         return
     stack: list[tuple[Element, Element | None]] = [(root, None)]
     while stack:
@@ -206,7 +215,7 @@ def _track(track: Element, heights: Heights) -> Iterator[Place]:
         yield Place(time, place[1], place[0], "".join(place[2:]))
 
 
-def _mission(folder: Element, heights: Heights) -> Shape:
+def _mission(folder: Element, line: str, heights: Heights) -> Shape:
     """What a drone executes; lines are where its camera is triggered again and again, else each leg."""
     marks = [mark for mark in folder.iterfind("{*}Placemark") if mark.find("{*}executeHeight") is not None]
     shooting: set[int] = set()
@@ -217,7 +226,7 @@ def _mission(folder: Element, heights: Heights) -> Shape:
             shooting.update(range(max(start, 0), min(stop, len(marks))))
     legs = shooting or range(len(marks) - 1)
     places = [
-        place._replace(height=mark.findtext("{*}executeHeight"), line=f"line {number + 1}" if number in legs else "")
+        place._replace(height=mark.findtext("{*}executeHeight"), line=f"{line}{number + 1}" if number in legs else "")
         for number, mark in enumerate(marks) for point in mark.iterfind("{*}Point") for place in _path(point, heights)
     ]  # fmt: skip
     reference = _REFERENCES.get(folder.findtext("{*}executeHeightMode") or "", NO_HEIGHT)

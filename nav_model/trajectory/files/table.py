@@ -9,6 +9,7 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.column_names import parted, size_of_unit
+from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.number_table import NumberTable
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
@@ -17,11 +18,12 @@ from nav_model.trajectory.files.recorded import Segment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 
 _NAMES = {
-    "time": "time t timestamp gpstime gpsseconds timeofweek tow sow utctime utc seconds flytime flighttime "
+    "time": "time t timestamp gpstime gpsseconds timeofweek tow itow sow gpst utctime utc seconds flytime flighttime "
     "elapsedtime datetime updatetime date",
     "latitude": "latitude lat",
     "longitude": "longitude lon long lng",
-    ABOVE_ELLIPSOID: "ellipsoidheight ellipsoidalheight heightellipsoid heightaboveellipsoid hell hae",
+    ABOVE_ELLIPSOID: "ellipsoidheight ellipsoidalheight heightellipsoid heightaboveellipsoid hell hae altellipsoid "
+    "altitudeellipsoid",
     ABOVE_SEA: "altitude alt elevation ele msl amsl altitudemsl altmsl altitudeamsl altitudeabovesealevel heightmsl "
     "orthometricheight",
     "height": "height h",
@@ -35,7 +37,7 @@ _KEYS = {name: (key, rank) for key, names in _NAMES.items() for rank, name in en
 _USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", "roll", "pitch", "yaw"), ("angle", "°"))}
 _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
 _NO_UNIT = ("", "360", "180", "local", "utc", "gps", "wgs84", "msl", "agl", "true")
-_EPOCHS = (1e-3, 1e-6, 1e-9)
+_FINER = {"ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
 
 
 class _Column(NamedTuple):
@@ -78,10 +80,16 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     if not len(lines):
         raise heights.refuse("holds no row with time and place")
     values = {key: column.size * read.values[whole, number] for number, (key, column) in enumerate(columns.items())}
+    latitude, longitude = (np.degrees(values[key]) for key in ("latitude", "longitude"))
+    if columns["latitude"].by_convention and np.abs(latitude).max() > 1e4:  # as receivers and autopilots have them
+        latitude, longitude = 1e-7 * latitude, 1e-7 * longitude
+        heights.note("latitude and longitude in 1e-7 degrees")
+        if "height" in columns and columns["height"].by_convention:
+            values["height"] = 1e-3 * values["height"]
+            heights.note("height in mm, as it is beside them")
     time = values["time"]
-    if columns["time"].by_convention:  # a date in milliseconds or finer is known by its size
-        time = time * next((size for size in _EPOCHS if 1e8 < abs(time[0]) * size < 1e10), 1.0)
-    latitude, longitude = (_degrees(columns[key], values[key], heights) for key in ("latitude", "longitude"))
+    if columns["time"].by_convention:
+        time = time * _unit_of_time(time, latitude, longitude, heights)
     if columns["latitude"].by_convention and max(abs(latitude).max(), abs(longitude).max() / 2.0) <= 0.5 * math.pi:
         raise heights.refuse(
             "latitude and longitude may be degrees or radians. Name them latitude_deg or latitude_rad."
@@ -139,10 +147,14 @@ def _meaning(cell: str, place: int, heights: Heights) -> tuple[str, _Column] | N
     return None
 
 
-def _degrees(column: _Column, radians: Array, heights: Heights) -> Array:
-    """Degrees of a place, which drones write as whole numbers of 1e-7 as well."""
-    degrees: Array = np.degrees(radians)
-    if column.by_convention and np.abs(degrees).max() > 1e4:
-        heights.note("latitude and longitude in 1e-7 degrees")
-        degrees = 1e-7 * degrees
-    return degrees
+def _unit_of_time(time: Array, latitude: Array, longitude: Array, heights: Heights) -> float:
+    """Size of stamps without a unit: a second, unless they are a date in finer units, or whole numbers far apart
+    between which nothing would fly."""
+    east = np.diff(longitude) * np.cos(np.radians(latitude[:1]))
+    way = np.hypot(np.diff(latitude), east).sum() * math.radians(MEAN_RADIUS)
+    speed, step = way / max(time[-1] - time[0], 1e-9), float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    for unit, size in _FINER.items():
+        if 1e8 < abs(time[0]) * size < 1e10 or (step >= 5.0 and speed < 1.0 <= speed / size <= 1000.0):
+            heights.note(f"time taken as {unit}")
+            return size
+    return 1.0

@@ -144,6 +144,7 @@ def spoilt(line: int, field: int, text: str) -> bytes:
         (b'{"gyro": [1, 2]}', "The file is JSON. Write the inertial data as CSV"),
         (b"ULog\x01\x12\x35\x01", r"The file is a PX4 log \(ULog\). Run ulog2csv"),
         (b"#ROSBAG V2.0\n", "The file is a ROS bag. Write its IMU topic as CSV: rostopic echo"),
+        (b"#RAWIMUSXA,COM1,0,0.0;2250\n", "The file is messages of a NovAtel receiver"),
         (b"MATLAB 5.0 MAT-file, Platform", "The file is a MATLAB file. Write its arrays with numpy.savez"),
         (with_member("imu.csv", b"1,2\n"), "The file is a ZIP archive. Unpack it"),
         (b"hello\nworld\n", "No numbers"),
@@ -339,7 +340,31 @@ PROGRAMS = {
         "timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],accelerometer_m_s2[0],accelerometer_m_s2[1],accelerometer_m_s2[2]",
         lambda row: f"{5_000_000 + 10_000 * row},", "PX4",
     ),
-    "ArduPilot": ("TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ", lambda row: f"{5_000_000 + 10_000 * row},", "ArduPilot"),
+    "ArduPilot": (
+        "timestamp,T,TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ",
+        lambda row: f"{1.7e9 + 0.01 * row:.6f},41.5,{5_000_000 + 10_000 * row},", "ArduPilot",
+    ),
+    "VectorNav": (
+        "TimeStartup,Temp,AngularRateX,AngularRateY,AngularRateZ,AccelX,AccelY,AccelZ",
+        lambda row: f"{5_000_000_000 + row * 10_000_000},25.1,", "VectorNav",
+    ),
+    "MATLAB timetable": (
+        "Time,AngularVelocity_1,AngularVelocity_2,AngularVelocity_3,LinearAcceleration_1,LinearAcceleration_2,"
+        "LinearAcceleration_3",
+        lambda row: f"{0.01 * row:g} sec,", "REP 103",
+    ),
+    "receiver": (
+        "TOW [0.001 s],WN [w],xAngRate [deg/s],yAngRate [deg/s],zAngRate [deg/s],xAccel [mg],yAccel [mg],zAccel [mg]",
+        lambda row: f"{300_000_000 + 10 * row},2250,", "deg mg",
+    ),
+    "evaluation board": (
+        "epoch (ms),XGYRO_OUT (dps),YGYRO_OUT (dps),ZGYRO_OUT (dps),XACCL_OUT (mg),YACCL_OUT (mg),ZACCL_OUT (mg)",
+        lambda row: f"{1_700_000_000_000 + 10 * row},", "deg mg",
+    ),
+    "board with T(°)": (
+        "time,DeviceName,T(°),AsX(°/s),AsY(°/s),AsZ(°/s),AccX(mg),AccY(mg),AccZ(mg)",
+        lambda row: f"2024-05-01 12:00:{0.01 * row + 10:06.3f},W 1,30,", "deg mg",
+    ),
     "Kalibr": (
         "timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z",
         lambda row: f"{1703961685420000000 + row * 10_000_000},", "Kalibr",
@@ -371,14 +396,14 @@ PROGRAMS = {
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_names_of_programs(program: str):
     header, stamp, by = PROGRAMS[program]
-    gyro = np.degrees(GYRO) if by == "deg" else GYRO
-    force = FORCE / 9.80665e-3 if by == "mg" else FORCE
+    gyro = np.degrees(GYRO) if "deg" in by else GYRO
+    force = FORCE / 9.80665e-3 if "mg" in by else FORCE
     lines = [stamp(row) + line for row, line in enumerate(rows_of(np.hstack([gyro, force])))]
     log = read_log("\n".join([header, *lines]).encode())
     np.testing.assert_allclose(log.gyro, GYRO, rtol=1e-12)
     np.testing.assert_allclose(log.accelerometer, FORCE, rtol=1e-12)
     assert log.rate_hz == pytest.approx(100.0, rel=1e-5)
-    if by not in ("", "deg", "mg"):
+    if by not in ("", "deg", "mg", "deg mg"):
         assert f"by convention ({by})" in said(log)
     if program == "ROS topic as CSV":
         assert "not used: field.header.seq, field.header.frame_id" in said(log)

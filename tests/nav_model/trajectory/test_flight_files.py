@@ -116,6 +116,17 @@ def test_an_archive_is_read_and_a_bomb_in_it_is_not_expanded() -> None:
     file = parse_file(archive("wpmz/waylines.wpml", content), "a.kmz", ground=400.0)
     assert heights(file) == [480.0] * 4
     assert [point.line for point in file.waypoints] == ["line 1", "line 2", "line 3", ""]
+    folder = content[content.index(b"<Folder>") : content.index(b"</Document>")]
+    two = parse_file(archive("wpmz/waylines.wpml", content.replace(folder, 2 * folder)), "a.kmz", ground=400.0)
+    assert [point.line for point in two.waypoints][3:5] == ["", "line 2.1"]
+
+
+def test_paths_that_go_on_are_flown_through_and_a_tour_is_told() -> None:
+    places = "<altitudeMode>absolute</altitudeMode><coordinates>8.1,47.1,3000 8.1,47,3000</coordinates>"
+    file = parse_file(kml(path(), f"<LineString>{places}</LineString>"), "a.kml")
+    assert [point.line for point in file.waypoints] == ["out", "out", "line 2", ""]
+    with pytest.raises(InputError, match="a tour of the camera"):
+        parse_file(b"<kml><Tour><Playlist/></Tour></kml>", "a.kml")
 
 
 # --- what was recorded ---------------------------------------------------------------------------------------
@@ -242,6 +253,35 @@ def test_columns_that_are_missing_or_have_two_meanings_are_asked_for(head: str, 
         parse_file(text.encode(), "a.csv")
 
 
+@pytest.mark.parametrize(
+    ("head", "row"),
+    [
+        (
+            "%  GPST  latitude(deg) longitude(deg)  height(m)  Q",
+            "2024/05/01 08:{m}:{s}.000 {lat} {lon} 900.0 1",
+        ),
+        ("iTOW,fixType,lon,lat,height,hMSL", "{ms},3,{lon7},{lat7},900000,852000"),
+        ("timestamp,lat,lon,alt,alt_ellipsoid", "{us},{lat7},{lon7},852000,900000"),
+        ("TOW [0.001 s],Latitude [rad],Longitude [rad],Height [m]", "{ms},{rlat},{rlon},900"),
+        ("Time,Latitude,Longitude,Height", "{t} sec,{lat},{lon},900"),
+    ],
+)
+def test_columns_of_receivers_and_autopilots(head: str, row: str) -> None:
+    text = head + "\n"
+    for t in range(90):
+        lat, lon = 47 + 60 * t * METRE, 8.0
+        values = {
+            "t": t, "ms": 300_000_000 + 1000 * t, "us": 5_000_000 + 1_000_000 * t, "m": f"{t // 60:02}",
+            "s": f"{t % 60:02}", "lat": f"{lat:.9f}", "lon": lon, "lat7": round(1e7 * lat), "lon7": round(1e7 * lon),
+            "rlat": f"{math.radians(lat):.12f}", "rlon": f"{math.radians(lon):.12f}",
+        }  # fmt: skip
+        text += row.format(**values) + "\n"
+    now = states(parse_file(text.encode(), "a.txt").flight)
+    assert now[-1, 0] == pytest.approx(89.0)
+    np.testing.assert_allclose(now[:, 1], 47 + 60 * now[:, 0] * METRE, atol=0.1 * METRE)
+    np.testing.assert_allclose(now[:, 3], 900.0, atol=1e-6)
+
+
 # --- ground stations -----------------------------------------------------------------------------------------
 
 
@@ -264,6 +304,11 @@ def test_a_plan_of_a_ground_station_is_flown_above_its_home() -> None:
     assert heights(parse_file(content, "a.plan", ground=100.0)) == [220.0, 220.0, 900.0]
     with pytest.raises(InputError, match="above the ground"):
         parse_file(plan(item(16, 47, 8, 120), item(16, 47.1, 8, 120), home=None), "a.plan")
+    landing = {"type": "ComplexItem", "complexItemType": "fwLandingPattern", "landCoordinate": [47, 8, 0]}
+    old = {"type": "SimpleItem", "command": 16, "frame": 3, "coordinate": [47.1, 8, 120], "params": [0, 0, 0, 0]}
+    file = parse_file(plan(item(16, 47, 8, 120), old, landing), "a.plan")
+    assert heights(file) == [550.0, 550.0]
+    assert "not used: 1 landing" in file.note
 
 
 def test_lines_of_a_survey_are_where_its_camera_is_triggered() -> None:
