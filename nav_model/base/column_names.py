@@ -40,10 +40,10 @@ def size_of_unit(unit: str, dimension: str) -> float | None:
 
     None where it is no unit of the dimension.
     """
-    number, text = _NUMBER.match(unit).groups("1")
+    number, text = _NUMBER.findall(unit)[0]
     text = re.sub(r"^in[\s_]+", "", text.strip(" _"))
     for plain in (text, text.lower()):
         for spelling in (_RUN_TOGETHER.get(re.sub(r"[\s_^.]", "", plain), plain), re.sub(r"_(?:per_)?", "/", plain)):
             with suppress(InputError):
-                return parse_quantity(f"{number} {spelling}", dimension).value
+                return parse_quantity(f"{number or 1} {spelling}", dimension).value
     return None
