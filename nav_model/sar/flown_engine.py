@@ -73,7 +73,7 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
         )
     start = round(count * interval * rate) / rate
     aided = replace(
-        specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate),
+        specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate, states=9),
         record_from=start, aiding=Aiding(), radar_time_offset=0.0,  # neither model of the strategies has them
     )  # fmt: skip
     coast = round(coast_time / interval) * interval

@@ -35,16 +35,20 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
         filter_knows = (
             f"the filter of {spec.filter.states} states estimates them, so an outage starts with smaller biases than "
             "the formulas assume"
-            if spec.filter.states > 9
-            else "the filter of 9 states does not estimate them, so its covariance is optimistic; in level flight "
-            "tilt absorbs most of an accelerometer bias"
+            if spec.filter.inertial > 9
+            else f"the filter of {spec.filter.states} states does not estimate them, so its covariance is "
+            "optimistic; in level flight tilt absorbs most of an accelerometer bias"
         )
         sentences.append(f"Residual biases are constant turn-on biases, drawn for each run: {filter_knows}.")
     if design.gnss.correlated:
+        known = (
+            f"estimated by the filter of {spec.filter.states} states"
+            if spec.filter.slow
+            else "simulated, but this filter does not model it: expect an optimistic verdict"
+        )
         sentences.append(
-            "The slow GNSS error is simulated, but this filter does not model it: expect an optimistic verdict. The "
-            "formulas [T-3], [T-9] include white fix noise only; the curve with Schuler and Coriolis terms [T-17] "
-            "starts from a filter that models it."
+            f"The slow GNSS error is {known}. The formulas [T-3], [T-9] include white fix noise only; the curve with "
+            "Schuler and Coriolis terms [T-17] starts from a filter that models it."
         )
     sentences += not_flown(design)
     declared = [Trajectory.param[name] for name in AIDING]
@@ -69,7 +73,7 @@ def _of_the_filter(spec: SimulationSpec) -> list[str]:
             f"The filter has no state for {', '.join(missing)}: expect an optimistic verdict where it matters."
         )
     mixed = [name for name, m in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)) if _mixed(m)]
-    if spec.filter.states == 15 and mixed:
+    if spec.filter.inertial == 15 and mixed:
         sentences.append(
             f"The {' and '.join(mixed)} bias is a Gauss-Markov process on top of a constant or a random walk, and "
             "the filter has one state for the sum, a random walk of the same drive 2σ²/τ: exact for times short "

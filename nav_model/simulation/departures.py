@@ -265,9 +265,10 @@ def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str
     moving = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
     cases = (
         (
-            tuning.states > 9 and moving,
-            f"{tuning.states} states, {tuning.states - 9} of them biases, which the formula leaves out",
+            tuning.inertial > 9 and moving,
+            f"{tuning.states} states, {tuning.inertial - 9} of them biases, which the formula leaves out",
         ),
+        (tuning.slow > 0, "the slow GNSS error, which the formula leaves out"),
         (tuning.process_noise_scale != 1.0, f"process noise setting ×{tuning.process_noise_scale:g}"),
         (tuning.gnss_noise_scale != 1.0, f"fix noise setting ×{tuning.gnss_noise_scale:g}"),
         (spec.gnss.velocity_noise != velocity, "velocity fixes"),
@@ -284,8 +285,8 @@ def unmodelled(spec: SimulationSpec) -> list[str]:
     triads, tuning = (spec.imu.gyro, spec.imu.accelerometer), spec.filter
     biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in triads)
     cases = (
-        (tuning.states == 9 and biased, "biases, which 9 states do not include"),
-        (spec.gnss.markov_noise > 0.0 or spec.gnss.vertical_markov_noise > 0.0, "the slow GNSS error"),
+        (tuning.inertial == 9 and biased, f"biases, which {tuning.states} states do not include"),
+        (not tuning.slow and any(spec.gnss.axis_markov_noise), "the slow GNSS error"),
         (spec.gnss.lever_arm_error > 0.0, "the lever arm error"),
         (spec.gnss.time_offset > 0.0, "the time offset"),
         (spec.radar_time_offset > 0.0, "the radar's time offset"),

@@ -21,6 +21,7 @@ from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.simulation.specification import (
+    SLOW_STATES,
     TRAJECTORY_KINDS,
     Aiding,
     GnssModel,
@@ -64,12 +65,13 @@ def specification(
     holds for all axes. Two antennas, barometer, errors of lever arm and time, the bank that loses fixes and what
     follows a loss are those of the design's section [trajectory]. The flight starts at the design's latitude,
     altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas [T-3] on all axes,
-    so that little time is spent settling; yaw starts at 0.1°.
+    position with the slow error of the fixes where the filter knows it, so that little time is spent settling; yaw
+    starts at 0.1°.
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as a file gives.
-    duration, outages, every: s. states: 9, or 15 for a filter that estimates both biases, or 21 for one that
-    tells two kinds of bias apart; 0 for 15 where a bias, constant or varying, is not zero, else 9. more: sensor
-    errors, receiver and tuning beyond the design.
+    duration, outages, every: s. states: of the filter, as `FILTER_STATES` has them; 0 for one that knows what the
+    design declares: 9, or 15 where a bias, constant or varying, is not zero, and 3 more for a slow GNSS error. more:
+    sensor errors, receiver and tuning beyond the design.
 
     Raises InputError naming the key of the design, or the option, that cannot be flown.
     """
@@ -108,7 +110,7 @@ def specification(
         ),
         aiding=Aiding(section.heading_noise, section.barometer_noise),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
-        filter=more.filter(states or (15 if biased else 9)),
+        filter=more.filter(states or (15 if biased else 9) + (SLOW_STATES if slow else 0)),
         initial=InitialErrors(
             position=settled["horizontal_position"],
             velocity=settled["horizontal_velocity"],

@@ -32,14 +32,16 @@ FloatArray = NDArray[np.float64]
 
 
 class Tuning(NamedTuple):
-    """What the filter assumes of the IMU: white densities; variance of one sample's rate [rad^2/s^2], which acts on
-    the lever arm; bias decay [1/s] and drive (12)."""
+    """What the filter assumes: white densities of the IMU; variance of one sample's rate [rad^2/s^2], which acts on
+    the lever arm; decay [1/s] and drive of its states beyond the first nine; sigma of the slow error of the fixes (3)
+    [m], which has states where the filter knows it."""
 
     accelerometer_density: float
     gyro_density: float
     rate_variance: float
     decay_rate: FloatArray
-    bias_drive: FloatArray
+    drive: FloatArray
+    slow_sigma: FloatArray
 
 
 def reported(truth: TruthStates, noise: FloatArray, arm: FloatArray) -> FloatArray:
@@ -114,12 +116,14 @@ def take_fix(
     rate: FloatArray,
     matrix: FloatArray,
     covariance: FloatArray,
-    rate_variance: float,
+    tuning: Tuning,
+    slow: FloatArray,
     estimate: FloatArray,
     work: FloatArray,
 ) -> float:
     """Update the filter with what was reported at a fix; leaves the error estimate in `estimate`, returns the NIS.
 
+    slow: the filter's estimate of the slow error over its sigma, north, east, down; empty where it does not know it.
     report, variance: (MEASURED), as `reported` gives them and the filter assumes, infinite for what did not come.
     rate: the INS's bias-corrected inertial rate, body axes [rad/s]. Residuals are predicted minus measured.
     """
@@ -134,6 +138,9 @@ def take_fix(
     residual[1] = (state[LONGITUDE] - report[1]) * (prime + state[HEIGHT]) * cos_lat + lever[1]
     residual[2] = report[2] - state[HEIGHT] + lever[2]
     for i in range(3):
+        if len(slow) > 0:
+            rows[POSITION + i, len(estimate) - len(slow) + i] = tuning.slow_sigma[i]
+            residual[POSITION + i] += tuning.slow_sigma[i] * slow[i]
         residual[VELOCITY + i] = state[VELOCITY + i] + swing[i] - report[VELOCITY + i]
     change = math.atan2(matrix[1, 0], matrix[0, 0]) - report[HEADING]
     residual[HEADING] = change - 2.0 * math.pi * math.floor(change / (2.0 * math.pi) + 0.5)
@@ -144,14 +151,14 @@ def take_fix(
     nis = 0.0
     for i in range(MEASURED):
         if variance[i] < np.inf:
-            of_rate = rate_variance * (squared - lever[i - VELOCITY] ** 2) if VELOCITY <= i < HEADING else 0.0
+            of_rate = tuning.rate_variance * (squared - lever[i - VELOCITY] ** 2) if VELOCITY <= i < HEADING else 0.0
             nis += update(covariance, rows[i], residual[i], variance[i] + of_rate, estimate, work)
     return nis
 
 
 @kernel
-def correct(state: FloatArray, bias: FloatArray, estimate: FloatArray) -> None:
-    """Take the estimated error out of the navigation state and the bias estimates (12)."""
+def correct(state: FloatArray, bias: FloatArray, slow: FloatArray, estimate: FloatArray) -> None:
+    """Take the estimated error out of the navigation state and the estimates of biases (12) and slow error (0, 3)."""
     meridian, prime = curvature_radii_kernel(math.sin(state[LATITUDE]))
     state[LONGITUDE] -= estimate[POSITION + 1] / ((prime + state[HEIGHT]) * math.cos(state[LATITUDE]))
     state[LATITUDE] -= estimate[POSITION] / (meridian + state[HEIGHT])
@@ -161,5 +168,8 @@ def correct(state: FloatArray, bias: FloatArray, estimate: FloatArray) -> None:
     quaternion = state[QUATERNION : QUATERNION + 4]
     rotate(quaternion, 0.0, 0.0, 0.0, estimate[ATTITUDE], estimate[ATTITUDE + 1], estimate[ATTITUDE + 2])
     normalise(quaternion)
-    for i in range(len(estimate) - BIASES):
+    inertial = len(estimate) - len(slow)
+    for i in range(inertial - BIASES):
         bias[i] -= estimate[BIASES + i]
+    for i in range(len(slow)):
+        slow[i] -= estimate[inertial + i]

@@ -2,9 +2,9 @@
 
 Errors are estimate minus truth: position [m] and velocity [m/s] north, east, down; attitude psi [rad] in
 C_estimate = (I - [psi x]) C; then, with 15 states, accelerometer [m/s^2] and gyro [rad/s] bias, and with 21
-a second such six, so that a constant or walking bias and a Gauss-Markov one have a state each. For level
-flight this is [T-1] (with psi of the other sign, which no variance sees) plus the Earth's and transport's
-terms.
+a second such six, so that a constant or walking bias and a Gauss-Markov one have a state each; last, where the
+filter knows it, the slow error of the fixes north, east, down over its sigma. For level flight this is [T-1]
+(with psi of the other sign, which no variance sees) plus the Earth's and transport's terms.
 
 Sources: Titterton and Weston, 2nd ed., ch. 12; Groves, *Principles of GNSS, Inertial, and Multisensor
 Integrated Navigation Systems*, 2nd ed., ch. 14; Bucy and Joseph 1968 for the update.
@@ -35,7 +35,7 @@ FloatArray = NDArray[np.float64]
 
 @kernel
 def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out: FloatArray) -> None:
-    """Write the first nine rows of the continuous error dynamics F into `out`, shape (9, n).
+    """Write the first nine rows of the continuous error dynamics F into `out`, (9, n) with n the states of the INS.
 
     state: navigation state; force: specific force, NED [m/s^2]; matrix: body to NED.
     """
@@ -114,21 +114,21 @@ def propagate(
     accelerometer_density: float,
     gyro_density: float,
     decay_rate: FloatArray,
-    bias_drive: FloatArray,
+    drive: FloatArray,
     work: FloatArray,
 ) -> None:
     """P <- Phi P Phi' + Q over `dt` seconds, in place, exactly symmetric.
 
-    dynamics: see `error_dynamics`; its exponential is taken to third order, which is exact for the chain
-    gyro bias -> attitude -> velocity -> position. Q holds the white noises (densities [m/s/sqrt(s)],
-    [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and bias_drive [unit^2/s] are those of
-    the biases, n - 9 at least. work: (4, n, n) of working space.
+    dynamics: see `error_dynamics`, zero for the states beyond its columns; its exponential is taken to third
+    order, which is exact for the chain gyro bias -> attitude -> velocity -> position. Q holds the white noises
+    (densities [m/s/sqrt(s)], [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and drive
+    [unit^2/s] are those of the states beyond the first nine, n - 9 at least. work: (4, n, n) of working space.
     """
-    n, rows = covariance.shape[0], dynamics.shape[0]
+    n, (rows, inertial) = covariance.shape[0], dynamics.shape
     step, square, cube, product = work[0], work[1], work[2], work[3]
     for i in range(rows):
         for j in range(n):
-            step[i, j] = dynamics[i, j] * dt
+            step[i, j] = dynamics[i, j] * dt if j < inertial else 0.0
     _times(step, step, rows, 0.5, square)
     _times(step, square, rows, 1.0 / 3.0, cube)
     for i in range(rows):
@@ -161,7 +161,7 @@ def propagate(
             covariance[j, i] = covariance[i, j]
         # Exact for a Gauss-Markov bias, however long the step.
         decay = 2.0 * decay_rate[j - BIASES]
-        covariance[j, j] += bias_drive[j - BIASES] * (-math.expm1(-decay * dt) / decay if decay > 0.0 else dt)
+        covariance[j, j] += drive[j - BIASES] * (-math.expm1(-decay * dt) / decay if decay > 0.0 else dt)
     _add_white_noise(covariance, force, dt, accelerometer_density**2, gyro_density**2)
 
 
@@ -239,8 +239,9 @@ def update(
 
 @kernel
 def normalised_square(covariance: FloatArray, error: FloatArray, work: FloatArray) -> float:
-    """error' P^-1 error by Cholesky; NaN where P is not positive definite. work: (n, n) at least."""
-    n = covariance.shape[0]
+    """error' P^-1 error by Cholesky, P the covariance of the first n states, which `error` (n) has; NaN where P is
+    not positive definite. work: (n, n) at least."""
+    n = len(error)
     total = 0.0
     for i in range(n):
         for j in range(i + 1):

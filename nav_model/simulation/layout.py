@@ -19,7 +19,7 @@ WITHHELD: Final = 13
 """What rounding has so far withheld from latitude and longitude (2)."""
 STATE_LENGTH: Final = 15
 
-# The filter's error states (9, 15 or 21), see `kalman`; velocity as above.
+# The filter's error states (9, 15 or 21, and 3 more for a slow GNSS error), see `kalman`; velocity as above.
 POSITION: Final = 0
 ATTITUDE: Final = 6
 BIASES: Final = 9

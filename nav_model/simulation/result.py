@@ -155,7 +155,7 @@ def summarise(
     """The result from the summed runs; ValueError where the closed form's array has another shape."""
     schedule = plan(spec)
     time_s = schedule.outputs.time_s
-    runs, states = total.runs, spec.filter.states
+    runs, states = total.runs, spec.filter.inertial
     sigma = None
     if closed_form is not None:
         sigma = np.asarray(closed_form(schedule.coast_s, time_s), dtype=np.float64)

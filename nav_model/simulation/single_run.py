@@ -62,7 +62,8 @@ class RunRecord:
     error, filter_sigma: shape (2, outputs, states), [0] just before the fix at that time and [1] just after
     (the same where no fix falls); states are position [m] and velocity [m/s] north, east, down, then roll,
     pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases; with 21 those are
-    the constant and walking part, and the Gauss-Markov part of both follows.
+    the constant and walking part, and the Gauss-Markov part of both follows. The states of a slow GNSS error are left
+    out, here and in the NEES; the NIS has them.
     nees: (outputs,), after the fix. nis: (fixes,), of `measured` numbers in all. fix_error: (fixes, 3), noise of the
     positions, north, east, down [m].
     """
@@ -91,7 +92,7 @@ def _write(
 ) -> None:
     """Errors and variances at output `k`, attitude as roll, pitch, yaw; the error in the filter's own states goes
     to `state_error`."""
-    n = covariance.shape[0]
+    n = len(state_error)
     latitude = truth.position[k, 0]
     meridian, prime = curvature_radii_kernel(math.sin(latitude))
     height = truth.position[k, 2]
@@ -125,6 +126,7 @@ def _write(
 def _advance_run(
     state: FloatArray,
     bias: FloatArray,
+    slow: FloatArray,
     covariance: FloatArray,
     increments: FloatArray,
     dt: float,
@@ -145,11 +147,12 @@ def _advance_run(
     reports, believed: of the fixes, as `take_fix` has them of one.
     """
     n = covariance.shape[0]
-    work, dynamics = np.empty((4, n, n)), np.empty((BIASES, n))
+    inertial = n - len(slow)
+    work, dynamics = np.empty((4, n, n)), np.empty((BIASES, inertial))
     matrix, mean_matrix = np.empty((3, 3)), np.empty((3, 3))
     # Samples in turn; then vectors of working space.
     window, scratch, force, rate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.empty(3)
-    estimate, state_error, bias_error = np.zeros(n), np.empty(n), np.empty(len(bias))
+    estimate, state_error, bias_error = np.zeros(n), np.empty(inertial), np.empty(len(bias))
     quaternion = state[QUATERNION : QUATERNION + 4]
     write_matrix(quaternion, matrix)
     # Not a literal 0, for which Numba would compile what takes these indices a second time.
@@ -189,13 +192,15 @@ def _advance_run(
                 tuning.accelerometer_density,
                 tuning.gyro_density,
                 tuning.decay_rate,
-                tuning.bias_drive,
+                tuning.drive,
                 work,
             )
             for i in range(3):
                 force[i] = 0.0
-            for i in range(len(bias)):
+            for i in range(inertial - BIASES):
                 bias[i] *= math.exp(-tuning.decay_rate[i] * elapsed)
+            for i in range(len(slow)):
+                slow[i] *= math.exp(-tuning.decay_rate[inertial - BIASES + i] * elapsed)
             last_step = k
         for phase in range(2):
             if phase == 1 and events[k] & FIX:
@@ -209,11 +214,12 @@ def _advance_run(
                     rate,
                     matrix,
                     covariance,
-                    tuning.rate_variance,
+                    tuning,
+                    slow,
                     estimate,
                     work,
                 )
-                correct(state, bias, estimate)
+                correct(state, bias, slow, estimate)
                 write_matrix(quaternion, matrix)
                 fix += 1
             if events[k] & OUTPUT:
@@ -223,7 +229,7 @@ def _advance_run(
                     bias_error[g] = bias[g] - gyro.fixed[i] - gyro.walk[i]
                     bias_error[TRIADS + a] = bias[TRIADS + a] - accelerometer.markov[i]
                     bias_error[TRIADS + g] = bias[TRIADS + g] - gyro.markov[i]
-                if n == BIASES + TRIADS:
+                if inertial == BIASES + TRIADS:
                     for i in range(TRIADS):
                         bias_error[i] += bias_error[TRIADS + i]
                 _write(
@@ -245,12 +251,12 @@ def _advance_run(
 
 
 def tuning_of(spec: SimulationSpec) -> Tuning:
-    """What the filter of a study assumes of the IMU."""
-    scale = spec.filter.process_noise_scale
-    decay, drive = np.zeros(12), np.zeros(12)
+    """What the filter of a study assumes."""
+    scale, inertial, gnss = spec.filter.process_noise_scale, spec.filter.inertial, spec.gnss
+    decay, drive = np.zeros(15), np.zeros(15)
     for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
         moved = 2.0 * model.bias_instability**2 / model.correlation_time
-        if spec.filter.states == 21:
+        if inertial == 21:
             decay[first + 6 : first + 9] = 1.0 / model.correlation_time if moved else 0.0
             drive[first + 6 : first + 9] = scale**2 * moved
             drive[first : first + 3] = scale**2 * model.rate_random_walk**2
@@ -261,6 +267,8 @@ def tuning_of(spec: SimulationSpec) -> Tuning:
             alone = model.turn_on_bias == 0.0 and model.rate_random_walk == 0.0
             decay[first : first + 3] = 1.0 / model.correlation_time if alone else 0.0
         drive[first : first + 3] = scale**2 * (moved + model.rate_random_walk**2)
+    of_slow = slice(inertial - BIASES, spec.filter.states - BIASES)
+    decay[of_slow], drive[of_slow] = 1.0 / gnss.markov_time, 2.0 / gnss.markov_time
     vibration = spec.imu.vibration_factor * scale
     gyro_density = spec.imu.gyro.random_walk * vibration
     return Tuning(
@@ -268,54 +276,66 @@ def tuning_of(spec: SimulationSpec) -> Tuning:
         gyro_density=gyro_density,
         rate_variance=gyro_density**2 * spec.imu.rate,
         decay_rate=decay,
-        bias_drive=drive,
+        drive=drive,
+        slow_sigma=np.array(gnss.axis_markov_noise),
     )
 
 
 def initial_sigma(spec: SimulationSpec) -> FloatArray:
-    """Sigma of the true initial error (states): position, velocity, attitude, then the biases."""
+    """Sigma of the true initial error of the INS: position, velocity, attitude, then the biases."""
     start, triads = spec.initial, (spec.imu.accelerometer, spec.imu.gyro)
     biases: list[float] = {
         9: [],
         15: [math.hypot(m.turn_on_bias, m.bias_instability) for m in triads],
         21: [*(m.turn_on_bias for m in triads), *(m.bias_instability for m in triads)],
-    }[spec.filter.states]
+    }[spec.filter.inertial]
     values = [start.position, start.velocity, start.tilt, *biases]
     sigma = np.repeat(np.array(values), 3)
     sigma[8] = start.yaw
     return sigma
 
 
-def believed_sigma(spec: SimulationSpec) -> FloatArray:
-    """Sigma that the filter starts with (states)."""
-    believed = initial_sigma(spec) * spec.filter.initial_scale
-    believed[9:] = np.maximum(believed[9:] * spec.filter.bias_scale, _least_biases(spec.filter.states))
+def believed_covariance(spec: SimulationSpec) -> FloatArray:
+    """Covariance (states, states) that the filter starts with.
+
+    One that knows the slow error of the fixes knows too that the INS starts from such a fix: its position is off by
+    the slow error of that moment, beside its own sigma.
+    """
+    sigma = initial_sigma(spec) * spec.filter.initial_scale
+    sigma[9:] = np.maximum(sigma[9:] * spec.filter.bias_scale, _least_biases(spec.filter.inertial))
+    believed = np.diag(np.concatenate([sigma, np.ones(spec.filter.slow)]) ** 2)
+    for axis, state in enumerate(range(spec.filter.inertial, spec.filter.states)):
+        slow = spec.gnss.axis_markov_noise[axis]
+        believed[axis, axis] += slow**2
+        believed[axis, state] = believed[state, axis] = -slow
     return believed
 
 
 def _least_biases(states: int) -> FloatArray:
-    """As nearly as a bias that is zero is known to be: the covariance stays regular."""
+    """As nearly as a bias that is zero is known to be, of so many states of the INS: the covariance stays regular."""
     return np.resize([1e-9, 1e-9, 1e-9, 1e-13, 1e-13, 1e-13], states - 9)
 
 
 def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> RunRecord:
     """Fly run `run` with the sensors of `imu` and the filter tuned for `spec`."""
     schedule: Schedule = plan(spec)
-    n = spec.filter.states
+    n = spec.filter.inertial
     sequence = np.random.SeedSequence(spec.seed, spawn_key=(run,))
     start_noise, imu_noise, gnss_noise = (np.random.Generator(np.random.PCG64(s)) for s in sequence.spawn(3))
     gyro = draw_triad(imu.gyro, imu.rate, imu.vibration_factor, start_noise)
     accelerometer = draw_triad(imu.accelerometer, imu.rate, imu.vibration_factor, start_noise)
     sigma = initial_sigma(spec)
     draw = sigma[:9] * start_noise.standard_normal(9) * (1.0 if noisy else 0.0)
-    truth = schedule.outputs
-    state = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
-    # `correct` takes an error out; its negative puts one in.
-    correct(state, np.zeros(12), -draw)
     bias = np.zeros(12)
     if noisy:  # a bias of zero is drawn as well as the filter knows it: its NEES would otherwise be too small
         bias[: n - 9] = np.where(sigma[9:] == 0.0, _least_biases(n), 0.0) * start_noise.standard_normal(n - 9)
-    report, fix_error = _reports(spec, schedule, start_noise, gnss_noise, noisy)
+    report, fix_error, slow_before = _reports(spec, schedule, start_noise, gnss_noise, noisy)
+    truth, slow = schedule.outputs, np.zeros(spec.filter.slow)
+    state = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
+    if spec.filter.slow:
+        draw[:3] += slow_before
+    # `correct` takes an error out; its negative puts one in.
+    correct(state, np.zeros(12), np.zeros(0), -draw)
     if noisy and spec.radar_time_offset:
         late = spec.radar_time_offset * start_noise.standard_normal()
         truth = true_states(plan_trajectory(spec.trajectory, spec.duration), truth.time_s + late)
@@ -325,7 +345,8 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     _advance_run(
         state,
         bias,
-        np.diag(believed_sigma(spec) ** 2),
+        slow,
+        believed_covariance(spec),
         schedule.increments,
         1.0 / imu.rate,
         schedule.events,
@@ -353,31 +374,32 @@ def _reports(
     constants: np.random.Generator,
     generator: np.random.Generator,
     noisy: bool,
-) -> tuple[FloatArray, FloatArray]:
-    """What is reported at the fixes of a run (fixes, MEASURED), and the noise of its positions (fixes, 3).
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What is reported at the fixes of a run (fixes, MEASURED), the noise of its positions (fixes, 3), and their slow
+    error at the start (3), which moves on from there.
 
     `constants` are drawn once: the errors of the lever arm and of the receiver's time.
     """
     gnss, truth, arm = spec.gnss, schedule.fixes, np.array(spec.gnss.lever_arm)
     if not noisy:
         nothing = np.zeros((len(truth.time_s), MEASURED))
-        return reported(truth, nothing, arm), nothing[:, :3]
+        return reported(truth, nothing, arm), nothing[:, :3], np.zeros(3)
     if gnss.lever_arm_error or gnss.time_offset:
         arm = arm + gnss.lever_arm_error * constants.standard_normal(3)
         late = gnss.time_offset * constants.standard_normal()
         truth = true_states(plan_trajectory(spec.trajectory, spec.duration), truth.time_s + late)
-    sigma = np.array([gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise])
     comes = np.isfinite(schedule.fix_noise)
     used = np.flatnonzero(comes.any(axis=0))
     before = generator.standard_normal(3)
     drawn = generator.standard_normal((len(truth.time_s), 3 + len(used)))
     correlation = np.exp(-np.diff(schedule.fixes.time_s, prepend=0.0) / gnss.markov_time)
-    slow = np.vstack([before, np.sqrt(1.0 - correlation * correlation)[:, None] * drawn[:, :3]]) * sigma
+    slow = np.vstack([before, np.sqrt(1.0 - correlation * correlation)[:, None] * drawn[:, :3]])
+    slow *= gnss.axis_markov_noise
     first_order(np.concatenate([[0.0], correlation]), slow)
     noise = np.zeros((len(drawn), MEASURED))
     noise[:, used] = np.where(comes, schedule.fix_noise, 0.0)[:, used] * drawn[:, 3:]
     noise[:, :3] += slow[1:]
-    return reported(truth, noise, arm), noise[:, :3]
+    return reported(truth, noise, arm), noise[:, :3], slow[0]
 
 
 def fly(spec: SimulationSpec, run: int) -> RunRecord:

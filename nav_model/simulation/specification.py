@@ -13,7 +13,16 @@ from nav_model.base.errors import InputError
 
 TrajectoryKind = Literal["wandering", "straight", "turns", "climb", "file"]
 TRAJECTORY_KINDS: Final[tuple[str, ...]] = get_args(TrajectoryKind)
-FILTER_STATES: Final = (9, 15, 21)
+FILTER_STATES: Final = {
+    9: "no biases, no slow error",
+    12: "slow GNSS error",
+    15: "biases",
+    18: "biases, slow GNSS error",
+    21: "constant and varying biases",
+    24: "both kinds of bias, slow GNSS error",
+}
+"""Number of states of a filter -> what it estimates beyond position, velocity and attitude."""
+SLOW_STATES: Final = 3
 HIGHEST_LATITUDE: Final = math.radians(85.0)
 
 
@@ -156,6 +165,11 @@ class GnssModel:
         return self.position_noise, self.position_noise, vertical
 
     @property
+    def axis_markov_noise(self) -> tuple[float, float, float]:
+        """Slow error north, east, down [m]; zeros for a receiver without one."""
+        return self.markov_noise, self.markov_noise, self.vertical_markov_noise
+
+    @property
     def axis_velocity_noise(self) -> tuple[float, ...]:
         """White velocity noise north, east, down [m/s]; empty for a receiver that gives position only."""
         if self.velocity_noise is None:
@@ -246,12 +260,14 @@ class InitialErrors:
 
 @dataclass(frozen=True)
 class FilterModel:
-    """The error-state filter: 9 states (position, velocity, attitude), 15 (and both biases) or 21.
+    """The error-state filter: 9 states (position, velocity, attitude), 15 (and both biases) or 21, each with 3 more
+    where it knows the slow GNSS error.
 
     With 15 one state holds all of a sensor's bias; where a Gauss-Markov bias comes on top of a constant or a
     random walk it is a random walk of the same drive, and the filter pessimistic (NEES 12.9 to 14.4 of 15 for
     a MEMS unit after 4 to 15 of its correlation times of 100 s, or 0.4 to 1.5 of 1000 s). 21 states keep the
-    two apart and are consistent.
+    two apart and are consistent. The last three of 12, 18 and 24 are the slow error of the fixes over its sigma, a
+    Gauss-Markov process of the receiver's correlation time.
 
     The multipliers scale the standard deviations that the filter assumes relative to those of the sensors:
     1 is matched tuning, `process_noise_scale` = sqrt(0.5) halves the process noise.
@@ -273,6 +289,16 @@ class FilterModel:
         )
         if self.states not in FILTER_STATES:
             raise _refuse("FilterModel.states", self.states, ", ".join(map(str, FILTER_STATES)))
+
+    @property
+    def slow(self) -> int:
+        """How many of the states are for the slow GNSS error: 0 or 3."""
+        return SLOW_STATES if self.states % 6 == 0 else 0
+
+    @property
+    def inertial(self) -> int:
+        """How many are of the INS: 9, 15 or 21."""
+        return self.states - self.slow
 
 
 @dataclass(frozen=True)
@@ -311,6 +337,8 @@ class SimulationSpec:
         for start, stop in self.outages:
             if not (math.isfinite(start) and math.isfinite(stop) and 0.0 <= start < stop):
                 raise _refuse("outages", (start, stop), "pairs 0 <= start < stop, in seconds")
+        if self.filter.slow and not any(self.gnss.axis_markov_noise):
+            raise _refuse("FilterModel.states", self.filter.states, "9, 15 or 21 without a slow GNSS error")
         ordered = sorted(self.outages)
         if any(before[1] > after[0] for before, after in pairwise(ordered)):
             raise _refuse("outages", self.outages, "windows that do not overlap")

@@ -93,7 +93,6 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
         on_flight,
         _besides(x),
         elsewhere,
-        slow_error_known=True,
         settled=True,
         moment=x.steady_state,
         smoothed_after=_smoothed_after(x),

@@ -89,10 +89,7 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
     Raises InputError where the flight cannot be flown, as `plan_trajectory`, or takes more steps.
     """
     study = spec.study
-    trajectory, states = (
-        plan_trajectory(study.trajectory, study.duration),
-        states_of(study, slow_error_known=spec.slow_error_known),
-    )
+    trajectory, states = plan_trajectory(study.trajectory, study.duration), states_of(study)
     scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
     wanted = output_samples(study) / study.imu.rate
     anchors = np.union1d(scheduled, wanted)
@@ -293,7 +290,7 @@ def measurements(
     rows = _of_all_states(h, specific_force_and_rate(trajectory, truth.time_s), states)
     position, velocity = slice(POSITION, POSITION + 3), slice(VELOCITY, VELOCITY + 3)
     if (place := states.first.get(SLOW_GNSS)) is not None:
-        sizes = np.diag([gnss.markov_noise, gnss.markov_noise, gnss.vertical_markov_noise])
+        sizes = np.diag(gnss.axis_markov_noise)
         rows[:, position, place : place + 3] = -sizes
         if states.estimated > states.inertial:
             rows[:, position, states.inertial : states.estimated] = sizes

@@ -36,9 +36,8 @@ class CovarianceSpec:
     requirements on what no flight changes, as the budget has them.
     moment: at which states are judged in real time, as `requirements.steady_state`; smoothed_after: how long after a
     fix smoothed ones are [s].
-    slow_error_known: the filter has the slow GNSS error among its states. settled: the flight begins with the
-    covariance of a filter that has settled on a straight leg of its first heading, correlations included, where only
-    the heading is the study's initial one; else with the study's initial errors, each independent.
+    settled: the flight begins with the covariance of a filter that has settled on a straight leg of its first
+    heading, correlations included, where only the heading is the study's initial one; else with the study's start.
     """
 
     study: SimulationSpec
@@ -48,7 +47,6 @@ class CovarianceSpec:
     most: Most = ()
     contributors: Contributors = field(default_factory=Contributors)
     elsewhere: tuple[Check, ...] = ()
-    slow_error_known: bool = False
     settled: bool = False
     moment: str = "posterior"
     smoothed_after: float = 0.0

@@ -44,6 +44,7 @@ def settled_start(study: SimulationSpec, states: States, start: TruthStates) -> 
     step = np.diag(np.concatenate([np.zeros(BIASES), decay_factor[: m - BIASES]]))
     step[:BIASES] = phi[:, :m]
     unsettled, before = states.believed.copy(), np.full(ATTITUDE, np.inf)
+    unsettled[:_YAW] = unsettled[:, :_YAW] = 0.0
     unsettled[:_YAW, :_YAW] = np.diag(_UNKNOWN) ** 2
     for matrix in (step, noise, unsettled):
         matrix[_YAW] = matrix[:, _YAW] = 0.0
@@ -80,7 +81,7 @@ def _begun_with(states: States, covariance: FloatArray) -> States:
     known_as, columns, owners = _known_as(states), [], []
     parts: dict[int, list[tuple[int, int, float]]] = {}
     for column, owner in zip(states.initial.T, states.owner.tolist(), strict=True):
-        state = int(np.argmax(np.abs(column)))
+        state = int(np.flatnonzero(column)[-1])  # that of the error itself, after what it does to the filter's
         if state < BIASES or state in known_as:
             parts.setdefault(known_as.get(state, state), []).append((owner, state, float(column[state])))
         else:  # what the filter does not know is as large as before, and nothing has come of it yet

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE, SLOW_GNSS
 from nav_model.simulation.layout import ATTITUDE, BAROMETER, BIASES, HEADING, POSITION, VELOCITY
-from nav_model.simulation.single_run import believed_sigma, initial_sigma, tuning_of
+from nav_model.simulation.single_run import believed_covariance, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 
 FloatArray = NDArray[np.float64]
@@ -85,13 +85,12 @@ def short_as_white(study: SimulationSpec) -> SimulationSpec:
     return replace(study, imu=imu)
 
 
-def states_of(study: SimulationSpec, *, slow_error_known: bool = False) -> States:
-    """The states and sources of a study; `slow_error_known` as of `CovarianceSpec`."""
+def states_of(study: SimulationSpec) -> States:
+    """The states and sources of a study."""
     imu, gnss, aiding = study.imu, study.gnss, study.aiding
     triads = (("accelerometer", imu.accelerometer), ("gyro", imu.gyro))
-    is_slow = gnss.markov_noise > 0.0 or gnss.vertical_markov_noise > 0.0
-    inertial = study.filter.states
-    size = m = inertial + (3 if is_slow and slow_error_known else 0)
+    inertial, size = study.filter.inertial, study.filter.states
+    m = size
     sources: dict[str, int] = {}
     first: dict[str, int] = {}
     errors: list[Error] = []
@@ -119,10 +118,8 @@ def states_of(study: SimulationSpec, *, slow_error_known: bool = False) -> State
         add(f"{name} bias", f"{name} bias random walk", 3, 0.0, model.rate_random_walk**2)
         source, drive = f"{name} bias instability", 2.0 * model.bias_instability**2 / model.correlation_time
         add(source, source, 3, model.bias_instability, drive, model.correlation_time)
-    if is_slow:
-        add(
-            SLOW_GNSS, SLOW_GNSS, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time
-        )  # its size is in what a fix measures
+    if any(gnss.axis_markov_noise):  # its size is in what a fix measures
+        add(SLOW_GNSS, SLOW_GNSS, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)
     moving, noisy = size, len(sources)
     constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
     constant += [(RADAR_TIME, 1, study.radar_time_offset)]
@@ -137,16 +134,14 @@ def states_of(study: SimulationSpec, *, slow_error_known: bool = False) -> State
 
     tuning, decay = tuning_of(study), np.zeros(size - BIASES)
     assumed = [(VELOCITY, tuning.accelerometer_density**2), (ATTITUDE, tuning.gyro_density**2)]
-    assumed += [(state, float(tuning.bias_drive[state - BIASES])) for state in range(BIASES, inertial, 3)]
-    decay[: inertial - BIASES] = tuning.decay_rate[: inertial - BIASES]
-    believed = np.concatenate([believed_sigma(study), np.ones(m - inertial)])
-    if m > inertial:
-        assumed.append((inertial, 2.0 / gnss.markov_time))
-        decay[inertial - BIASES : m - BIASES] = 1.0 / gnss.markov_time
+    assumed += [(state, float(tuning.drive[state - BIASES])) for state in range(BIASES, m, 3)]
+    decay[: m - BIASES] = tuning.decay_rate[: m - BIASES]
     starts = [(error, error.first + n) for error in errors if error.sigma > 0.0 for n in range(error.states)]
     initial = np.zeros((size, len(starts)))
     for column, (error, state) in enumerate(starts):
         initial[state, column] = error.sigma
+        if m > inertial and error.first == first[SLOW_GNSS]:  # with which the position begins
+            initial[state - error.first, column] = gnss.axis_markov_noise[state - error.first]
     for error in errors:
         if error.time > 0.0:
             decay[error.first - BIASES : error.first - BIASES + error.states] = 1.0 / error.time
@@ -163,5 +158,5 @@ def states_of(study: SimulationSpec, *, slow_error_known: bool = False) -> State
         decay=decay,
         initial=initial,
         owner=np.array([error.source for error, _ in starts], dtype=np.int64),
-        believed=np.diag(believed**2),
+        believed=believed_covariance(study),
     )

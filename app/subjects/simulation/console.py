@@ -74,7 +74,7 @@ def _specification(
         if value is not None and value < 1:
             raise InputError(f"--{name}", f"{value} is not allowed. Enter 1 or more.")
     spec, _ = flight_study(design, more, options, runs=options.runs, seed=options.seed, keep_runs=keep_runs)
-    size = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.states
+    size = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.inertial
     if keep_runs and size > _LARGEST_KEPT:
         raise InputError(
             "-o", f"every run's errors would take {size / 1e9:.3g} GB; use fewer --runs or a longer --every"

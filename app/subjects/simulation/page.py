@@ -87,7 +87,9 @@ class SimulatePage(StudyPage[Flown]):
     length = param.String(default="300", label="Length [s]")
     outages = param.String(default="200,300", label="Outages [s]")
     seed = param.String(default="1", label="Seed")
-    states = chosen(0, {"by design": 0} | {f"{count} states": count for count in FILTER_STATES}, "Filter")
+    states = chosen(
+        0, {"by design": 0} | {f"{count}: {known}": count for count, known in FILTER_STATES.items()}, "Filter"
+    )
     added = param.String(doc="What the study adds to the design, as a query.")
     axis = chosen("north", _AXES, "Axis of the ensemble")
 

@@ -79,7 +79,9 @@ class TrajectoryPage(StudyPage[Followed]):
     waiting = Answer("Working", "open", ("The covariance along the flight follows.",))
     refusal = "Plan not flown"
     flight = chosen("wandering", _FLIGHTS, "Flight")
-    states = chosen(0, {"by design": 0} | {f"{count} states": count for count in FILTER_STATES}, "Filter")
+    states = chosen(
+        0, {"by design": 0} | {f"{count}: {known}": count for count, known in FILTER_STATES.items()}, "Filter"
+    )
     figure = chosen("detrended_phase", {quantity.label: name for name, quantity in FIGURES.items()}, "Quantity")
 
     def __init__(self, session: Session) -> None:

@@ -149,8 +149,9 @@ def test_fixes_that_fall_between_the_instruments_samples():
     np.testing.assert_array_equal(axis.coasted_position, axis.ins_position)
 
 
-def test_a_slow_error_of_the_fixes_is_flown():
-    design = Design(X_BAND | {"gnss.correlated": True, "gnss.correlated_noise": 3.0, "gnss.correlation_time": 1e4})
+def test_a_slow_error_of_the_fixes_and_a_bias_are_flown():
+    slow = {"gnss.correlated": True, "gnss.correlated_noise": 3.0, "gnss.correlation_time": 1e4}
+    design = Design(X_BAND | slow | {"imu.accelerometer_bias": 1e-4})
     axis = histories(flight_of(design, 3.0, 0.0), 3.0, 100.0, 1, 0, 30)[0]
     assert 2.0 < root(axis.gnss_error) < 4.2
     assert np.abs(np.diff(axis.gnss_error, axis=1)).max() < 0.5

@@ -175,7 +175,8 @@ def test_velocity_fixes_of_the_design_part_nothing_and_others_do() -> None:
 
 def test_errors_the_filter_does_not_expect_are_found_though_the_filter_agrees_with_the_closed_form() -> None:
     """The slow GNSS error passes straight into position: 1 m on 0.47 m, and the filter knows nothing of it."""
-    found = study(PAPER.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.0}))
+    slow = PAPER.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.0})
+    found = study(slow, states=9)
     north = of(found, "position", "north", 190.0)
     assert north.ratio == pytest.approx(0.946, abs=0.01)  # the posterior's [T-8]
     (cause, factor) = north.steps[-1]
@@ -183,6 +184,9 @@ def test_errors_the_filter_does_not_expect_are_found_though_the_filter_agrees_wi
     assert factor == pytest.approx(math.hypot(1.0, 0.449) / 0.449, rel=0.35)  # 90 values of 300 s: a few independent
     assert "the slow GNSS error" in north.reason
     assert north.simulated == pytest.approx(north.ratio * factor)
+    known = of(study(slow), "position", "north", 190.0)
+    assert known.steps[-1][0] == "filter"  # which now expects them, and the formula does not
+    assert "the slow GNSS error, which the formula leaves out" in known.reason
 
 
 def test_velocity_fixes_with_a_vertical_noise_of_their_own_part_nothing() -> None:

@@ -38,6 +38,7 @@ SHAKEN = parse_design(
     ],
 )  # fmt: skip
 FAST = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=["gnss.velocity_noise=3 cm/s"])
+SLOW = MEMS.replace({"gnss.correlated": True, "gnss.correlated_noise": 0.5, "gnss.correlation_time": 100.0})
 RICH = read_study_inputs(
     {
         "gyro.bias_instability": "20 °/h",
@@ -63,7 +64,7 @@ def planned(design: Design, **options: Any) -> CovarianceSpec:
 
 def as_simulated(design: Design, **options: Any) -> CovarianceSpec:
     """With the filter and the start of the simulator's runs."""
-    return replace(planned(design, **options), settled=False, slow_error_known=False)
+    return replace(planned(design, **options), settled=False)
 
 
 def states(part: Processed) -> np.ndarray:
@@ -77,11 +78,12 @@ def states(part: Processed) -> np.ndarray:
         {"trajectory": "turns", "states": 15, "outages": [(170.0, 230.0)]},
         {"trajectory": "turns", "states": 21, "more": read_study_inputs({"receiver.lever_forward": "2 m"})},
         {"trajectory": "climb", "more": read_study_inputs({"receiver.velocity_noise": "5 cm/s"})},
+        {"trajectory": "turns", "states": 18, "outages": [(170.0, 230.0)]},
     ],
 )
 def test_a_filter_that_knows_its_errors_is_that_of_the_simulator(options: dict[str, Any]) -> None:
     """The simulator steps ten times a second, this from fix to fix: the same to a thousandth through turns."""
-    found = covariance(as_simulated(MEMS, **options))
+    found = covariance(as_simulated(SLOW if options.get("states") == 18 else MEMS, **options))
     own = fly_without_errors(found.spec.study).filter_sigma[POSTERIOR][:, :9]
     np.testing.assert_allclose(states(found.real_time), own, rtol=2e-3)
 
