@@ -2,14 +2,15 @@
 
     time     0 --------- node k-1 ------------ node k ------------ node k+1 ------- end
     forward  P, z:       after its fix,  Phi:  before, then  K, H: after its fix          `_filtered`, `_forward`
-    back     lambda:     before its fix, Phi': after,  then (I - K H)': before its fix    `_later`
+    back     L, N:       before its fix, Phi': after,  then (I - K H)': before its fix    `_later`
     aperture             |--- weights on position and velocity at its nodes ---|          `_ends`, `_within`
+             A z at its start                                             D n at its end
 
 The gains come from the covariance that the filter believes; every source goes through the same gains, considered
 errors among them: one with noise as its own covariance, a constant one as what a sigma of it does to every state. The
 smoother is that of Bryson and Frazier, which gives what that of Rauch, Tung and Striebel gives [P-14]: the smoothed
 error is e - P λ, with λ a sum over later innovations. Going back along the flight, λ = L z + n, z the errors at that
-node and n what later noises add, of which each source has its covariance.
+node and n what later noises add, of which N is the covariance by source.
 
 An image figure is a weighted sum of smoothed errors at the nodes of its aperture, and so a sum of the errors at its
 start, the noises within, and n at its end: three parts, independent of each other. In real time the INS is free from
@@ -115,7 +116,7 @@ def _filtered(model: ErrorModel) -> _Filter:
             cross = p @ rows.T
             inverse = np.linalg.inv(rows @ cross + np.diag(variance))
             gain = cross @ inverse
-            update = identity - gain @ rows  # I - K H
+            update = identity - gain @ rows  # I - K H; by Joseph's form, P stays positive
             p = update @ p @ update.T + (gain * variance) @ gain.T
             run.gain[node], run.weight[node] = gain, rows.T @ inverse
         p = 0.5 * (p + p.T)
@@ -145,17 +146,19 @@ def _ends(model: ErrorModel, run: _Filter, apertures: Apertures) -> tuple[FloatA
     """What smoothing adds to the sums of the apertures: weights on λ at the end of each (apertures, COLUMNS, m), and
     on the innovations at its nodes (nodes, apertures, COLUMNS, r)."""
     m, (count, nodes) = model.states.estimated, apertures.weights.shape[:2]
-    weights = np.zeros((count, COLUMNS, m))
+    ends = np.zeros((count, COLUMNS, m))  # D
     by_innovation = np.zeros((nodes, count, COLUMNS, model.rows.shape[1]))
     for step, on, node in _along(apertures):
-        now = weights[on]
+        d = ends[on]
         if step:
-            moved = now @ model.phi[node - 1, :, :m].swapaxes(1, 2)
-            now = np.concatenate([moved, now[:, :, _AXES:] * model.decay_factor[node - 1, None, : m - _AXES]], axis=2)
-            by_innovation[step, on] = now @ run.weight[node]
-            now -= (now @ model.rows[node, :, :m].swapaxes(1, 2)) @ run.gain[node].swapaxes(1, 2)
-        weights[on] = now - apertures.weights[on, step] @ run.covariance[node, :6]
-    return weights, by_innovation
+            # λ at the node before is Phi' (H' S⁻¹ r + (I - K H)' λ), with λ and the innovation r of this one.
+            moved = d @ model.phi[node - 1, :, :m].swapaxes(1, 2)
+            d = np.concatenate([moved, d[:, :, _AXES:] * model.decay_factor[node - 1, None, : m - _AXES]], axis=2)
+            by_innovation[step, on] = d @ run.weight[node]
+            d -= (d @ model.rows[node, :, :m].swapaxes(1, 2)) @ run.gain[node].swapaxes(1, 2)
+        # Smoothing takes P λ off position and velocity here, which have the aperture's weights.
+        ends[on] = d - apertures.weights[on, step] @ run.covariance[node, :6]
+    return ends, by_innovation
 
 
 class _Path(NamedTuple):
@@ -185,33 +188,35 @@ def _later(
     path = _Path(np.zeros((nodes, 6, n)), np.zeros((noisy, nodes, 3, 6)))
     driven = [error.source for error in model.states.drives]
     ending, output_of = _by_node(apertures.last), _by_node(at_nodes)
-    carried, now = np.zeros((m, n)), np.zeros((noisy, m, m))  # L, and the covariance of n by source
+    L, N = np.zeros((m, n)), np.zeros((noisy, m, m))  # at the end of the flight nothing comes later
     for node in range(len(model.time_s) - 1, -1, -1):
+        # What is asked for at this node: a sum s of the errors here, less s P λ.
         for at in output_of.get(node, ()):
             output_rows = model.output_rows[at % count]
             sums = output_rows[:, :m] @ run.covariance[node]
-            states.rows[at] = output_rows - sums @ carried
-            states.added[:, at] = ((sums @ now) * sums).sum(axis=2)
+            states.rows[at] = output_rows - sums @ L
+            states.added[:, at] = ((sums @ N) * sums).sum(axis=2)
         for index in ending.get(node, ()):
-            images.rows[index] = ends[index] @ carried
-            images.added[:, index] = ((ends[index] @ now) * ends[index]).sum(axis=2)
+            images.rows[index] = ends[index] @ L
+            images.added[:, index] = ((ends[index] @ N) * ends[index]).sum(axis=2)
         if whole_path:
             p = run.covariance[node, :6]
-            path.rows[node] = np.eye(6, n) - p @ carried
-            path.added[:, node] = p[:3] @ now @ p.T
+            path.rows[node] = np.eye(6, n) - p @ L
+            path.added[:, node] = p[:3] @ N @ p.T
         if node == 0:
             break
+        # Back over the fix: its noise v is in the innovation H z - v, and through the gain in all later ones.
         if model.is_fix[node]:
             rows, gain = model.rows[node], run.gain[node]
             update = np.eye(m) - rows[:, :m].T @ gain.T  # (I - K H)'
-            by_noise = update @ carried[:, :m] @ gain - run.weight[node]
-            carried, now = update @ carried - by_noise @ rows, update @ now @ update.T
-            now[model.measuring] += (by_noise * model.noise[node, :, None, :]) @ by_noise.T
-        factors = carried[:, : model.states.moving] @ _factors(model, node)
-        now[driven] += factors @ factors.swapaxes(1, 2)
+            by_noise = update @ L[:, :m] @ gain - run.weight[node]
+            L, N = update @ L - by_noise @ rows, update @ N @ update.T
+            N[model.measuring] += (by_noise * model.noise[node, :, None, :]) @ by_noise.T
+        # Back over the step: z here is Phi z of the node before, and the noise in between.
+        factors = L[:, : model.states.moving] @ _factors(model, node)
+        N[driven] += factors @ factors.swapaxes(1, 2)
         phi = _transition(model, node, n)
-        back = phi[:m, :m].T
-        carried, now = back @ carried @ phi, back @ now @ back.T
+        L, N = phi[:m, :m].T @ L @ phi, phi[:m, :m].T @ N @ phi[:m, :m]
     return states, images, path
 
 
@@ -221,26 +226,30 @@ def _within(
     """Take the sums from the errors at the end of each aperture to those at its start, with the noises between."""
     radar = model.states.first.get(RADAR_TIME)
     for step, on, node in _along(apertures, back=True):
-        now = sums.rows[on]
-        now[:, :, :6] += apertures.weights[on, step]
+        # The sum is A z, of the errors z at this node. Position and velocity here have weights of their own; a radar
+        # that is late by one second takes them where the aircraft was then.
+        A = sums.rows[on]
+        A[:, :, :6] += apertures.weights[on, step]
         if radar is not None:
-            now[:, :, radar] += np.einsum("acx,ax->ac", apertures.weights[on, step], model.rates[node, :6])
+            A[:, :, radar] += np.einsum("acx,ax->ac", apertures.weights[on, step], model.rates[node, :6])
         if step:
+            # Back over the fix, of a smoothed sum: z after it is (I - K H) z + K v. In real time the INS is free.
             if by_innovation is not None:
-                by_noise = now[:, :, : model.states.estimated] @ run.gain[node] - by_innovation[step, on]
+                by_noise = A[:, :, : model.states.estimated] @ run.gain[node] - by_innovation[step, on]
                 for place, source in enumerate(model.measuring):
                     sums.added[source, on] += (by_noise**2 * model.noise[node, place][:, None]).sum(axis=2)
-                now -= by_noise @ model.rows[node]
+                A -= by_noise @ model.rows[node]
+            # Back over the step: its noise adds a variance to each sum, its Phi takes z to the node before.
             for place, error in enumerate(model.states.drives):
                 factor = model.factors[node - 1, place]
-                driven = now[:, :, :_AXES] @ factor[:, :_AXES]
+                driven = A[:, :, :_AXES] @ factor[:, :_AXES]
                 if error.first >= _AXES:
-                    driven += now[:, :, error.first : error.first + 3] @ factor[:, _AXES:]
+                    driven += A[:, :, error.first : error.first + 3] @ factor[:, _AXES:]
                 sums.added[error.source, on] += (driven**2).sum(axis=2)
-            moved = now[:, :, :_AXES] @ model.phi[node - 1]
-            moved[:, :, _AXES:] += now[:, :, _AXES:] * model.decay_factor[node - 1, None]
-            now = moved
-        sums.rows[on] = now
+            moved = A[:, :, :_AXES] @ model.phi[node - 1]
+            moved[:, :, _AXES:] += A[:, :, _AXES:] * model.decay_factor[node - 1, None]
+            A = moved
+        sums.rows[on] = A
 
 
 def _from_start(model: ErrorModel, apertures: Apertures, free: _Sums) -> None:
@@ -281,13 +290,14 @@ def _forward(
     lasts = errors.owner >= s
     owned = np.eye(sources - s)[errors.owner[lasts] - s].T
     constant = errors.initial[:, lasts]  # what each sigma of the constant sources does to every state
-    now = np.zeros((size, s, size))  # the noisy ones, state before source: both products are of large matrices
+    # Z, the covariance of each noisy source, state before source: so both of its products are of large matrices.
+    Z = np.zeros((size, s, size))
     for column in np.flatnonzero(~lasts):
-        now[:, errors.owner[column]] += np.outer(errors.initial[:size, column], errors.initial[:size, column])
+        Z[:, errors.owner[column]] += np.outer(errors.initial[:size, column], errors.initial[:size, column])
 
     def by_source(rows: FloatArray) -> FloatArray:
         """Variances (sources, q) of sums, rows (q, n)."""
-        product = (rows[:, :size] @ now.reshape(size, -1)).reshape(-1, s, size)
+        product = (rows[:, :size] @ Z.reshape(size, -1)).reshape(-1, s, size)
         noisy = (product * rows[:, None, :size]).sum(axis=2)
         return np.hstack([noisy, (rows @ constant) ** 2 @ owned.T]).T
 
@@ -300,18 +310,20 @@ def _forward(
         if node:
             phi = _transition(model, node, n)
             constant, phi = phi @ constant, phi[:size, :size]
-            now = ((phi @ now.reshape(size, -1)).reshape(-1, size) @ phi.T).reshape(size, s, size)
+            Z = ((phi @ Z.reshape(size, -1)).reshape(-1, size) @ phi.T).reshape(size, s, size)
             factors = _factors(model, node)
-            now[:, driven] += (factors @ factors.swapaxes(1, 2)).swapaxes(0, 1)
+            Z[:, driven] += (factors @ factors.swapaxes(1, 2)).swapaxes(0, 1)
         for at in before_of.get(node, ()):
             judged[:, at] += by_source(model.output_rows[at])
+        # Over the fix: (I - K H) Z (I - K H)' + K R K', with the true noise R of each source that is measured.
         if node and model.is_fix[node]:
             rows, gain = model.rows[node], run.gain[node]
             constant[:m] -= gain @ (rows @ constant)
             rows = rows[:, :size]
-            now[:m] -= (gain @ (rows @ now.reshape(size, -1))).reshape(m, s, size)
-            now[:, :, :m] -= ((now.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
-            now[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
+            Z[:m] -= (gain @ (rows @ Z.reshape(size, -1))).reshape(m, s, size)
+            Z[:, :, :m] -= ((Z.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
+            Z[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
+        # Sums of the errors at this node: states, and apertures that start here.
         add_to: list[tuple[FloatArray, FloatArray]] = []
         add_to += [(free[:, at], model.output_rows[at]) for at in output_of.get(node, ())]
         add_to += [(judged[:, at], model.output_rows[at]) for at in after_of.get(node, ())]
@@ -325,7 +337,7 @@ def _forward(
                 first += len(rows)
         if len(path.rows):
             rows = path.rows[node]
-            noisy = (rows[:3, :size] @ now.reshape(size, -1)).reshape(3 * s, size) @ rows[:, :size].T
+            noisy = (rows[:3, :size] @ Z.reshape(size, -1)).reshape(3 * s, size) @ rows[:, :size].T
             squares[:s, node] += noisy.reshape(3, s, 6).swapaxes(0, 1)
             fixed = rows @ constant
             squares[s:, node] += ((fixed[:3, None] * fixed) @ owned.T).transpose(2, 0, 1)
