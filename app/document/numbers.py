@@ -25,6 +25,7 @@ _LEAST = {
     for dimension, ladder in _LADDERS.items()
 }
 _LEFT = 1e-8  # of the whole: less is rounding
+_NEAR = 0.005  # of a limit: nearer, three digits of the value may be those of the limit
 _SMALL_ANGLE = math.radians(0.001)
 _POWER = re.compile(r"(?<=\d)e(-?\d+)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -78,16 +79,16 @@ def percent(share: float) -> str:
 
 
 def signed_percent(margin: float) -> str:
-    """A margin, its sign always shown: three significant digits, at most a tenth of a percent; beyond −100 %, how
-    many times the limit.
+    """A margin: three significant digits of a percent that is left, at most a tenth; of a limit that is exceeded, how
+    many times it is reached.
 
-    >>> signed_percent(0.1421), signed_percent(-1.4437), signed_percent(0.0), signed_percent(0.9996)
-    ('+14.2 %', '2.44 × the limit', 'at the limit', '+99.9 %')
+    >>> signed_percent(0.1421), signed_percent(-0.0967), signed_percent(0.0), signed_percent(0.9996)
+    ('+14.2 %', '1.10 × the limit', 'at the limit', '+99.9 %')
     """
     value = _short_of_all(margin)
-    if margin < -1:
+    if margin <= -_NEAR:
         return f"{number(1 - margin)} × the limit"
-    return _at_limit(margin) if abs(value) < 0.05 else _signed(f"{value:+.1f} %" if value < 99.95 else "+100 %")
+    return _at_limit(margin) if value < 0.05 else f"+{value:.1f} %" if value < 99.95 else "+100 %"
 
 
 def margin_in_sentence(margin: float) -> str:
@@ -104,17 +105,14 @@ def margin_in_short(margin: float) -> str:
     """Whether a requirement is met, and by how much, where there is little room: whole percents, or a tenth where
     little of the limit is used, as 100 says that nothing is.
 
-    >>> margin_in_short(0.798), margin_in_short(0.0004), margin_in_short(-0.0004), margin_in_short(0.996)
-    ('✓ +80 %', '✓ at the limit', '✗ just over the limit', '✓ +99.6 %')
+    >>> margin_in_short(0.798), margin_in_short(0.0004), margin_in_short(-0.0967), margin_in_short(0.996)
+    ('✓ +80 %', '✓ at the limit', '✗ 1.10 ×', '✓ +99.6 %')
     """
-    if abs(margin) < 0.005:
-        text = _at_limit(margin)
-    elif margin < -1:
-        text = f"{number(1 - margin)} ×"
-    else:
-        little = _LEFT < 1 - margin < 0.005
-        text = _signed(f"{_short_of_all(margin):+.1f} %" if little else f"{100 * margin:+.0f} %")
-    return f"{'✓' if margin >= 0 else '✗'} {text}"
+    words = signed_percent(margin).removesuffix(" the limit") if margin <= -_NEAR else _at_limit(margin)
+    if margin >= _NEAR:
+        little = _LEFT < 1 - margin < _NEAR
+        words = f"{_short_of_all(margin):+.1f} %" if little else f"{100 * margin:+.0f} %"
+    return f"{'✓' if margin >= 0 else '✗'} {words}"
 
 
 def _short_of_all(share: float) -> float:

@@ -28,7 +28,7 @@ class AnswerStrip(View):
     Examples
     --------
     >>> strip = AnswerStrip(Answer("✓ Closes", "good", ("Margin +6 %.",)))
-    >>> strip.show(Answer("✗ Does not close", "bad", ("Margin −144 %.",)), "1 input is invalid.")
+    >>> strip.show(Answer("✗ Does not close", "bad", ("2.44 × the limit.",)), "1 input is invalid.")
     """
 
     def __init__(self, answer: Answer, *controls: Any) -> None:

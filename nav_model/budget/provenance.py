@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.toml_text import shipped
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.result import Budget
@@ -17,6 +18,8 @@ from nav_model.design.trajectory import LINES, WAYPOINTS
 
 _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
 _GROWTH_SAID = 0.05  # growth of the along-track velocity error in the aperture, likewise
+
+_LOWEST, _HIGHEST = -500.0, 9000.0  # ground on Earth [m], from the Dead Sea's shore to the highest summit
 
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
@@ -159,6 +162,12 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "alone. They take a constant sensor bias for absorbed, which then it is not.",
     ),
     (
+        lambda design: not _LOWEST < _ground(design) < _HIGHEST,
+        "Altitude, slant range and grazing angle do not agree. The aircraft is the slant range times the sine of the "
+        "grazing angle above the ground, and no ground on Earth is that far below this altitude. The verdict takes "
+        "each as it is given.",
+    ),
+    (
         lambda design: design.radar.grazing_angle > math.radians(89.5),
         "At this grazing angle the range says next to nothing about the ground range: CE90 has no meaning.",
     ),
@@ -210,6 +219,12 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "Quadratic phase is quoted and checked before autofocus; detrended phase is what autofocus leaves.",
     ),
 )
+
+
+def _ground(design: Design) -> float:
+    """Height [m] of the imaged ground above the ellipsoid: what slant range and angle leave of the altitude."""
+    slant, angle = design.radar.slant_range, design.radar.grazing_angle
+    return design.flight.altitude - slant * math.sin(angle) - (slant * math.cos(angle)) ** 2 / (2 * MEAN_RADIUS)
 
 
 def _fix_after(design: Design) -> bool:

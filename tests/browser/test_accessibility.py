@@ -40,7 +40,7 @@ def test_axe_finds_nothing_on_any_page_light_or_dark_and_the_console_stays_empty
     page.get_by_label("Your name").fill("Ann")
     page.get_by_role("button", name="Save as new design").click()
     page.get_by_role("checkbox", name="MEMS IMU").first.check()
-    page.get_by_role("tab", name="Reviews").click()
+    page.get_by_role("button", name="Reviews", exact=True).click()
     page.get_by_label("Title of a new review").fill("For everybody")
     page.get_by_role("button", name="Start review of selected designs").click()
     expect(page.get_by_role("region", name="Requirements and decisions")).to_be_visible()

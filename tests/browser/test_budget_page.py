@@ -44,7 +44,7 @@ _TOLD = """([group, status]) => {
 def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> None:
     """The worked example's smoothed figures as processing.md prints them: 70.63° and 21.94° against 90° and 20°."""
     expect(desk.get_by_role("button", name="Real time ✗ 2.44 ×")).to_have_attribute("aria-pressed", "true")
-    smoothed = desk.get_by_role("button", name="Post-processed ✗ −10 %")
+    smoothed = desk.get_by_role("button", name="Post-processed ✗ 1.10 ×")
     parts = desk.get_by_role("group", name="Processing"), desk.get_by_role("status").first
     desk.evaluate(_TOLD, [part.element_handle() for part in parts])
     smoothed.click()
@@ -74,9 +74,8 @@ _FRAMES = """() => {
 
 def test_unfolded_charts_are_drawn_as_wide_as_their_place(visit: Visit) -> None:
     page = visit()
-    for title in ("What limits horizontal position", "Growth of the position error"):
-        page.get_by_role("button", name=title).click()
-    page.wait_for_function(f"() => ({_FRAMES})().length === 6")
+    page.get_by_role("button", name="What limits horizontal position").click()
+    page.wait_for_function(f"() => ({_FRAMES})().length === 5")
     page.wait_for_function(f"() => ({_FRAMES})().every(([share, high]) => share > 0.8 && high > 50)")
 
 
@@ -170,8 +169,8 @@ _READ_OUT = """() => {
     const data = sources.find(m => m.name === name).data
     return [...(data instanceof Map ? data.get(column) : data[column])]
   }
-  const [text = ""] = of("attitude read-out", "text")
-  return [text, of("timelines", "x"), of("timelines", "attitude tilt")]
+  const [time = ""] = of("position read-out", "text"), [text = ""] = of("attitude read-out", "text")
+  return [`${time.split("   ")[0]} ${text}`.trim(), of("timelines", "x"), of("timelines", "attitude tilt")]
 }"""
 
 
@@ -184,7 +183,7 @@ def test_the_read_out_says_the_curves_in_the_units_of_their_axes(visit: Visit) -
             page.get_by_label("Units").select_option("")
             page.keyboard.press("Escape")
         frame = page.locator(".bk-Figure:visible").nth(1)
-        said = rf"([−\d.]+) s   tilt ([\d.e−]+) {unit}   heading growth [\d.e−]+ {unit}"
+        said = rf"([−\d.]+) s tilt ([\d.e−]+)   heading growth [\d.e−]+ {unit}"
         place = 300
 
         def hovered(said: str = said, frame: Locator = frame) -> re.Match[str] | None:

@@ -29,7 +29,7 @@ class Actions:
 
 def tab(page: Page, name: str) -> None:
     """A page of the frame, or a part of the Review page."""
-    page.get_by_role("tab", name=name, exact=True).click()
+    page.get_by_role("tab", name=name, exact=True).or_(page.get_by_role("button", name=name, exact=True)).click()
 
 
 def press(page: Page, name: str | re.Pattern[str]) -> None:
@@ -95,7 +95,7 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
     act(page.get_by_role("checkbox", name="MEMS IMU at X band").check)
     act(page.get_by_role("checkbox", name="Better gyro").check)
     expect(page.get_by_label("Selected designs")).to_contain_text("D2")
-    act(press, page, "Compare")
+    act(press, page, "Compare selected")
     expect(page.get_by_role("region", name=re.compile("Errors, 1σ"))).to_contain_text("best")
     expect(page.get_by_role("region", name=re.compile("Inputs that differ"))).to_contain_text("0.01 °/√h")
     with page.expect_download() as download:
@@ -314,10 +314,10 @@ def test_a_revision_is_the_base_of_its_own_changes_only(visit: Visit) -> None:
     press(page, "Clear")
     for tick in both.all():
         expect(tick).not_to_be_checked()
-    page.get_by_role("tab", name="Library").focus()  # by the keyboard
-    page.keyboard.press("ArrowRight")
+    page.get_by_role("button", name="Library", exact=True).focus()  # by the keyboard
+    page.keyboard.press("Tab")
     page.keyboard.press("Enter")
-    expect(page.get_by_role("tab", name="Compare")).to_have_attribute("aria-selected", "true")
+    expect(page.get_by_role("button", name="Compare", exact=True)).to_have_attribute("aria-pressed", "true")
     expect(page.get_by_text("Nothing to compare yet")).to_be_visible()
 
 

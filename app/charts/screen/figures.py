@@ -80,9 +80,8 @@ def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
 
 
 def fill(plot: figure) -> None:
-    """Make a figure as high as its place; its tools appear above it only while the pointer is on it."""
-    plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both", toolbar_location="above")
-    plot.update(toolbar_inner=True, min_border_right=14)
+    """Make a figure as high as its place; its tools appear beside it only while the pointer is on it."""
+    plot.update(height=None, min_height=_LEAST, sizing_mode="stretch_both")
     plot.toolbar.autohide = True
 
 

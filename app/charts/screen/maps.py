@@ -105,7 +105,7 @@ def _said(chart: TradeMapChart, point: MapPoint) -> str:
     if point.met is None:
         return "no limit is given"
     times = point.value / chart.level
-    margin = f"margin {100 * (1 - times):+.0f} %".replace("-", "−") if times <= 2 else f"{times:.3g} × the limit"
+    margin = f"margin {100 * (1 - times):+.0f} %".replace("-", "−") if times <= 1 else f"{times:.3g} × the limit"
     return f"{'meets' if point.met else 'does not meet'} the limit, {margin}"
 
 

@@ -1,18 +1,19 @@
-// The curves of every chart at the time under the pointer, at the top of each frame, in as many lines as its width needs.
+// The curves of every chart at the time under the pointer, in one line above each frame: the time above the first one.
+// A name that begins like the one before is shortened ("horizontal 1 m, real time 3 m"), and the unit is told once.
 const {x} = curves.data
-const LETTER = 5.8  // px
-const lines_of = (parts, width) => parts.reduce((told, part) => {
-  const line = told.length - told.lastIndexOf("\n") + part.length + 3
-  return told + (line * LETTER > width ? "\n" : "   ") + part
-})
 const show = (at) => charts.forEach(({lines, unit}, i) => {
-  const {x_range, y_range} = plots[i], shown = at === null ? NaN : lines
-    .map(([label, column]) => [label, curves.data[column][at]])
-    .filter(([, y]) => isFinite(y))
-    .map(([label, y]) => `${label} ${Number(y.toPrecision(3))} ${axes[i].axis_label.match(/\[([^\]]*)\]$/)[1]}`)
-  const parts = at === null ? [""] : [`${Number(x[at].toPrecision(3))} ${unit}`, ...shown]
-  const text = lines_of(parts, plots[i].inner_width).replaceAll("-", "−")
-  sources[i].data = {x: [x_range.start], y: [y_range.end], text: [text]}
+  const {x_range, y_range} = plots[i], parts = []
+  let before = null
+  for (const [label, column] of at === null ? [] : lines) {
+    const value = curves.data[column][at]
+    if (!isFinite(value)) continue
+    const first = label.split(", ")[0]
+    parts.push(`${before === first ? ", " + label.slice(first.length + 2) : "   " + label} ${Number(value.toPrecision(3))}`)
+    before = first
+  }
+  const time = at === null || i ? "" : `${Number(x[at].toPrecision(3))} ${unit}   `
+  const text = time + (parts.length ? `${parts.join("").trim()} ${axes[i].axis_label.match(/\[([^\]]*)\]$/)[1]}` : "")
+  sources[i].data = {x: [x_range.start], y: [y_range.end], text: [text.replaceAll("-", "−")]}
 })
 if (cb_obj.event_name === "mouseleave") return show(null)
 let at = 0

@@ -21,6 +21,7 @@ from app.charts.screen.sources import Sources
 from app.charts.styles import GREY, INK, STYLES, behind_text
 
 _LEFT = 80  # pixels left of every frame, so that the frames are aligned: room for "0.0005" and the axis' name
+_RIGHT = 30  # pixels right of every frame: the tools beside the first one
 _NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
 _HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.13  # of the height: nearer labels would touch, and the lower one goes below its curve
@@ -90,11 +91,12 @@ class Timelines:
         return [chart.y_range or _nice_range(chart, other) for chart, other in zip(charts, others, strict=True)]
 
     def _read_out(self, charts: Sequence[Chart]) -> None:
-        """The values at the time under the pointer, made in the browser; their units are those of the axes."""
+        """The values at the time under the pointer, above each frame, in the units of the axes."""
         sources = [ColumnDataSource({"x": [], "y": [], "text": []}, name=f"{chart.key} read-out") for chart in charts]
         for plot, source in zip(self.plots, sources, strict=True):
-            look = {"text_align": "left", "text_baseline": "top", "x_offset": 5, "y_offset": 3}
-            add_glyph(plot, source, Text(x="x", y="y", text="text", background_fill_color=INK, **CHIP, **look))
+            look = {"text_baseline": "bottom", "y_offset": -1}
+            glyph = Text(x="x", y="y", text="text", background_fill_color=INK, **CHIP, **look)
+            add_glyph(plot, source, glyph).level = "overlay"  # which is not clipped: above the frame, over no curve
         texts = [
             {
                 "lines": [(line.label, _column(chart, line.key)) for line in chart.lines],
@@ -125,13 +127,12 @@ class Timelines:
             x_range=self._x_range,
             y_range=Range1d(*height),
             tools="xpan,xbox_zoom,reset,save",
-            toolbar_location="above" if first else None,
-            toolbar_inner=True,
+            toolbar_location="right" if first else None,
             active_drag=None,
             min_border_left=_LEFT,
-            min_border_right=12,
-            min_border_top=7,  # half a label of the axis
-            min_border_bottom=0 if last else 7,
+            min_border_right=_RIGHT,
+            min_border_top=18,  # the read-out
+            min_border_bottom=0 if last else 7,  # half a label of the axis
         )
         plot.toolbar.autohide = True
         plot.xaxis.visible = last

@@ -44,7 +44,6 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
 
-_KEY = key_html(limit="limit", faint="compared")
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
 _OVER = {
@@ -184,9 +183,9 @@ class BudgetPage(View):
         spreads = "" if spread == "1σ" else f", {spread}{self._display.scaled}"
         phase = charts.phase_chart(budget)
         lines = "".join(described(line) for line in self._lines)
-        knowledge = timelines.position_knowledge(budget)
+        key = key_html(limit="limit", **({"faint": "compared"} if self._compared else {}))
         self._phase_head.say(head_html(f"{phase.title}{spreads}", phase.knowledge))
-        self._stack_head.say(head_html(f"Position, velocity, attitude{spreads}", knowledge, lines, _KEY))
+        self._stack_head.say(head_html(f"Position, velocity, attitude{spreads}", self._lines[0].knowledge, lines, key))
 
     def _offer_modes(self, *, both: bool = True) -> None:
         budget = self.session.budget
@@ -239,7 +238,6 @@ class BudgetPage(View):
                     "What limits horizontal position: gyro or accelerometer?",
                     lambda: details.chart(charts.regime_chart, 340),
                 ),
-                ("Growth of the position error by cause", lambda: details.chart(timelines.position_chart, 340)),
                 ("Errors as data sheets print them, and what a vendor's table implies", self._vendor),
                 ("Exports", self._exports),
             )

@@ -1,4 +1,4 @@
-"""Sigmas over the time since the last fix, as plain data: three charts on one axis, and position by its causes."""
+"""Sigmas over the time since the last fix, as plain data: three charts on one axis."""
 
 import math
 from collections.abc import Iterable
@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.charts.kinds import Array, Band, Chart, Limit, Line, Span
+from app.charts.kinds import Array, Chart, Limit, Line, Span
 from app.document.numbers import number, percent
 from nav_model.budget import Budget
 from nav_model.budget.navigation import steady_marks
-from nav_model.budget.provenance import WIDE_SAWTOOTH, provenance
 from nav_model.design.figures import label_of
 from nav_model.design.processing import REAL_TIME
 
@@ -53,19 +52,6 @@ def _after(curve: Array) -> Array:
     return np.concatenate((np.full(_BEFORE, np.nan), np.where(curve > 0, curve, np.nan)))
 
 
-def _cycle_band(budget: Budget, axis: str) -> Band:
-    prior, posterior = (
-        moment[f"{axis}_position"] for moment in (budget.steady_state.prior, budget.steady_state.posterior)
-    )
-    x = np.array([-_LEAD * budget.coast.duration, 0.0])
-    label, source = f"{axis}, before/after fix", f"{_cycle_method(budget)} [T-8]"
-    return Band(f"b{axis[0]}", label, x, np.full(2, posterior), np.full(2, prior), axis, source)
-
-
-def _cycle_method(budget: Budget) -> str:
-    return provenance(budget)["steady_state.discrete.prior"].method
-
-
 def _aperture_span(budget: Budget) -> Span:
     start = budget.design.coast.before_aperture
     return Span("aperture", "aperture", start, start + budget.sar.aperture_time)
@@ -77,13 +63,6 @@ def _smoothed_aperture(budget: Budget) -> Span:
     return Span("aperture", "aperture", start, min(start + budget.sar.aperture_time, 0.0))
 
 
-def _validity(budget: Budget) -> str:
-    """How far the error varies between fixes."""
-    steady, position = budget.steady_state, "horizontal_position"
-    varies = f"the error grows by {percent(steady.prior[position] / steady.posterior[position] - 1)} between fixes"
-    return f"{varies}, read the band" if steady.lambda_dt > WIDE_SAWTOOTH else varies
-
-
 def _beside(ratio: float) -> str:
     return f"{percent(abs(ratio - 1))} {'above' if ratio > 1 else 'below'}"
 
@@ -93,66 +72,28 @@ def _cited(budget: Budget) -> str:
     return ", ".join(dict.fromkeys(steady_marks(budget.design)))
 
 
-def position_knowledge(budget: Budget) -> str:
+def _position_knowledge(budget: Budget) -> str:
     """How the curves of position are known."""
-    coast = budget.coast
+    coast, steady = budget.coast, budget.steady_state
+    growth = steady.prior["horizontal_position"] / steady.posterior["horizontal_position"] - 1
     ratio = coast.refined_horizontal[-1] / coast.position_horizontal[-1]
     ratio_v = coast.refined_vertical[-1] / coast.position_vertical[-1]
-    slow = " A slow GNSS error enters the band and the curves [T-17] only." if budget.design.gnss.correlated else ""
+    slow = " A slow GNSS error enters the curves [T-17] only." if budget.design.gnss.correlated else ""
     if budget.post_processed:
         slow += (
             " Smoothed with the fixes before and after the outage [P-3]; dashed curves are an outage in real time."
         )
     return (
-        f"Curves by formula {_cited(budget)}, [T-9], [T-10]; before and after a fix [T-8]: "
-        f"{_validity(budget)}; with Schuler and Coriolis terms [T-17], horizontal is {_beside(ratio)} and vertical "
-        f"{_beside(ratio_v)} the simple formula at {number(coast.duration, given=True)} s.{slow}"
+        f"Formulas {_cited(budget)}, [T-9], [T-10]; before and after a fix [T-8]: the error grows by "
+        f"{percent(growth)} between fixes; with Schuler and Coriolis terms [T-17], horizontal is "
+        f"{_beside(ratio)} and vertical {_beside(ratio_v)} the simple formula at "
+        f"{number(coast.duration, given=True)} s.{slow}"
     )
 
 
 def position_chart(budget: Budget) -> Chart:
-    """Position sigma against time by cause: steady state, then outage, by formulas, which are of real time."""
-    steady, coast = budget.steady_state, budget.coast
-    level, upright = steady_marks(budget.design)
-    x, end = _grid(budget), coast.duration
-    curves = (
-        ("ch", "horizontal", _held(steady.closed["horizontal_position"], coast.position_horizontal),
-         "horizontal", f"formula {level}, [T-9]"),
-        ("rh", "horizontal, refined", _after(coast.refined_horizontal),
-         "horizontal refined", "linear covariance propagation [T-17]"),
-        ("cv", "vertical", _held(steady.closed["vertical_position"], coast.position_vertical),
-         "vertical", f"formula {upright}, [T-10]"),
-        ("rv", "vertical, refined", _after(coast.refined_vertical),
-         "vertical refined", "linear covariance propagation [T-17]"),
-        ("ph", "horizontal, perfect start", _after(coast.perfect_start_horizontal),
-         "perfect start", "formula [T-11]"),
-        ("th", "horizontal, initial tilt alone", _after(coast.initial_tilt),
-         "initial tilt", "formula [T-12]"),
-    )  # fmt: skip
-    settled = (("horizontal_position", float(x[0]), 0.0), ("vertical_position", float(x[0]), 0.0))
-    limits = (
-        *_limits(
-            budget, settled, math.nan if budget.post_processed else 1.0
-        ),  # where the smoothed figure is checked: none
-        *_limits(budget, (("coast_horizontal_position", 0.0, end), ("coast_vertical_position", 0.0, end))),
-    )
-    least = (steady.posterior["horizontal_position"], steady.posterior["vertical_position"])
-    floor = 0.3 * min(*least, steady.closed["vertical_position"])
-    top = max(*(np.nanmax(y) for _, _, y, *_ in curves[:4]), *(0 if math.isnan(c.level) else c.level for c in limits))
-    return Chart(
-        key="position",
-        title=f"Position sigma{' in real time' if budget.post_processed else ''}",
-        x_label=_TIME,
-        y_label="position, 1σ [m]",
-        lines=tuple(Line(name, label, x, y, style, source) for name, label, y, style, source in curves),
-        bands=(_cycle_band(budget, "horizontal"), _cycle_band(budget, "vertical")),
-        limits=limits,
-        spans=(_aperture_span(budget),),
-        y_log=True,
-        named_at_ends=True,
-        y_range=(floor, 2 * top),
-        knowledge=position_knowledge(budget),
-    )
+    """Position sigma against time."""
+    return _drawn(all_timelines(budget)[0])
 
 
 def velocity_chart(budget: Budget) -> Chart:
@@ -203,7 +144,7 @@ def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
 
     def chart(
         key: str, unit: str, curves: tuple[tuple[str, str, Array], ...], limited: Iterable[str], marks: str,
-        scale: float = 1.0,
+        scale: float = 1.0, knowledge: str = "",
     ) -> Chart:  # fmt: skip
         source = f"formula {marks}" if not smoothed else f"smoothed [P-3], in real time by formula {marks}"
         lines = tuple(Line(label, label, x, y, style, source) for label, style, y in curves)
@@ -211,7 +152,7 @@ def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
         return Chart(
             key, f"{key.capitalize()} sigma", _TIME, f"{key}, 1σ [{unit}]", lines,
             limits=_limits(budget, spans, scale), spans=span, y_log=True, named_at_ends=True,
-            knowledge=f"{source[0].upper()}{source[1:]}.{_YAW if key == 'attitude' else ''}",
+            knowledge=knowledge or f"{source[0].upper()}{source[1:]}.{_YAW if key == 'attitude' else ''}",
         )  # fmt: skip
 
     positions = ("horizontal_position", "vertical_position", "coast_horizontal_position", "coast_vertical_position")
@@ -221,7 +162,14 @@ def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
     )
     cited = _cited(budget)
     return (
-        chart("position", "m", both("position"), positions, f"{cited}, [T-17]"),
+        chart(
+            "position",
+            "m",
+            both("position"),
+            positions,
+            f"{cited}, [T-17]",
+            knowledge=_position_knowledge(budget),
+        ),
         chart(
             "velocity",
             "m/s",

@@ -64,7 +64,7 @@ class LibraryView(View):
             "Import (zip)", ".zip", MAX_ARCHIVE, self._brought,
             lambda why: self.desk.say(f"Not imported. {why}", wrong=True), icon=None, variant="text", margin=(6, 6),
         )  # fmt: skip
-        self._compare = button("Compare", compare, variant="contained")
+        self._compare = button("Compare selected", compare, variant="contained")
         self._actions = [
             self._compare,
             button("Load into editor", self._open),

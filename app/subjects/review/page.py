@@ -18,6 +18,7 @@ from app.subjects.review.library_view import LibraryView
 from app.subjects.review.room import ReviewRoom
 from app.ui.answer_strip import AnswerStrip
 from app.ui.study_settings import StudySettings
+from app.ui.theme import PRINT_NOTHING, SWITCH
 from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -39,17 +40,20 @@ class ReviewPage(View):
         self._room = ReviewRoom(self._desk)
         self._library = LibraryView(self._desk, self._compare)
         self._parts = (self._library, self._compared, self._room)
-        # Only the bar is Material, for keyboard and screen reader: figures must not be inside it.
-        self._tabs = pmui.Tabs(
-            *((name, pn.Spacer(height=0)) for name in ("Library", "Compare", "Reviews")),
-            sizing_mode="stretch_width", margin=(0, 4),
-        )  # fmt: skip
+        parts = {"Library": _LIBRARY, "Compare": _COMPARE, "Reviews": _REVIEWS}
+        self._switch = pmui.RadioButtonGroup(
+            label="Part of the review",
+            options=parts,
+            value=_LIBRARY,
+            margin=(6, 10),
+            stylesheets=[PRINT_NOTHING, SWITCH],
+        )
         self._place = pn.Column(self._library)
         self._strip = AnswerStrip(self._library.answer, self._desk.name_field)
         for part in self._parts:
             part.param.watch(lambda _: self._tell(), "answer")
-        self._tabs.param.watch(self._turned, "active")
-        self._view = pn.Column(self._strip, self._desk.notice, self._tabs, self._place, self._desk.memory)
+        self._switch.param.watch(self._turned, "value")
+        self._view = pn.Column(self._strip, self._desk.notice, self._switch, self._place, self._desk.memory)
         pn.state.execute(self._library.refresh)
         self._follow_link()
         if settings.text:
@@ -62,11 +66,11 @@ class ReviewPage(View):
     @property
     def _at_review(self) -> bool:
         review = self._room.review
-        return self._tabs.active == _REVIEWS and review is not None and review.signed is None
+        return self._switch.value == _REVIEWS and review is not None and review.signed is None
 
     def _tell(self) -> None:
-        self._strip.show(self._parts[self._tabs.active].answer)
-        review = self._room.review if self._tabs.active == _REVIEWS else None
+        self._strip.show(self._parts[self._switch.value].answer)
+        review = self._room.review if self._switch.value == _REVIEWS else None
         self.opened = review.id if review else ""
 
     def leave(self) -> None:
@@ -75,19 +79,19 @@ class ReviewPage(View):
 
     async def _turned(self, _: param.parameterized.Event) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""
-        self._place.objects = [self._parts[self._tabs.active]]
+        self._place.objects = [self._parts[self._switch.value]]
         self._tell()
         self._room.follow(wanted=self._at_review)
-        if self._tabs.active != _COMPARE:
+        if self._switch.value != _COMPARE:
             self._desk.say("")
-        if self._tabs.active == _LIBRARY:
+        if self._switch.value == _LIBRARY:
             await self._library.refresh()
-        elif self._tabs.active == _REVIEWS:
+        elif self._switch.value == _REVIEWS:
             await self._room.refresh()
 
     async def _compare(self) -> None:
         if await self._compared.compare(self._desk.picked):
-            self._tabs.active = _COMPARE
+            self._switch.value = _COMPARE
 
     def _follow_link(self) -> None:
         """Open the comparison or review that the address names."""
@@ -101,7 +105,7 @@ class ReviewPage(View):
     def _recall(self, review: str) -> None:
         """Turn to a review, or leave what is in view if none is named."""
         if review:
-            self._tabs.active = _REVIEWS
+            self._switch.value = _REVIEWS
             pn.state.execute(partial(self._room.open, review))
 
     async def _compare_linked(self, keys: list[str]) -> None:

@@ -1,15 +1,15 @@
 """The charts of the Image page, as plain data, from a study of the strategies or a map."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
 
-from app.charts.kinds import Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
+from app.charts.kinds import Array, Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
-from app.subjects.sar.tables import FORMULAS, judged_along, kind_of
+from app.subjects.sar.tables import FORMULAS, judged_along, kind_of, shown_strategies
 from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
 from nav_model.base.units import from_si
@@ -30,20 +30,22 @@ _COUNT = {4: "four", 5: "five"}
 def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Line-of-sight error over the aperture of the typical run, what the autofocus removes removed."""
     rows = [STRATEGY_KEYS.index(key) for key in keys]
+    curves = _shown(study, study.typical[rows], rows)
     return Chart(
         key=name,
         title=f"Error history, {title}",
         x_label="time in the aperture [s]",
         y_label="line-of-sight error [mm]",
         lines=tuple(
-            Line(key, NAMES[key], study.time, 1000 * study.typical[row], f"strategy {key}", STRATEGIES[row].source)
-            for key, row in zip(keys, rows, strict=True)
+            Line(key, NAMES[key], study.time, 1000 * curve, f"strategy {key}", STRATEGIES[row].source)
+            for key, row, curve in zip(keys, rows, curves, strict=True)
         ),
         knowledge=f"{_typical(study)} Errors are projected on the turning line of sight, so they have the "
         "along-track part. Rms over the runs: "
         + "; ".join(
             f"{NAMES[key]} {number(1000 * float(study.whole_rms[row]))} mm"
-            for key, row in zip(keys, rows, strict=True)
+            for key, row, curve in zip(keys, rows, curves, strict=True)
+            if not np.isnan(curve).all()
         )
         + ".",
     )
@@ -63,11 +65,17 @@ def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: st
         y_label="power over the error-free peak [dB]",
         lines=tuple(
             Line(key, NAMES[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
-            for key, values in zip(keys_shown, power, strict=True)
+            for key, values in zip(keys_shown, _shown(study, power, rows), strict=True)
         ),
         y_range=(-45.0, 2.0),
         knowledge=f"{_typical(study)} Azimuth, {sar.window} window; the table has medians and bands of all runs.",
     )
+
+
+def _shown(study: SarStudy, curves: Array, rows: Sequence[int]) -> Array:
+    """Curves of the strategies in some rows, NaN where one is not shown: a figure's lines stay the same."""
+    shown = np.array([row in dict(shown_strategies(study.budget)) for row in rows])
+    return np.where(shown[:, None], curves, np.nan)
 
 
 def _typical(study: SarStudy) -> str:
@@ -117,7 +125,7 @@ def _dot_chart(
     label = f"{x_label} [°]" if confidence == 1 else f"{x_label} at {confidence:g}σ [°]"
     to_degrees = confidence * _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
     dots = []
-    for row, strategy in enumerate(STRATEGIES[1:], start=1):
+    for row, strategy in shown_strategies(budget)[1:]:
         form, known = closed.get(strategy.key), wholes.get(strategy.key)
         ensemble = low = high = math.nan
         whole = math.nan if known is None else to_degrees * known
@@ -149,14 +157,14 @@ POINT_TITLE = "Point target under each strategy"
 SCENE_TITLE = "Eight point targets on the ground: pairs 4 and 2 cells apart, and one at −14 dB beside a strong one"
 
 
-def point_picture(pictures: Pictures) -> PictureChart:
+def point_picture(budget: Budget, pictures: Pictures) -> PictureChart:
     """The focused point under each strategy."""
-    return _picture(pictures, "sar-point", POINT_TITLE, "the error-free peak", "range [m]")
+    return _picture(budget, pictures, "sar-point", POINT_TITLE, "the error-free peak", "range [m]")
 
 
-def scene_picture(pictures: Pictures) -> PictureChart:
+def scene_picture(budget: Budget, pictures: Pictures) -> PictureChart:
     """Eight point targets under each strategy."""
-    return _picture(pictures, "sar-scene", SCENE_TITLE, "a unit target", "ground range [m]")
+    return _picture(budget, pictures, "sar-scene", SCENE_TITLE, "a unit target", "ground range [m]")
 
 
 def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
@@ -183,12 +191,14 @@ def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
     return float(pictures.x[column]), float(pictures.y[row])
 
 
-def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
+def _picture(budget: Budget, pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
     cell = f"range cell {number(pictures.range_cell)} m" + (
         ", coarser than the azimuth resolution because the bandwidth is limited to 0.3 of the carrier"
         if pictures.bandwidth_cut
         else ", set equal to the azimuth resolution"
     )
+    rows = [row for row, _ in shown_strategies(budget)]
+    power_db = pictures.power_db[rows]
     return PictureChart(
         key=key,
         title=title,
@@ -196,9 +206,9 @@ def _picture(pictures: Pictures, key: str, title: str, over: str, y_label: str) 
         y_label=y_label,
         x=pictures.x,
         y=pictures.y,
-        power_db=pictures.power_db,
-        names=tuple(NAMES.values()),
-        captions=tuple(f"peak {signed_decibels(float(power.max()))}" for power in pictures.power_db),
+        power_db=power_db,
+        names=tuple(STRATEGIES[row].name for row in rows),
+        captions=tuple(f"peak {signed_decibels(float(power.max()))}" for power in power_db),
         reference=f"relative to {over}; typical run; {cell}",
         knowledge=f"All images share one scale, relative to {over}. Typical run of the ensemble; {cell}.",
     )

@@ -32,7 +32,7 @@ from app.subjects.sar.charts import (
 )
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult, run_strategies
-from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words
+from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, shown_strategies
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
@@ -92,7 +92,10 @@ class SarPage(StudyPage[SarResult]):
         self._ranks.param.update(
             sizing_mode="stretch_both", min_height=260, stylesheets=[*self._ranks.stylesheets, _AS_HIGH_AS_IT_IS]
         )
-        self._image_head, self._images = html_pane("", margin=_HEAD), html_pane(_blank(), margin=(2, 10, 6, 10))
+        self._image_head, self._images = (
+            html_pane("", margin=_HEAD),
+            html_pane(_blank(session.budget), margin=(2, 10, 6, 10)),
+        )
         self._points: PictureChart | None = None
         self._upload = UploadedPicture(session, lambda: self._result)
         design, runs = self._of_design, self._of_result
@@ -187,7 +190,7 @@ class SarPage(StudyPage[SarResult]):
         formed: list[SarResult] = []
 
         def show(event: Any) -> None:
-            status.object, panel.chart = "", scene_picture(event.new)
+            status.object, panel.chart = "", scene_picture(formed[0].study.budget, event.new)
 
         run.param.watch(show, "result")
         run.param.watch(lambda event: setattr(status, "object", f"<p>{escape(event.new)}</p>"), "message")
@@ -227,7 +230,7 @@ class SarPage(StudyPage[SarResult]):
 
     def _receive(self, result: SarResult) -> None:
         super()._receive(result)
-        self._points = point_picture(result.points)
+        self._points = point_picture(result.study.budget, result.points)
         self._images.object = picture_gallery(self._points, row=True)
         if self._upload.file is not None:
             self._upload.form()
@@ -243,11 +246,11 @@ def _of_study(draw: Callable[[SarStudy], Chart]) -> Callable[[SarResult], Chart]
     return lambda result: draw(result.study)
 
 
-def _blank() -> str:
+def _blank(budget: Budget) -> str:
     """Where the images will be."""
     figures = "".join(
         f'<figure class="pic"><div class="blank"></div><figcaption><b>{escape(name)}</b><br>…</figcaption></figure>'
-        for name in NAMES.values()
+        for name in (strategy.name for _, strategy in shown_strategies(budget))
     )
     caption = "Azimuth by range, all images on one scale; they appear after the runs."
     return f'<div class="scale"><span class="quiet">{caption}</span></div><div class="pics row">{figures}</div>'

@@ -49,8 +49,8 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     budget, closed = study.budget, study.closed
     word, why = answer(budget, closed, study)
     parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
-    scene = scene_picture(scene_pictures(budget, study.typical))
-    images = (point_picture(result.points), scene, result.uploaded)
+    scene = scene_picture(budget, scene_pictures(budget, study.typical))
+    images = (point_picture(budget, result.points), scene, result.uploaded)
     phase = degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
 
     def drawn(*charts: Drawing) -> tuple[Block, ...]:

@@ -5,7 +5,7 @@ runs yet, their cells say so.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from types import EllipsisType
 
 import numpy as np
@@ -34,6 +34,12 @@ _SIDE_LOBES = (
     "Fixed: outside the null-to-null lobe of the error-free response, where a shoulder counts as a side lobe. Nulls: "
     "outside the minima found."
 )
+
+
+def shown_strategies(budget: Budget) -> list[tuple[int, Strategy]]:
+    """Row in a study and strategy; without an outage before the aperture, INS after outage is INS from filter."""
+    outage = budget.design.coast.before_aperture > 0
+    return [(row, strategy) for row, strategy in enumerate(STRATEGIES) if outage or strategy.key != "3"]
 
 
 def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple[Answer, tuple[Block, ...]]:
@@ -111,7 +117,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
     """One row per strategy: closed form and runs, along the line of sight of mid-aperture and with the along-track
     part."""
     rows = []
-    for index, strategy in enumerate(STRATEGIES):
+    for index, strategy in shown_strategies(budget):
         form, whole = closed.detrended.get(strategy.key), closed.whole.get(strategy.key)
         cells = [NONE, NONE] if form is None else [_number(scale * form) for scale in _scales(budget)]
         wholes = [NONE if whole is None else _degrees(whole, budget)]
@@ -159,13 +165,11 @@ def _parts_table(study: SarStudy, key: str) -> Table:
         ("Higher orders [°]", "higher_rms", degrees), ("High frequency [°]", "high_frequency_rms", degrees),
     )  # fmt: skip
     return _by_strategy(
+        study,
         f"{key}-sar-parts",
         "Parts of the error by strategy",
         tuple(title for title, *_ in parts),
-        [
-            tuple(_banded(study.parts[name], index, scale) for _, name, scale in parts)
-            for index in range(len(STRATEGIES))
-        ],
+        lambda index: tuple(_banded(study.parts[name], index, scale) for _, name, scale in parts),
         f"{_BANDS} Quadratic and cubic: coefficients at the aperture's ends, before autofocus [S-5], [S-6]. "
         f"Along-track: what the turning line of sight adds [S-2]. Others: rms [T-14]. "
         f"{NAMES['4']} jumps at the fixes by {_banded(study.jump_rms, ..., millimetres)} mm rms.",
@@ -184,16 +188,18 @@ def _response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
     def to_hundredths(index: int, *names: str) -> tuple[str, ...]:
         return tuple(_bracketed(*map(hundredths, _of(r[name], index))) for name in names)
 
-    lobe, integrated = [], []
-    for index in range(len(STRATEGIES)):
+    def lobe(index: int) -> tuple[str, ...]:
         widths = (_banded(r["width_cells"], index, scale) for scale in (1.0, cell))
-        peaks = to_hundredths(index, "pslr_fixed_db", "pslr_null_db", "peak_loss_db")
-        lobe.append(response(index, *widths, *peaks))
+        return response(index, *widths, *to_hundredths(index, "pslr_fixed_db", "pslr_null_db", "peak_loss_db"))
+
+    def integrated(index: int) -> tuple[str, ...]:
         ratios = to_hundredths(index, "islr_fixed_db", "islr_null_db", "islr_fixed_ten_db")
         shift = _bracketed(*(hundredths(value, sign="+") for value in _of(r["shift_cells"], index)))
-        integrated.append(response(index, *ratios, shift))
+        return response(index, *ratios, shift)
+
     return (
         _by_strategy(
+            study,
             f"{key}-sar-lobe",
             "Azimuth impulse response by strategy: width, peak side lobe, peak loss",
             ("Width [cells]", "Width [m]", "PSLR, fixed [dB]", "PSLR, nulls [dB]", "Peak loss [dB]"),
@@ -202,6 +208,7 @@ def _response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
             f"side lobe ratio. {_SIDE_LOBES}",
         ),
         _by_strategy(
+            study,
             f"{key}-sar-islr",
             "Azimuth impulse response by strategy: integrated side lobes, shift",
             ("ISLR, fixed [dB]", "ISLR, nulls [dB]", "ISLR, fixed, ten nulls [dB]", "Shift [cells]"),
@@ -240,13 +247,14 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
     )
 
 
-def _by_strategy(key: str, caption: str, titles: tuple[str, ...], rows: list[tuple[str, ...]], note: str) -> Table:
-    named = zip(STRATEGIES, rows, strict=True)
+def _by_strategy(
+    study: SarStudy, key: str, caption: str, titles: tuple[str, ...], row: Callable[[int], tuple[str, ...]], note: str
+) -> Table:
     return table(
         key,
         caption,
         (("Strategy", 1.5), *numbers(*titles, width=1)),
-        ((strategy.name, *cells) for strategy, cells in named),
+        ((strategy.name, *row(index)) for index, strategy in shown_strategies(study.budget)),
         note,
     )
 

@@ -126,7 +126,7 @@ def _errors(
             line("closed 2", f"{second}, formula", _closed, (other,), "formula, second axis", form),
         ),
         spans=_outages(study),
-        y_log=key != "attitude",
+        y_log=True,
         knowledge=f"{_runs(study)}. {closed}",
     )
 

@@ -66,11 +66,11 @@ def test_a_share_is_nothing_or_all_only_where_it_is(share: float) -> None:
 def test_the_sign_of_a_margin_is_never_lost(margin: float) -> None:
     long, short = signed_percent(margin), margin_in_short(margin)
     assert short.startswith("✓" if margin >= 0 else "✗")
-    if margin < -1:  # as a multiple of the limit, which is above one
-        assert long.endswith("× the limit")
-        assert short.endswith("×")
-    elif abs(margin) >= 0.005:
-        assert long.startswith("+" if margin > 0 else "−")
+    if margin <= -0.005:  # one scale for all that fails: a multiple of the limit, which is above one
+        assert long == f"{number(1 - margin)} × the limit"
+        assert short == f"✗ {number(1 - margin)} ×"
+    elif margin >= 0.005:
+        assert long.startswith("+")
     else:
         assert ("at the limit" in short) == (margin >= 0)
         assert ("just over" in long) <= (margin < 0)

@@ -286,3 +286,15 @@ def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refuse
     )
     with pytest.raises(InputError, match=r"radar\.squint_angle.*at least -55°"):
         analyse(Design({"radar.squint_angle": math.radians(-56)}))
+
+
+def test_a_geometry_that_no_ground_allows_is_told() -> None:
+    """Seven kilometres at 35 degrees are four kilometres up; over a plain at 1.8 km a flight is as much higher."""
+
+    def told(**changes: float) -> bool:
+        design = BASE.replace({"radar.slant_range": 7000.0, "radar.grazing_angle": math.radians(35)} | changes)
+        return any("do not agree" in sentence for sentence in cautions(analyse(design)))
+
+    assert [told(**{"flight.altitude": height}) for height in (3000.0, 4015.0, 5800.0, 14000.0)] == [
+        True, False, False, True,
+    ]  # fmt: skip

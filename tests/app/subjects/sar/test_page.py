@@ -17,6 +17,7 @@ from app.charts.kinds import PictureChart, to_csv
 from app.charts.print.svg import to_svg
 from app.charts.screen.pictures import picture_gallery
 from app.cli import main
+from app.document.pane import html_of
 from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sar import picture_panel
@@ -27,7 +28,7 @@ from app.subjects.sar.page import SarPage
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import SarResult, run_strategies
-from app.subjects.sar.tables import answer
+from app.subjects.sar.tables import answer, error_table
 from app.work.run import Run
 from nav_model.budget import analyse
 from nav_model.design.link import split_link
@@ -79,17 +80,26 @@ def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPa
     assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
     assert "Use INS from filter, the simplest within 5 % of the least: 48.9° by formula, 54.7° with" in said(sar)
     assert "Formulas only so far." in sar._bar.state.object
-    formulas = ("Whole-leg smoother", "INS from filter", "INS after outage", "Quadratic fit, noise-weighted")
-    assert names(sar)[:5] == [*formulas, "Quadratic fit"]
+    formulas = ["Whole-leg smoother", "INS from filter", "Quadratic fit, noise-weighted", "Quadratic fit"]
+    assert names(sar)[:4] == formulas
     assert sar._ranks.object.count("after the runs") == 4
     assert "reconstruction" in sar._ranks.object
-    assert sar._images.object.count('class="blank"') == 10
+    assert sar._images.object.count('class="blank"') == 9
     assert not any(place.objects for place in sar._details._places)
     assert (
         "Appears when the strategies have been run"
         in part(sar, "Parts of the error, impulse response in numbers").object
     )
     assert len(part(sar, "Error histories and impulse responses")) == 1  # no figure without data
+
+
+def test_ins_after_outage_is_shown_where_there_is_an_outage(sar: SarPage, session: Session) -> None:
+    """Without one it is INS from filter a second time."""
+    assert "INS after outage" not in sar._ranks.object
+    session.change({"coast.before_aperture": 5.0})
+    sar.show(session.budget)
+    assert "INS after outage" in names(sar)
+    assert "INS after outage" in html_of(error_table(session.budget, sar._closed, None, "page"))
 
 
 def test_a_requirement_at_two_sigma_is_at_two_sigma_in_strip_and_rows(session: Session) -> None:
@@ -113,11 +123,11 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     study = sar._result.study
     assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
     assert re.search(rf"Use {study.best().name}, the simplest [^:]+: [\d.]+° by 50 runs, ", said(sar))
-    ranked = sorted((key for key in NAMES if key != "1"), key=study.residual)
+    ranked = sorted((key for key in NAMES if key not in "13"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
     best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)
     assert best[1] == study.best().name
-    assert sar._images.object.count("<img") == 10 + 1  # and the scale
+    assert sar._images.object.count("<img") == 9 + 1  # and the scale
     tables = part(sar, "Parts of the error, impulse response in numbers")
     assert tables.object.count("<table") == 3
     reasons = part(sar, "Why, and what would change it")
@@ -314,19 +324,20 @@ def test_pictures_and_study_are_taken_away(sar: SarPage) -> None:
     shown = sar._result.points
     point, scene = PicturePanel("p", "p"), PicturePanel("s", "s")
     point.chart = sar._points
-    scene.chart = scene_picture(scene_pictures(sar._result.study.budget, sar._result.study.typical))
+    budget, kept = sar._result.study.budget, [row for row, key in enumerate(NAMES) if key != "3"]
+    scene.chart = scene_picture(budget, scene_pictures(budget, sar._result.study.typical))
     npz, csv, _ = (content(link) for link in point.links)
     with np.load(npz) as packed:
-        assert packed["power_db"].shape == (10, 61, 121)
-        np.testing.assert_array_equal(packed["power_db"], shown.power_db)
+        assert packed["power_db"].shape == (9, 61, 121)
+        np.testing.assert_array_equal(packed["power_db"], shown.power_db[kept])
         assert packed["names"][0] == "Ideal"
     table = np.loadtxt(csv, delimiter=",", skiprows=1)
-    assert table.shape == (61 * 121, 2 + 10)
+    assert table.shape == (61 * 121, 2 + 9)
     row = 17 * 121 + 40
     assert table[row, :2] == pytest.approx([shown.x[40], shown.y[17]], rel=1e-4)
-    assert table[row, 4] == pytest.approx(shown.power_db[2, 17, 40], rel=1e-4)
+    assert table[row, 4] == pytest.approx(shown.power_db[kept[2], 17, 40], rel=1e-4)
     drawn = content(scene.links[-1]).getvalue().decode("utf-8")
-    assert drawn.count("<image") >= 10
+    assert drawn.count("<image") >= 9
     assert "RTS smoother of the aperture" in drawn
     assert "azimuth [m]" in drawn
     document = json.loads(asyncio.run(sar._json()))
