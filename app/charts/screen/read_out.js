@@ -1,18 +1,16 @@
-// The curves of every chart at the time under the pointer, in one line above each frame: the time above the first one.
-// A name that begins like the one before is shortened ("horizontal 1 m, real time 3 m"), and the unit is told once.
+// The curves of every chart at the time under the pointer, above each frame, in one row or two; the time above the first.
+// A name that begins like the one before is shortened ("horizontal 1, real time 3"), and the unit is told once.
 const {x} = curves.data
-const show = (at) => charts.forEach(({lines, unit}, i) => {
-  const {x_range, y_range} = plots[i], parts = []
-  let before = null
+const show = (at) => charts.forEach(({lines, unit, rows}, i) => {
+  const {x_range, y_range} = plots[i], [, of_axis] = axes[i].axis_label.match(/\[([^\]]*)\]$/)
+  let text = at === null || i ? "" : `${Number(x[at].toPrecision(3))} ${unit}   `, before = ""
   for (const [label, column] of at === null ? [] : lines) {
-    const value = curves.data[column][at]
+    const value = curves.data[column][at], [name, ...rest] = label.split(", ")
     if (!isFinite(value)) continue
-    const first = label.split(", ")[0]
-    parts.push(`${before === first ? ", " + label.slice(first.length + 2) : "   " + label} ${Number(value.toPrecision(3))}`)
-    before = first
+    text += `${name !== before ? (before && (rows > 1 ? "\n" : "   ")) + label : ", " + rest.join(", ")} ${Number(value.toPrecision(3))}`
+    before = name
   }
-  const time = at === null || i ? "" : `${Number(x[at].toPrecision(3))} ${unit}   `
-  const text = time + (parts.length ? `${parts.join("").trim()} ${axes[i].axis_label.match(/\[([^\]]*)\]$/)[1]}` : "")
+  if (before) text += ` ${of_axis}`
   sources[i].data = {x: [x_range.start], y: [y_range.end], text: [text.replaceAll("-", "−")]}
 })
 if (cb_obj.event_name === "mouseleave") return show(null)

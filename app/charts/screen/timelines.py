@@ -101,6 +101,7 @@ class Timelines:
             {
                 "lines": [(line.label, _column(chart, line.key)) for line in chart.lines],
                 "unit": unit_of(chart.x_label),
+                "rows": _rows(chart),
             }
             for chart in charts
         ]
@@ -131,7 +132,7 @@ class Timelines:
             active_drag=None,
             min_border_left=_LEFT,
             min_border_right=_RIGHT,
-            min_border_top=18,  # the read-out
+            min_border_top=18 * _rows(chart),  # the read-out
             min_border_bottom=0 if last else 7,  # half a label of the axis
         )
         plot.toolbar.autohide = True
@@ -153,6 +154,11 @@ class Timelines:
         add_glyph(plot, self._sources[f"{chart.key} labels"], label)
         plot.add_tools(crosshair)
         return plot
+
+
+def _rows(chart: Chart) -> int:
+    """Rows of a chart's read-out on the narrowest screen with two columns."""
+    return 1 + (sum(len(line.label) for line in chart.lines) > 64)
 
 
 def _column(chart: Chart, key: str) -> str:
