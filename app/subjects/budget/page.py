@@ -185,7 +185,8 @@ class BudgetPage(View):
         lines = "".join(described(line) for line in self._lines)
         key = key_html(limit="limit", **({"faint": "compared"} if self._compared else {}))
         self._phase_head.say(head_html(f"{phase.title}{spreads}", phase.knowledge))
-        self._stack_head.say(head_html(f"Position, velocity, attitude{spreads}", self._lines[0].knowledge, lines, key))
+        knowledge = self._lines[0].knowledge
+        self._stack_head.say(head_html(f"Position, velocity, attitude{spreads}", knowledge, lines, key))
 
     def _offer_modes(self, *, both: bool = True) -> None:
         budget = self.session.budget
