@@ -46,8 +46,8 @@ def _of_one(
 ) -> Mapping[str, Fast]:
     """Those of one design, kept while it changes elsewhere: a new design shares the parts that are as they were."""
     by_source = _through(motion, oscillator, window, {key: np.asarray(number) for key, number in numbers})
-    for made in by_source.values():
-        made.frequency.flags.writeable = made.amplitude.flags.writeable = False
+    for effect in by_source.values():
+        effect.frequency.flags.writeable = effect.amplitude.flags.writeable = False
     return by_source
 
 
@@ -155,9 +155,9 @@ def not_flown(design: Design) -> tuple[str, ...]:
     return (f"The runs leave out the design's {', '.join(uncounted)}{bias}; the Budget page includes them [P-8].",)
 
 
-def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
+def levels(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
     """Amplitudes over a target's, by figure: the highest paired echo, and the root of the scattered energy."""
-    sources, lobe = tuple(made), ideal_null_cells(window)
+    sources, lobe = tuple(effects), ideal_null_cells(window)
     exponent = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)
     return {
         "paired_echo": paired_echo.highest_echo(sources, to_phase, aperture, lobe),
@@ -165,9 +165,9 @@ def levels(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) 
     }
 
 
-def power_at_target(made: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
+def power_at_target(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
     """Power that stays at a target, and the same with only the errors within ten null distances."""
-    sources, lobe = tuple(made), ideal_null_cells(window)
+    sources, lobe = tuple(effects), ideal_null_cells(window)
     near = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe, "near")
     return np.exp(-paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)), np.exp(-near)
 

@@ -39,7 +39,15 @@ Replacement = ArrayLike | None
 
 @dataclass(frozen=True)
 class Inputs:
-    """The inputs of the figures in SI, vibration factor applied; numbers or arrays that broadcast together."""
+    """The inputs of the figures in SI; numbers or arrays that broadcast together.
+
+    sigma_a, sigma_w: random walk of accelerometers [m/s/√s] and gyros [rad/√s], vibration factor applied; bias_a,
+    bias_w: what the filter does not absorb [m/s², rad/s]. fix, fix_vertical: position noise [m] of a fix every
+    `interval`; velocity, velocity_vertical: velocity noise [m/s] every `velocity_interval`; slow: GNSS error with a
+    correlation time. duration: of the outage; before_aperture: from the last fix to the aperture; leg_after: with
+    fixes after it [s]. fast: source -> vibration, unsensed motion, oscillator along the line of sight; rectified:
+    accelerometer bias that vibration makes [m/s²]. aperture: its time [s].
+    """
 
     sigma_a: Array
     sigma_w: Array

@@ -166,8 +166,9 @@ def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:
     dict
         Figure -> one sigma, (n,): m, m/s, rad.
     """
-    level, upright = (_bridged(channel, time, x.duration, x.leg_after) for channel in channels(x))
-    sigmas = (level[0], upright[0], level[1], upright[1], np.sqrt(level[2] ** 2 + x.bias**2) / x.g)
+    horizontal, vertical = (_bridged(channel, time, x.duration, x.leg_after) for channel in channels(x))
+    tilt = np.sqrt(horizontal[2] ** 2 + x.bias**2) / x.g
+    sigmas = (horizontal[0], vertical[0], horizontal[1], vertical[1], tilt)
     return dict(zip(STEADY, sigmas, strict=True))
 
 
@@ -177,21 +178,22 @@ def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Arra
     rows = np.append(time[~inside], 0.0)  # the last one serves all times in the outage
     flight = Flight({name: np.broadcast_to(value, rows.shape) for name, value in values_of(channel).items()})
     axis = flight.axis
-    now, none, gone = rows / axis.step, 0 * rows, float(outage / axis.step[-1])
-    start, again = flight.start(none), flight.information_after(none, after / axis.step)
+    now, none, length = rows / axis.step, 0 * rows, float(outage / axis.step[-1])  # in steps
+    start, after_outage = flight.start(none), flight.information_after(none, after / axis.step)
     # Before the outage: from the last fix that both kinds share on, and with the fixes up to time 0.
     periods = as_numbers(np.ceil(-now / axis.parts) * axis.parts)
-    back = measured(drift(none + gone, *axis.noise), again).info
+    back = measured(drift(none + length, *axis.noise), after_outage).info
     smoothed = updated(
         carried(start, flight.segment_to(now + periods)), flight.information_after(now + periods, periods, back)
     )
     # In it: from the last fix on, and back from the first one after it.
     late = time[inside] / axis.step[-1]
     a, w, slow = axis.noise
-    alone = a[-1], w[-1], slow and (slow[0][-1], slow[1][-1])
-    forward, backward = drift(late, *alone), drift(gone - late, *alone)
-    bridged = updated(carried(start[-1], forward), measured(backward, again[-1]).info)
-    both = without_slow_error(np.concatenate([smoothed[:-1], bridged]))
+    noise = a[-1], w[-1], slow and (slow[0][-1], slow[1][-1])
+    forward, backward = drift(late, *noise), drift(length - late, *noise)
+    bridged = updated(carried(start[-1], forward), measured(backward, after_outage[-1]).info)
+    # Both in the order of time, from steps and the filter's lengths back to SI.
+    covariance = without_slow_error(np.concatenate([smoothed[:-1], bridged]))
     order = np.argsort(np.concatenate([np.flatnonzero(~inside), np.flatnonzero(inside)]))
-    sigma = np.sqrt(np.einsum("nii->in", both[order])[:3])
+    sigma = np.sqrt(np.einsum("nii->in", covariance[order])[:3])
     return np.asarray(sigma * axis.length[0] / axis.step[0] ** np.arange(3)[:, None])

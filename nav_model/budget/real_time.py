@@ -212,7 +212,7 @@ class RealTime:
 
     @cached_property
     def to_phase(self) -> Array:
-        """Two-way phase of a metre, rad; NaN where the aperture is longer than a design may have. [T-13]"""
+        """As of the inputs, computed once. [T-13]"""
         return self.x.to_phase
 
     def phase_by_source(self, order: int) -> Mapping[str, phase.PhaseVariances]:
@@ -221,8 +221,8 @@ class RealTime:
         arguments = x.g, x.aperture, x.before_aperture, x.grazing_angle, order
         by_source = phase.phase_budget(start.p33, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, *arguments)
         fast = {
-            name: phase.PhaseVariances(made.quadratic, made.cubic, getattr(made, f"left_{order}"))
-            for name, made in x.fast.items()
+            name: phase.PhaseVariances(effect.quadratic, effect.cubic, getattr(effect, f"left_{order}"))
+            for name, effect in x.fast.items()
         }
         if x.rectified is not None:
             of_bias = phase.phase_budget(0.0, 0.0, 0.0, x.rectified, 0.0, *arguments)
@@ -240,11 +240,12 @@ class RealTime:
 
     def variances_of(self, name: str) -> Mapping[str, Array] | None:
         """Variance [m²] that each source has along the line of sight in a phase; None where no formula has them."""
+        # "cubic_phase" is the column cubic after the design's autofocus, "detrended_phase_2" that after order 2.
         column, _, order = name.removesuffix("_phase").partition("_phase_")
         if column not in phase.PhaseVariances._fields:
             return None
         by_source = self.phase_by_source(int(order)) if order else self.phases
-        return {source: getattr(made, column) for source, made in by_source.items()}
+        return {source: getattr(variances, column) for source, variances in by_source.items()}
 
     @property
     def quadratic_phase(self) -> Array:
@@ -376,7 +377,7 @@ def with_fast(x: Inputs, shift: Shifts) -> Shifts:
     if not x.fast:
         return shift
     return shift._replace(
-        range=shift.range + sum(made.mean for made in x.fast.values()),
+        range=shift.range + sum(effect.mean for effect in x.fast.values()),
         azimuth=shift.azimuth + azimuth_lever(x) ** 2 * fast_slope(x),
     )
 
@@ -388,7 +389,7 @@ def azimuth_lever(x: Inputs) -> Array:
 
 def fast_slope(x: Inputs) -> Array:
     """Variance of the slope over the aperture from vibration, unsensed motion and oscillator, m²/s²."""
-    return np.asarray(sum(made.slope for made in x.fast.values()) * 4 / x.aperture**2)
+    return np.asarray(sum(effect.slope for effect in x.fast.values()) * 4 / x.aperture**2)
 
 
 def sight_weights(x: Inputs) -> tuple[Array, Array]:
@@ -398,4 +399,4 @@ def sight_weights(x: Inputs) -> tuple[Array, Array]:
 
 def sum_of(x: Inputs, column: str) -> Array:
     """What vibration, unsensed motion and oscillator add to a column of the smoother."""
-    return np.asarray(sum(getattr(made, column) for made in x.fast.values()))
+    return np.asarray(sum(getattr(effect, column) for effect in x.fast.values()))

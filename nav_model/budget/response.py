@@ -51,5 +51,5 @@ def _beside(x: Inputs) -> tuple[Array, ...]:
     """Highest echo, and power that stays, all and with near errors alone; empty where there are no fast sources."""
     if not x.fast:
         return ()
-    made = x.fast.values(), x.to_phase, x.aperture, x.window
-    return levels(*made)["paired_echo"], *power_at_target(*made)
+    arguments = x.fast.values(), x.to_phase, x.aperture, x.window
+    return levels(*arguments)["paired_echo"], *power_at_target(*arguments)

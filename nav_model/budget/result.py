@@ -218,6 +218,8 @@ class Budget(Mapping[tuple[str, str], Composed]):
         """Processing -> the formulas with the design's inputs."""
         return FrozenMapping({REAL_TIME: RealTime(self.x), POST_PROCESSED: Smoothed(self.x)})
 
+    # Shares come from the same formulas with every source stepped, of the filter on average between fixes.
+
     @cached_property
     def _stepped(self) -> Stepped:
         return Stepped(replace(self.x, steady_state="closed"))

@@ -52,12 +52,12 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
     lobe = ideal_null_cells(x.window)
     echoes = [
         Echo(name, float(at), float(phase), float(level), float(at * x.aperture * cell))
-        for name, made in x.fast.items()
+        for name, effect in x.fast.items()
         for at, phase, level, beside in zip(
-            made.frequency,
-            x.to_phase * made.amplitude,
-            echo(x.to_phase * made.amplitude),
-            fast_lines(made, x.aperture, lobe),
+            effect.frequency,
+            x.to_phase * effect.amplitude,
+            echo(x.to_phase * effect.amplitude),
+            fast_lines(effect, x.aperture, lobe),
             strict=True,
         )
         if beside and level > NOTHING
@@ -66,6 +66,6 @@ def spectral_of(x: Inputs, cell: float) -> Spectral:
     return Spectral(
         tuple(sorted(echoes, key=lambda item: -item.level)),
         float(power_at_target(sources, x.to_phase, x.aperture, x.window)[0]),
-        float(x.to_phase**2 * sum(made.scattered for made in sources)),
+        float(x.to_phase**2 * sum(effect.scattered for effect in sources)),
         bool(echoes or levels(sources, x.to_phase, x.aperture, x.window)["islr"] > NOTHING),
     )

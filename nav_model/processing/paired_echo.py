@@ -47,9 +47,9 @@ def _held(phase: Array) -> Array:
     return np.where(phase.real > _MOST, _MOST, phase)
 
 
-def fast_lines(made: Fast, aperture: Array, lobe: float) -> NDArray[np.bool_]:
+def fast_lines(effect: Fast, aperture: Array, lobe: float) -> NDArray[np.bool_]:
     """Which lines lie beyond the main lobe, and so make echoes."""
-    return np.asarray(made.frequency * aperture[..., None].real > lobe)
+    return np.asarray(effect.frequency * aperture[..., None].real > lobe)
 
 
 def highest_echo(sources: Iterable[Fast], to_phase: Array, aperture: Array, lobe: float) -> Array:
@@ -66,9 +66,9 @@ def highest_echo(sources: Iterable[Fast], to_phase: Array, aperture: Array, lobe
         Cells from the peak to the first null.
     """
     largest = NOTHING + 0 * to_phase * aperture
-    for made in sources:
-        beside = fast_lines(made, aperture, lobe)
-        lines = np.where(beside, echo(to_phase[..., None] * made.amplitude), NOTHING)
+    for effect in sources:
+        beside = fast_lines(effect, aperture, lobe)
+        lines = np.where(beside, echo(to_phase[..., None] * effect.amplitude), NOTHING)
         for n in range(lines.shape[-1]):
             largest = np.where(lines[..., n].real > largest.real, lines[..., n], largest)
     return np.asarray(largest)
@@ -82,12 +82,12 @@ def scatter_exponent(
     `density` is "scattered", or "near" for what falls within ten null distances. Parameters as `highest_echo`.
     """
     total = 0 * to_phase * aperture
-    for made in sources:
-        total = total + to_phase**2 * getattr(made, density)
-        where = fast_lines(made, aperture, lobe)
+    for effect in sources:
+        total = total + to_phase**2 * getattr(effect, density)
+        where = fast_lines(effect, aperture, lobe)
         if density == "near":
-            where = where & ~fast_lines(made, aperture, NEAR_CELLS * lobe)
-        lines = np.log1p(bessel_0_less_1(_held(to_phase[..., None] * made.amplitude)))
+            where = where & ~fast_lines(effect, aperture, NEAR_CELLS * lobe)
+        lines = np.log1p(bessel_0_less_1(_held(to_phase[..., None] * effect.amplitude)))
         total = total - 2 * np.sum(np.where(where, lines, 0), axis=-1)
     return np.asarray(np.where(total.real > _MOST_EXPONENT, _MOST_EXPONENT, total))
 
