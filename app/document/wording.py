@@ -8,7 +8,8 @@ from typing import cast
 from app.document.numbers import number, show_in
 from nav_model.base.units import format_quantity
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity, Choice
+from nav_model.design.catalogue import find
+from nav_model.design.declaration import BASE_LINE, BaseQuantity, Choice
 from nav_model.design.parts import declaration_of
 from nav_model.design.presets import deviations, preset_of
 from nav_model.design.table import Table
@@ -67,6 +68,9 @@ def preset_name(design: Design, section: str) -> str:
     name = preset_of(design, section)
     if name is None:
         return "own values"
+    if section == "gnss":
+        distance = design.baseline if "baseline" in find("gnss", name).values else None
+        name += " class" if distance is None else f" class, {input_in_words(design, BASE_LINE, distance)} base"
     return f"Custom, based on {name}" if deviations(design, section) else name
 
 

@@ -7,7 +7,7 @@ from nav_model.design import Design
 from nav_model.design.catalogue import Entry, SourcedValue
 from nav_model.design.declaration import BaseQuantity, Choice, in_sentence
 from nav_model.design.parts import INPUTS, PARTS, declaration_of
-from nav_model.design.presets import deviations, entry_of
+from nav_model.design.presets import deviations, entry_of, sheet_of
 from nav_model.design.table import Table as TableInput
 
 _MARKS_EXPLAINED = (
@@ -33,7 +33,7 @@ def input_table(design: Design, aperture_time: float, key: str) -> Table:
         named = INPUTS[part.section]
         if part.optional:
             named = {name: q for name, q in named.items() if design[f"{part.section}.{name}"] != q.default}
-        rows += (_row(design, part.section, name, entry, aperture_time) for name in named)
+        rows += (_row(design, part.section, name, aperture_time) for name in named)
         if entry is not None:
             rows += (
                 (_EXTRA_LABELS[name], _valued(value.text, value), f"{value.source} (for information)")
@@ -63,10 +63,7 @@ def doubtful_inputs(design: Design) -> list[str]:
 
 def sourced_value(design: Design, section: str, name: str) -> SourcedValue | None:
     """The catalogue's value behind an input, if that is the current value."""
-    entry = entry_of(design, section)
-    if entry is None or name in deviations(design, section):
-        return None
-    return entry.values.get(name)
+    return None if name in deviations(design, section) else sheet_of(design, section).get(name)
 
 
 def shown_value(design: Design, section: str, name: str) -> str:
@@ -92,7 +89,7 @@ def shown_value(design: Design, section: str, name: str) -> str:
 
 
 def _preset(design: Design, section: str, entry: Entry) -> str:
-    if deviations(design, section):
+    if section == "gnss" or deviations(design, section):
         return preset_name(design, section)
     return f"preset {entry.name}" + (f", {entry.grade}" if entry.grade else "")
 
@@ -102,7 +99,7 @@ def _valued(text: str, sourced: SourcedValue) -> Cell:
     return Cell(text + kind, "" if sourced.confirmed else sourced.status, "" if sourced.confirmed else "warn")
 
 
-def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_time: float) -> Row:
+def _row(design: Design, section: str, name: str, aperture_time: float) -> Row:
     declaration = INPUTS[section][name]
     key = f"{section}.{name}"
     label = str(declaration.label)
@@ -114,8 +111,7 @@ def _row(design: Design, section: str, name: str, entry: Entry | None, aperture_
     sourced = sourced_value(design, section, name)
     if sourced is not None:
         return label, _valued(text, sourced), sourced.source
-    if entry is not None and name in entry.values:
-        sheet = entry.values[name]
+    if sheet := sheet_of(design, section).get(name):
         return label, Cell(text, "changed", "warn"), f"stated; the preset has {sheet.text} ({sheet.status})"
     idle = isinstance(declaration, BaseQuantity) and not design.uses(key)
     is_default = key not in design.written and design[key] == declaration.default

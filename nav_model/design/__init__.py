@@ -260,7 +260,7 @@ class Design:
         lines = [
             f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(_identity(key, value))}"
             for key, value in self._values.items()
-            if key not in INPUTS_SINCE or value != declaration_of(key).default
+            if key not in INPUTS_SINCE or value != (None if key in PRESET_KEYS else declaration_of(key).default)
         ]
         return hashlib.sha256("\n".join(lines + self.entries.identity()).encode()).hexdigest()
 

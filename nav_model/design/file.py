@@ -15,7 +15,7 @@ import tomli_w
 from nav_model.base.errors import InputError, quoted
 from nav_model.base.toml_text import read_toml
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity
+from nav_model.design.declaration import BASE_LINE, BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
@@ -124,7 +124,7 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         if not isinstance(table, dict):
             raise InputError(section, f"must be a section, [{section}]")
         if key in PRESET_KEYS:  # the new unit's values replace the file's
-            for filled in preset_fill(section, text)[0].keys() - {key}:
+            for filled in preset_fill(section, text)[0].keys() - {key, BASE_LINE}:
                 _drop(tables, section, filled.rpartition(".")[2])
         elif key not in OUTDATED:
             declared = _input_named(section, name)
@@ -190,7 +190,7 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
             values[f"{section}.{target}"] = declaration.read(content)
     if f"{section}.preset" in PRESET_KEYS and "preset" in table:
         name = _text(f"{section}.preset", table["preset"])
-        preset_values, preset_written = preset_fill(section, name)
+        preset_values, preset_written = preset_fill(section, name, baseline)
         for key, value in preset_values.items():
             if key.rpartition(".")[2] not in given:
                 values[key], written[key] = value, preset_written.get(key, "")

@@ -15,7 +15,7 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS
+from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Gnss
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
 from nav_model.design.table import Table
@@ -30,6 +30,7 @@ SETTINGS = ("simulation", "trajectory", "sar", "explore", "search", "map", "unce
 ``sar.runs=200``."""
 _ORIGIN_PREFIX = "origin."
 _NONE = "none"
+_BASE_LINE = Gnss.param.baseline
 _SHORT: dict[str, str] = {
     declaration.short: f"{section}.{name}"
     for section, inputs in INPUTS.items()
@@ -45,7 +46,7 @@ def to_query(design: Design) -> str:
     pairs: list[tuple[str, str]] = [(key, str(design[key])) for key in TOP_KEYS if design[key]]
     named = tuple((short, str(design[key])) for short, key in _PRESET_SHORT.items() if isinstance(design[key], str))
     pairs += named
-    base = _of_presets(named)
+    base = _of_presets(named, design.baseline)
     for short, key in _SHORT.items():
         value = design[key]
         if value != base[key] or type(value) is not type(base[key]):
@@ -57,11 +58,11 @@ def to_query(design: Design) -> str:
 
 
 @lru_cache(maxsize=64)
-def _of_presets(named: tuple[tuple[str, str], ...]) -> Design:
-    """The design of these presets, each with its short name, and of defaults."""
+def _of_presets(named: tuple[tuple[str, str], ...], baseline: float | None) -> Design:
+    """The design of these presets, each with its short name, at a base line, and of defaults."""
     design = Design()
     for short, name in named:
-        design = design.replace(preset_fill(short, name)[0])
+        design = design.replace(preset_fill(short, name, baseline)[0])
     return design
 
 
@@ -104,14 +105,17 @@ def from_query(query: str) -> Design:
     values: dict[str, Value] = {}
     written: dict[str, str] = {}
     origins: dict[str, str] = {}
+    baseline = None
     entries: dict[str, Any] = {}
     names = [short for short, _ in pairs]
     for short in names:
         if names.count(short) > 1:
             raise InputError(short, "is given twice in the link")
+    if (base := dict(pairs).get(_BASE_LINE.short, _NONE)) != _NONE:
+        baseline = _BASE_LINE.read(base).value
     for short, text in pairs:
         if short in _PRESET_SHORT:
-            filled, units = preset_fill(short, text)
+            filled, units = preset_fill(short, text, baseline)
             values |= filled
             written |= units
     for short, text in pairs:

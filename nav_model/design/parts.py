@@ -30,9 +30,9 @@ PARTS: tuple[type[Part], ...] = (
 INPUTS: dict[str, dict[str, Input]] = {part.section: part.inputs() for part in PARTS}
 """Section -> name -> declaration."""
 
-INPUTS_SINCE = frozenset(
+INPUTS_SINCE = {"gnss.preset"} | {
     declaration.key for names in INPUTS.values() for declaration in names.values() if declaration.since
-)
+}
 """Inputs that came after the first designs were saved: at their defaults they leave a design's hash as it was."""
 
 OUTDATED: dict[str, tuple[str, str]] = {

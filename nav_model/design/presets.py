@@ -1,27 +1,54 @@
 """Presets: the inputs that a catalogue entry fills in a design, and where a design differs from its entry."""
 
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import cast
+
 from nav_model.design import Design, Value
-from nav_model.design.catalogue import Entry, Kind, find
-from nav_model.design.parts import PRESET_KEYS
+from nav_model.design.catalogue import Entry, Kind, SourcedValue, find
+from nav_model.design.declaration import BASE_LINE, BaseQuantity
+from nav_model.design.parts import PRESET_KEYS, declaration_of
 
 
-def preset_fill(section: str, name: str) -> tuple[dict[str, Value], dict[str, str]]:
-    """Dotted keys that a preset fills, in SI, and the units to show them in.
+def values_of(entry: Entry, baseline: float | None = None) -> Mapping[str, SourcedValue]:
+    """Name of an input -> the entry's value. Noise that grows with the base line is that at `baseline` [m], and the
+    distance then is not the entry's."""
+    if baseline is None or entry.kind != "gnss":
+        return entry.values
+    values = {name: item for name, item in entry.values.items() if f"gnss.{name}" != BASE_LINE}
+    for name, item in values.items():
+        if " + " in item.unit:
+            declaration = cast("BaseQuantity[float]", declaration_of(f"gnss.{name}"))
+            values[name] = replace(item, value=declaration.read(item.text, baseline=baseline).value)
+    return values
+
+
+def filled(entry: Entry, baseline: float | None = None) -> tuple[dict[str, Value], dict[str, str]]:
+    """Dotted keys that an entry fills, in SI, and the units to show them in; noise as `values_of`."""
+    items = values_of(entry, baseline)
+    values: dict[str, Value] = {"preset": entry.name}
+    if "position_noise" in items:  # without a slow error or vertical noise in the entry there is none
+        values |= {"vertical_position_noise": None, "correlated": False}
+    values |= {name: item.value for name, item in items.items()}
+    units = {name: item.unit for name, item in items.items() if item.unit}
+    section = entry.kind
+    return {f"{section}.{k}": v for k, v in values.items()}, {f"{section}.{k}": u for k, u in units.items()}
+
+
+def preset_fill(section: str, name: str, baseline: float | None = None) -> tuple[dict[str, Value], dict[str, str]]:
+    """As `filled`, of the entry called `name`.
 
     Raises
     ------
     InputError
         If the catalogue has no such entry.
     """
-    entry = find(kind_of(section), name)
-    values: dict[str, Value] = {f"{section}.preset": entry.name}
-    values |= {f"{section}.{key}": item.value for key, item in entry.values.items()}
-    return values, {f"{section}.{key}": item.unit for key, item in entry.values.items()}
+    return filled(find(kind_of(section), name), baseline)
 
 
 def kind_of(section: str) -> Kind:
     """The kind of catalogue entry that a section takes."""
-    return "imu" if section == "imu" else "radar"
+    return cast("Kind", section)
 
 
 def preset_of(design: Design, section: str) -> str | None:
@@ -37,12 +64,18 @@ def entry_of(design: Design, section: str) -> Entry | None:
     return None if name is None else find(kind_of(section), name)
 
 
+def sheet_of(design: Design, section: str) -> Mapping[str, SourcedValue]:
+    """Name of an input -> the value of the section's preset at the design's base line; empty without a preset."""
+    entry = entry_of(design, section)
+    return {} if entry is None else values_of(entry, design.baseline)
+
+
 def deviations(design: Design, section: str) -> frozenset[str]:
     """Names of the inputs whose value is not the preset's (empty without a preset)."""
     name = preset_of(design, section)
     if name is None:
         return frozenset()
-    values, _ = preset_fill(section, name)
+    values, _ = preset_fill(section, name, design.baseline)
     return frozenset(
         key.rpartition(".")[2] for key, value in values.items() if key not in PRESET_KEYS and design[key] != value
     )

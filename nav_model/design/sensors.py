@@ -111,6 +111,7 @@ class Gnss(Part):
     section = "gnss"
     title = "GNSS"
 
+    preset = preset("a receiver class")
     position_noise = Quantity(
         default=1.0,
         dimension="length",
@@ -150,6 +151,7 @@ class Gnss(Part):
         datasheet="From the flight plan: distance to the base station.",
         typical="1 to 30 km",
         when_empty="not used",
+        slider=True,
         variable=False,
         since="0.1.0",
     )

@@ -1,7 +1,7 @@
 """Which sensors meet the requirements: every inertial unit with every receiver class."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,8 +13,9 @@ from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.smoothed import model_of
 from nav_model.budget.verdict import required
 from nav_model.design import Design, Value
-from nav_model.design.catalogue import OFFERED, Entry, SourcedValue
+from nav_model.design.catalogue import OFFERED, Entry
 from nav_model.design.figures import FIGURES
+from nav_model.design.presets import filled, values_of
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
@@ -23,7 +24,8 @@ OWN_GNSS = "your receiver"
 Biases = Literal["design", "zero", "in-run"]
 """Residual biases that every unit is judged with: the design's, zero, or the in-run biases of its own sheet."""
 MOST_PAIRS = 5000
-"""Pairs of a unit and a receiver, or none, that are ranked at a time: a second and 40 MB."""
+"""Pairs of a unit and a receiver, or none, that are ranked at a time: with slow errors seven seconds and 60 MB."""
+_AT_ONCE = 250  # pairs in one pass: a slow error takes 0.2 MB for each
 _NEEDED = ("velocity_random_walk", "angle_random_walk")
 _BIASES = ("accelerometer_bias", "gyro_bias")
 
@@ -83,34 +85,65 @@ def search(
     known = [entry for entry in imus.values() if not _lacks(entry, biases)]
     if not known:
         raise InputError("imu catalogue", "no unit gives both random walks; add one that does")
-    pairs = [(imu, receiver) for imu in known for receiver in (None, *receivers.values())]
-    filled = [dict(_filling(imu, receiver, biases)) for imu, receiver in pairs]
-    changes = [_changes(entries, biases) for entries in filled]
-    keys = sorted({key for change in changes for key in change} & set(VARIABLES))
-    columns = {key: np.array([_filled(design, change, key) for change in changes], float) for key in keys}
+    pairs = [_Pair(design, imu, receiver, biases) for imu in known for receiver in (None, *receivers.values())]
+    rows: list[Candidate] = []
+    for slow in (False, True):  # a slow error is a choice, no number: those with and without it are judged apart
+        alike = [pair for pair in pairs if pair.changes.get("gnss.correlated", design.gnss.correlated) == slow]
+        base = design.replace({"gnss.correlated": slow})
+        for start in range(0, len(alike), _AT_ONCE):
+            rows += _ranked(base, names, alike[start : start + _AT_ONCE], currency)
+    return tuple(sorted(rows, key=_rank))
+
+
+class _Pair:
+    """A unit and a receiver, or the design's own (None), and what they change in the design."""
+
+    def __init__(self, design: Design, imu: Entry, receiver: Entry | None, biases: Biases) -> None:
+        self.parts = [imu, *([receiver] if receiver else [])]
+        self.changes: dict[str, Value] = {}
+        self.written: dict[str, str] = {}
+        items = [*(imu.in_run.items() if biases == "in-run" else ())]
+        self.changes |= {f"imu.{name}": 0.0 for name in _BIASES if biases == "zero"}
+        self.changes |= {f"imu.{name}": item.value for name, item in items}
+        self.written |= {f"imu.{name}": item.unit for name, item in items}
+        for part in self.parts:
+            changes, written = filled(part, design.baseline)
+            self.changes |= changes
+            self.written |= written
+            items += values_of(part, design.baseline).items()
+        self.doubts = tuple(
+            f"{name.replace('_', ' ')} ({item.status})"
+            for name, item in items
+            if not item.confirmed and name != "correlated"  # its size says it
+        )
+
+
+def _ranked(design: Design, names: list[str], pairs: Sequence[_Pair], currency: str) -> list[Candidate]:
+    """Pairs that all have, or have not, a slow error, as the design says."""
+    keys = sorted({key for pair in pairs for key in pair.changes} & set(VARIABLES))
+    columns = {key: np.array([_filled(design, pair.changes, key) for pair in pairs], float) for key in keys}
     by_limit = {name: np.broadcast_to(ratio, len(pairs)) for name, ratio in ratios(design, columns).items()}
     whole = worst(by_limit)
     tightest = np.argmax(np.stack([by_limit[name] for name in names]), axis=0)
     sources, shares = _dominant(design, names, columns, tightest)
-    rows = [
+    return [
         Candidate(
-            imu=imu.name,
-            gnss=receiver.name if receiver else OWN_GNSS,
+            imu=pair.parts[0].name,
+            gnss=pair.parts[1].name if pair.parts[1:] else OWN_GNSS,
             closes=bool(whole[i] <= 1),
             margin=float(1 - whole[i]),
             tightest=names[tightest[i]],
             dominant=sources[i],
             share=float(shares[i]),
             margins={name: float(1 - by_limit[name][i]) for name in names},
-            changes={"imu.preset": imu.name, **changes[i]},
-            written={key: item.unit for key, item in filled[i].items()},
-            doubts=tuple(_doubts(filled[i])),
+            changes=pair.changes,
+            written=pair.written,
+            doubts=pair.doubts,
             currency=currency,
-            **{key: _offered([imu, *([receiver] if receiver else [])], key) for key in OFFERED},
+            **{key: _offered(pair.parts, key) for key in OFFERED},
         )
-        for i, (imu, receiver) in enumerate(pairs)
+        for i, pair in enumerate(pairs)
     ]
-    return tuple(sorted(rows, key=_rank))
 
 
 def check_pairs(units: int, receivers: int) -> None:
@@ -165,30 +198,6 @@ def _lacks(entry: Entry, biases: Biases) -> str:
     if biases == "in-run":
         missing += [f"in-run {name}" for name in _BIASES if name not in entry.in_run]
     return " and ".join(name.replace("_", " ") for name in missing)
-
-
-def _filling(imu: Entry, receiver: Entry | None, biases: Biases) -> Iterator[tuple[str, SourcedValue]]:
-    """Dotted keys of the inputs that a pair fills, and with what."""
-    yield from ((f"imu.{name}", item) for name, item in imu.values.items())
-    if biases == "in-run":
-        yield from ((f"imu.{name}", item) for name, item in imu.in_run.items())
-    if receiver is not None:
-        yield from ((f"gnss.{name}", item) for name, item in receiver.values.items())
-
-
-def _changes(filled: Mapping[str, SourcedValue], biases: Biases) -> dict[str, Value]:
-    changes: dict[str, Value] = {key: item.value for key, item in filled.items()}
-    if biases == "zero":
-        changes |= {f"imu.{name}": 0.0 for name in _BIASES}
-    if "gnss.position_noise" in changes and "gnss.vertical_position_noise" not in changes:
-        changes["gnss.vertical_position_noise"] = None
-    return changes
-
-
-def _doubts(filled: Mapping[str, SourcedValue]) -> Iterator[str]:
-    for key, item in filled.items():
-        if not item.confirmed:
-            yield f"{key.rpartition('.')[2].replace('_', ' ')} ({item.status})"
 
 
 def _filled(design: Design, change: Mapping[str, Value], key: str) -> float:

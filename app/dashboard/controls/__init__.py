@@ -10,7 +10,7 @@ from app.dashboard.controls.quantity import QuantityInput
 from app.session import Session
 from app.ui.input_sheet import Group
 from nav_model.design.declaration import Choice
-from nav_model.design.parts import INPUTS, PARTS
+from nav_model.design.parts import INPUTS, PARTS, PRESET_KEYS
 from nav_model.design.table import Table
 
 
@@ -19,7 +19,7 @@ def design_groups(session: Session, opened: Iterable[str]) -> list[Group]:
     groups = []
     for part in PARTS:
         section = part.section
-        catalogue = [f"{section}.preset"] if section in {"imu", "radar"} else []
+        catalogue = [key for key in PRESET_KEYS if key == f"{section}.preset"]
         keys = [*catalogue, *(f"{section}.{name}" for name in INPUTS[section])]
         inputs = [input_of(session, key) for key in keys]
         if section == "imu":

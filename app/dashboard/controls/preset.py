@@ -21,7 +21,9 @@ class PresetInput(DesignInput[None]):
         entries = catalogue(kind_of(self.section)).values()
         options = [("", "none"), *((entry.name, _label(entry)) for entry in entries)]
         return {
-            **choice_row("From the catalogue", "", options, wide=True),
+            **choice_row(
+                "Receiver class" if self.section == "gnss" else "From the catalogue", "", options, wide=True
+            ),
             "restore": "Restore catalogue values",
         }
 
@@ -41,7 +43,7 @@ class PresetInput(DesignInput[None]):
         """Fill the section from an entry, or leave its values without one."""
         if not text:
             return self.session.change({self.key: None})
-        values, units = preset_fill(self.section, text)
+        values, units = preset_fill(self.section, text, self.session.design.baseline)
         if self.section == "radar":
             extra = find("radar", text).extra
             values |= {f"flight.{key}": item.value for key, item in extra.items()}

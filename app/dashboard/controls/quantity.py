@@ -10,7 +10,7 @@ from app.ui.log_scale import scale_of
 from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.presets import entry_of
+from nav_model.design.presets import entry_of, sheet_of
 
 
 class QuantityInput(DesignInput[BaseQuantity[Any]]):
@@ -40,7 +40,7 @@ class QuantityInput(DesignInput[BaseQuantity[Any]]):
         ):
             row |= {"note": f"{made}. {note}".strip(), "converted": True}
         if self._scale is not None:
-            row["place"] = self._scale.ends[1] if value is None else self._scale.place(value)
+            row["place"] = self._scale.ends[not self._scale.zero] if value is None else self._scale.place(value)
         return row
 
     def slide(self, place: float) -> InputError | None:
@@ -73,7 +73,7 @@ def _against_catalogue(design: Design, key: str) -> tuple[str, str]:
     sheet = entry.extra.get(name)
     if sheet is not None:
         return "", f"{entry.name}'s sheet: {sheet.text} {sheet.kind}, not the residual."
-    item = entry.values.get(name)
+    item = sheet_of(design, section).get(name)
     if item is None:
         missing = section == "imu" and name.endswith("random_walk")
         return ("?", f"Not on {entry.name}'s sheet: your value.") if missing else ("", "")

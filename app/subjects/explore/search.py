@@ -39,7 +39,7 @@ from nav_model.explore.margins import label_of
 from nav_model.explore.search import Biases, Candidate, check_pairs, one_currency
 
 MAX_BYTES = 200_000
-_MOST_AT_ONCE = 250  # pairs ranked here, in a tenth of a second; more in a worker
+_MOST_AT_ONCE = 250  # pairs ranked here, in a fifth of a second; more in a worker
 _MOST_NAMES = 20  # in a message
 _MOST_ROWS = 200  # of the table on the page
 _COMPUTING = Answer("Sensors that pass", "open", ("Computing …",))
@@ -182,8 +182,9 @@ class SearchPanel(Question):
         if row is None:
             return
         changes = dict(row.changes)
-        if row.imu in self._own["imu"]:  # a unit of the user's own is no preset of the product
-            changes["imu.preset"] = None
+        for kind, name in zip(KINDS, (row.imu, row.gnss), strict=True):
+            if name in self._own[kind]:  # a unit of the user's own is no preset of the product
+                changes[f"{kind}.preset"] = None
         problem = self.session.change(changes, row.written)
         what = row.imu if self.own else row.pair
         self._say(f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo.")

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
@@ -128,6 +128,12 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
     values: dict[str, SourcedValue] = {}
     extra: dict[str, SourcedValue] = {}
     offer: dict[str, SourcedValue] = {}
+    base = table.get("baseline")
+    baseline = (
+        _input(kind, "baseline", f"{kind}.{name}")[1].read(base.get("value")).value
+        if isinstance(base, dict)
+        else None
+    )
     for key, item in table.items():
         if key in {"name", "grade", "note"}:
             continue
@@ -145,11 +151,13 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
                 parsed, target = parse_quantity(item["value"], _EXTRA[kind][key]), extra
         else:
             name_of_input, declaration = _input(kind, key, where)
-            parsed, target = declaration.read(item["value"], key), values
+            parsed, target = declaration.read(item["value"], key, baseline), values
             key = name_of_input
         target[key] = SourcedValue(
             item["value"], parsed.value, parsed.unit, item["status"], item["source"], item.get("kind", "")
         )
+    if slow := values.get("correlated_noise"):
+        values["correlated"] = replace(slow, text="yes", value=True, unit="")
     return Entry(kind, name, str(table.get("grade", "")), str(table.get("note", "")), values, extra, offer)
 
 

@@ -10,7 +10,7 @@ from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.parts import all_keys, declaration_of
+from nav_model.design.parts import PRESET_KEYS, all_keys, declaration_of
 from nav_model.design.table import Table
 
 QUANTITIES = [key for key in all_keys() if isinstance(declaration_of(key), BaseQuantity)]
@@ -211,10 +211,25 @@ def test_a_radar_brings_its_platform(session: Session) -> None:
     assert session.design.flight.altitude == 13800.0
 
 
+def test_a_class_of_receivers_follows_its_base_line(session: Session) -> None:
+    sheet = Sheet(session, "gnss.preset", "gnss.position_noise", "gnss.baseline")
+    sheet.enter("gnss.preset", "RTK")
+    assert sheet.row("gnss.position_noise")["note"].startswith("8 mm + 1 ppm DRMS = 12.7 mm, 1σ per axis. Leica")
+    sheet.enter("gnss.baseline", "20 km")
+    assert sheet.row("gnss.position_noise")["note"].startswith("8 mm + 1 ppm DRMS = 19.8 mm, 1σ per axis. Leica")
+    sheet._handle_msg({"key": "gnss.baseline", "place": 4.0, "number": 1})  # the slider, decades of a metre
+    assert sheet.row("gnss.position_noise")["note"].startswith("8 mm + 1 ppm DRMS = 12.7 mm")
+    sheet.enter("gnss.baseline", "20 km")
+    assert not sheet.row("gnss.preset")["said"]
+    sheet.enter("gnss.position_noise", "3 cm")
+    assert sheet.row("gnss.position_noise")["note"] == "≠ RTK: 8 mm + 1 ppm DRMS"
+    assert sheet.row("gnss.preset")["named"] == "Custom, based on RTK class, 20 km base"
+
+
 def test_every_input_has_a_row_with_help() -> None:
     rows = {each.key: each.row() for group in design_groups(Session(Design()), ()) for each in group.inputs}
     assert set(all_keys()) <= rows.keys()
-    assert {key for key, row in rows.items() if not row["help"]} == {"imu.preset", "radar.preset"}
+    assert {key for key, row in rows.items() if not row["help"]} == set(PRESET_KEYS)
 
 
 def test_every_option_of_a_choice_reaches_the_design(session: Session) -> None:

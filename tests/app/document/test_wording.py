@@ -10,6 +10,7 @@ from app.serving.server import first_design
 from app.subjects.budget.closing import ways
 from app.subjects.explore.charts import rank_chart
 from nav_model.budget import analyse
+from nav_model.design.presets import preset_fill
 from nav_model.design.user_entries import read_entries
 
 
@@ -23,6 +24,24 @@ def test_an_edited_preset_is_custom_in_every_place() -> None:
     heads = [row[0].text for row in input_table(edited, budget.sar.aperture_time, "d").rows if len(row) == 1]
     assert any(head.endswith(": Custom, based on STIM300") for head in heads)
     assert {way.now for way in ways(edited) if way.what == "IMU"} == {"Custom, based on STIM300"}
+
+
+def test_a_report_names_the_class_of_the_receiver_and_its_base() -> None:
+    """Values of the class with their sources; a typed one says what the class has."""
+    values, written = preset_fill("gnss", "RTK", 20e3)
+    design = first_design().replace({**values, "gnss.baseline": 20e3}, written)
+    edited = design.replace({"gnss.correlation_time": 60.0})
+    for each, head in (
+        (design, "GNSS: RTK class, 20 km base"),
+        (edited, "GNSS: Custom, based on RTK class, 20 km base"),
+    ):
+        rows = input_table(each, 1.0, "d").rows
+        told = {str(getattr(row[0], "text", row[0])): row for row in rows}
+        assert head in told
+        noise, time = told["Position noise"], told["Correlation time"]
+        assert "= 19.8 mm, 1σ per axis" in str(noise[1])
+        assert "Leica GS25" in str(noise[2])
+        assert ("the preset has 115 s (confirmed)" in str(time[2])) == (each is edited)
 
 
 def test_no_line_ends_between_a_number_and_its_unit_or_within_the_unit() -> None:

@@ -103,12 +103,15 @@ def test_own_sensors_in_the_same_format(open_design):
         search(open_design, {"KVH": catalogue("imu")["KVH FOG (SPAN-CPT)"]}, {})
 
 
-def test_receiver_classes_state_sources_and_what_is_assumed():
-    for entry in catalogue("gnss").values():
-        assert {"position_noise", "vertical_position_noise", "interval"} == set(entry.values)
-        for item in entry.values.values():
-            assert item.source
-            assert item.status == "assumed" or "table 22" in item.source
+def test_a_pair_that_is_adopted_has_the_margin_it_was_ranked_by(open_design):
+    few = {name: catalogue("imu")[name] for name in ("STIM300", "LN-200")}
+    for base in ({}, {"gnss.baseline": 30e3, "gnss.correlated": True}):
+        design = open_design.replace(base)
+        for row in search(design, few, catalogue("gnss")):
+            adopted = design.replace(row.changes, row.written)
+            assert adopted.gnss.preset == (None if row.gnss == OWN_GNSS else row.gnss)
+            margins = {check.name: check.margin for check in analyse(adopted).verdict.checks}
+            assert row.margins == pytest.approx(margins, rel=1e-9)
 
 
 def test_pairs_that_close_a_design_do_in_the_whole_analysis_and_the_others_nowhere():
