@@ -1,8 +1,12 @@
 """Inputs of the flight plan: the flight, its lines with limits of their own, and aiding beyond the fixes."""
 
+import math
+import re
+from fractions import Fraction
 from typing import Any
 
 from nav_model.base.constants import DEGREE
+from nav_model.base.units import to_si
 from nav_model.design.declaration import Choice, OptionalQuantity, Quantity
 from nav_model.design.figures import FIGURES, IN_FLIGHT
 from nav_model.design.part import Part
@@ -14,6 +18,9 @@ MOST_WAYPOINTS = 200  # more make a link too long
 FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".out", ".sbet")
 """Usual ends of the names of files of flights; what a file is, its content says."""
 
+Rows = tuple[tuple[float, float, float, str], ...]
+"""Waypoints as a design has them."""
+
 LIMITED = tuple(name for name in IN_FLIGHT if FIGURES[name].requirement)
 """Figures that a line may have a limit of its own on."""
 AIDING = (
@@ -21,6 +28,12 @@ AIDING = (
     "barometer_noise",
 )  # fmt: skip
 """Inputs of what aids the INS, and of its constant errors."""
+
+
+def row_of(latitude: float, longitude: float, height: float, line: str = "") -> tuple[float, float, float, str]:
+    """A place [rad, m] to a millimetre as a row of the design's waypoints; a name without what parts its cells."""
+    across = (to_si(Fraction(f"{math.degrees(angle):.8f}"), "°", "angle") for angle in (latitude, longitude))
+    return *across, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split())  # type: ignore[return-value]
 
 
 def _number(

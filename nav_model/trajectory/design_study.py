@@ -1,7 +1,7 @@
 """The covariance along a flight of a design: its plan, its aperture, its limits."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,14 +17,15 @@ from nav_model.budget.verdict import Check, all_required, confidence_of
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
 from nav_model.design.figures import FIGURES, IN_FLIGHT, STEADY
-from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS
+from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
 from nav_model.processing.geolocation import Shifts
-from nav_model.simulation.design_study import named_flight
+from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
 from nav_model.trajectory.specification import CovarianceSpec, Line, Most
 
 _SAME = 0.005
+_MOST_RESULTS = 1200  # along a flight
 PLAN = "plan"
 """Name of a design's own flight among those that the commands fly."""
 
@@ -48,6 +49,11 @@ def lines_of(design: Design) -> Plan:
     return strip(plan_like(design), first, flight.heading, route.length, route.spacing, int(route.lines))
 
 
+def rows_of(points: Iterable[Waypoint]) -> Rows:
+    """Waypoints as a design has them."""
+    return tuple(row_of(point.latitude, point.longitude, point.height, point.line) for point in points)
+
+
 def planned(design: Design) -> PlannedFlight:
     """The flight of the design's plan.
 
@@ -59,6 +65,24 @@ def planned(design: Design) -> PlannedFlight:
     with under(f"trajectory.{trajectory.flight}"):
         places = tuple(Waypoint(*row) for row in trajectory.waypoints)
         return fly(lines_of(design) if trajectory.flight == LINES else replace(plan_like(design), waypoints=places))
+
+
+def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> CovarianceSpec:
+    """The covariance along a flight of the design, with the outages of its plan and at most `_MOST_RESULTS`.
+
+    states: of the filter, as `simulation.design_study.specification` takes it. Raises InputError as that and
+    `covariance_specification`.
+    """
+    study = specification(
+        design,
+        trajectory=flight.trajectory,
+        runs=1,
+        duration=flight.duration,
+        outages=design.trajectory.outages,
+        every=max(1.0, round(flight.duration / _MOST_RESULTS)),
+        states=states,
+    )
+    return covariance_specification(design, study, flight.lines)
 
 
 def covariance_specification(design: Design, study: SimulationSpec, lines: tuple[Line, ...] = ()) -> CovarianceSpec:

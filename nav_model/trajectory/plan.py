@@ -26,6 +26,8 @@ _STRAIGHT = 1e-5  # rad: 10 cm over 10 km
 _LARGEST_PART = math.radians(120.0)  # of a turn at one corner
 _STEP = 0.5  # s between samples
 _NEAREST = 1.0  # m between waypoints
+_WIDER = (1.1, 1.2, 1.4, 1.7, 2.0, 3.0)  # circles of a turn that is rolled in and out, of those at its bank
+_APART = 0.5  # s between the turns of a manoeuvre
 _LARGEST_TURN = math.radians(170.0)
 _LONGEST = 100 * 3600.0  # s
 
@@ -62,6 +64,11 @@ class PlannedFlight:
     duration: float
     lines: tuple[Line, ...]
     note: str = ""
+
+    def banked(self, beyond: float) -> float:
+        """Time beyond a bank [s]."""
+        samples = np.frombuffer(self.trajectory.samples).reshape(-1, 7)
+        return self.duration * float(np.mean(np.abs(samples[:, 4]) > beyond))
 
 
 @dataclass(frozen=True)
@@ -125,6 +132,57 @@ def fly(plan: Plan) -> PlannedFlight:
     return _flown(replace(plan, waypoints=points), numbers, heading, np.abs(legs), turns)
 
 
+def before_line(plan: Plan, number: int, arcs: Sequence[float], run_in: float = _RUN_IN) -> Plan:
+    """The plan with turns in front of the line that begins at waypoint `number`, counted from 0.
+
+    arcs: of the turns [rad, to the right], which begin and end in the line's direction; run_in: from the last to the
+    line [s]. The way to the first turn is the shortest, and what comes before stays whole. Raises InputError where no
+    way leads there.
+    """
+    points, speed, here = plan.waypoints, plan.speed, replace(plan.waypoints[number], line="")
+    leg = complex(_legs(points[number : number + 2])[0])
+    ahead = direction = leg / abs(leg)
+    legs, length = [], _APART * speed
+    for arc in arcs:
+        parts = math.ceil(abs(arc) / _LARGEST_PART)
+        room = _turn(arc / parts, speed, plan.bank).before
+        for _ in range(parts):
+            legs.append((length + room) * direction)
+            direction, length = direction * complex(np.exp(1j * arc / parts)), room + _APART * speed
+    legs.append((length + run_in * speed) * ahead)
+    turns = tuple(_places(here, [-leg for leg in reversed(legs)])[:0:-1])
+    earlier = points[:number]
+    if not earlier:
+        return replace(plan, waypoints=turns + points)
+    if earlier[-1].line:  # it ends where the other begins
+        earlier = (*earlier, here)
+    came = complex(_legs((*earlier, turns[0])[-3:])[0])  # the last leg, if there is one
+    way = _connection(plan, (earlier[-1], came / abs(came)), (turns[0], ahead))
+    return replace(plan, waypoints=(*earlier, *way, *turns, *points[number:]))
+
+
+def in_parts(plan: Plan, number: int, parts: int, overlap: float) -> Plan:
+    """The plan with the line that begins at waypoint `number`, counted from 0, in `parts` of one length and of its
+    name, each `overlap` [m] longer at the front than the rest: the flight turns off between them and comes back.
+
+    Raises InputError where the line is too short.
+    """
+    first, last = plan.waypoints[number : number + 2]
+    leg = complex(_legs((first, last))[0])
+    ahead, part = leg / abs(leg), (abs(leg) - overlap) / parts + overlap
+    if part <= 2.0 * overlap:
+        raise InputError("waypoints", f"{_named(number + 1, first)} is too short for {parts} parts")
+    steps = np.tile([part, -overlap], parts)[: 2 * parts - 2]
+    along = np.cumsum(steps) / abs(leg)
+    places = _places(first, [step * ahead for step in steps])[1:]
+    between = (
+        replace(place, height=first.height + share * (last.height - first.height), line=first.line if n % 2 else "")
+        for n, (place, share) in enumerate(zip(places, along.tolist(), strict=True))
+    )
+    points = plan.waypoints
+    return replace(plan, waypoints=(*points[: number + 1], *between, *points[number + 1 :]))
+
+
 def _with_turns(plan: Plan) -> tuple[tuple[Waypoint, ...], tuple[int, ...]]:
     """The waypoints with those of the turns between lines and of the run-ins, and of each the number of the waypoint
     of the plan that it is or follows.
@@ -171,14 +229,10 @@ def _connection(plan: Plan, begin: tuple[Waypoint, complex], end: tuple[Waypoint
     radius = plan.speed**2 / (STANDARD_GRAVITY * math.tan(plan.bank))
     across = complex(_legs((first, last))[0])
 
-    def ways(across: complex) -> list[list[complex]]:
+    def ways(across: complex, wider: float) -> list[list[complex]]:
         """The corners' legs of every kind of way; none where it does not exist."""
-        way = across - lead * (ahead + onward)
-        return [
-            _corner_legs(arcs, straight, wider * radius, ahead, lead) if arcs else []
-            for wider in (1.1, 1.2, 1.4, 1.7, 2.0, 3.0)
-            for arcs, straight in _dubins(way, ahead, onward, wider * radius)
-        ]
+        kinds = _dubins(across - lead * (ahead + onward), ahead, onward, wider * radius)
+        return [_corner_legs(arcs, straight, wider * radius, ahead, lead) if arcs else [] for arcs, straight in kinds]
 
     def straights(legs: list[complex]) -> FloatArray:
         """What the turns leave of each leg [m]."""
@@ -187,12 +241,13 @@ def _connection(plan: Plan, begin: tuple[Waypoint, complex], end: tuple[Waypoint
         before = np.array([0.0, *(turn.before for turn in turns), 0.0])
         return np.array(np.abs(legs) - before[:-1] - before[1:])
 
-    by_length = sorted((sum(map(abs, legs)), n) for n, legs in enumerate(ways(across)) if legs)
-    best = next((n for _, n in by_length if straights(ways(across)[n]).min() >= 0.0), None)
+    known = [(wider, kind, legs) for wider in _WIDER for kind, legs in enumerate(ways(across, wider)) if legs]
+    known.sort(key=lambda way: sum(map(abs, way[2])))
+    best = next(((wider, kind) for wider, kind, legs in known if straights(legs).min() >= 0.0), None)
     if best is None:
         raise InputError("waypoints", "no turn leads from one line to the next")
     for _ in range(4):  # the legs lead over other latitudes than the straight way, where degrees have other lengths
-        legs = ways(across)[best]
+        legs = ways(across, best[0])[best[1]]
         places = _places(first, legs)
         across += complex(_legs((places[-1], last))[0])
     length = np.cumsum(np.maximum(straights(legs), 0.0))

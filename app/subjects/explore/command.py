@@ -29,6 +29,7 @@ def _add_explore(commands: Any) -> None:
         "search": "list the IMUs and receivers of the catalogue that meet the requirements",
         "uncertainty": "compute the probability that the design closes when inputs are ranges",
         "invert": "find the IMU noise that rows of a vendor's table imply, or what contradicts what",
+        "manoeuvre": "find the manoeuvre, aid or IMU with which the lines of a flight meet their limits",
     }
     parsers = {name: questions.add_parser(name, help=text) for name, text in helps.items()}
     for parser in parsers.values():
@@ -52,6 +53,8 @@ def _add_explore(commands: Any) -> None:
     add("--row", action="append", default=[], dest="rows", metavar="ROW",
         help='e.g. "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°, heading '
         '0.010°" or "no outage: ..."; in real time, 1 sigma per axis; may be repeated')  # fmt: skip
+    add = parsers["manoeuvre"].add_argument
+    add("--line", default="", metavar="NAME", help="line to close (default: all that fail)")
     add = parsers["uncertainty"].add_argument
     add("--vary", action="append", default=[], metavar="KEY=RANGE",
         help='range of an input, e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h" (uniform; with log after it, '

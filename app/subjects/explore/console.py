@@ -27,6 +27,7 @@ from nav_model.explore.trade_map import trade_map
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 from nav_model.explore.vendor_table import invert
 
+_OPTION = ("name", "kind", "before_s", "costs_s", "closes", "useless", "lost_s")
 _CANDIDATE = ("imu", "gnss", "closes", "margin", "tightest", "dominant", "share")
 Rows = Iterable[Mapping[str, Any]]
 
@@ -176,6 +177,40 @@ def inverted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     return {**whole, "contradictions": contradictions}, [{**row, "agree": inversion.agree} for row in rows]
 
 
+def manoeuvred(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """What would close the lines of the flight that fail."""
+    from nav_model.explore.manoeuvre import manoeuvres
+
+    try:
+        with show_progress() as progress:
+            answer = manoeuvres(design, options.line, progress=lambda share, what: progress(what, share))
+    except InputError as error:
+        raise (error.under("--line") if error.key == "line" else error) from error
+    rows = [
+        {
+            **{name: getattr(option, name) for name in _OPTION},
+            "lines": list(option.lines),
+            "figures": _limited(option.figures),
+            "changes": dict(option.changes),
+        }
+        for option in answer.options
+    ]
+    whole = {"line": answer.line, "lines": list(answer.lines), "closes": answer.closes,
+             "figures": _limited(answer.figures), "options": rows}  # fmt: skip
+    flat = [
+        {**{name: row[name] for name in _OPTION}, "lines": "; ".join(row["lines"])}
+        | {f"{name}.{part}": value for name, figure in row["figures"].items() for part, value in figure.items()}
+        for row in rows
+    ]
+    return whole, flat
+
+
+def _limited(figures: Mapping[str, Any]) -> dict[str, dict[str, float | None]]:
+    return {
+        name: {part: _finite(value) for part, value in figure._asdict().items()} for name, figure in figures.items()
+    }
+
+
 QUESTIONS: Mapping[str, Callable[[Design, argparse.Namespace], tuple[Any, Rows]]] = {
     "solve": solved,
     "rank": ranked,
@@ -183,20 +218,23 @@ QUESTIONS: Mapping[str, Callable[[Design, argparse.Namespace], tuple[Any, Rows]]
     "search": searched,
     "uncertainty": with_uncertainty,
     "invert": inverted,
+    "manoeuvre": manoeuvred,
 }
 
 
 def explore(design: Design, options: argparse.Namespace) -> int:
-    """Answer one question on standard output; 1 where rows of a vendor's table contradict each other."""
+    """Answer one question on standard output; 1 where rows of a vendor's table contradict each other, or nothing
+    would close a flight."""
     if options.question == "rank" and options.result is None:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
     whole = {"processing": {"mode": design.processing.mode}, **whole}
-    contradicted = int(not whole.get("agree", True))
+    answers = whole.get("options", ())
+    failed = not whole.get("agree", True) or not (whole.get("closes", True) or any(row["closes"] for row in answers))
     if not options.csv:
-        return put_json(lambda: whole) or contradicted
+        return put_json(lambda: whole) or int(failed)
     sys.stdout.write(csv_of({**row, "processing.mode": whole["processing"]["mode"]} for row in rows))
-    return contradicted
+    return int(failed)
 
 
 def sweep(options: argparse.Namespace) -> int:

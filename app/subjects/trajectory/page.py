@@ -26,10 +26,8 @@ from app.subjects.trajectory.plan_file import as_plan
 from app.subjects.trajectory.run import (
     File,
     Followed,
-    Rows,
     follow,
     follow_if_short,
-    row_of,
     waypoints_in,
     waypoints_of_lines,
 )
@@ -51,7 +49,7 @@ from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.parts import Trajectory
-from nav_model.design.trajectory import AIDING, FLIGHT_FILES, LINES, MOST_WAYPOINTS, WAYPOINTS
+from nav_model.design.trajectory import AIDING, FLIGHT_FILES, LINES, MOST_WAYPOINTS, WAYPOINTS, Rows, row_of
 from nav_model.simulation.specification import FILTER_STATES
 
 _FILE = "file"

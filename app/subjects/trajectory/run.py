@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
-import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,20 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.errors import InputError
-from nav_model.base.units import to_si
 from nav_model.design import Design
 from nav_model.design.parts import Trajectory
+from nav_model.design.trajectory import Rows
 
 if TYPE_CHECKING:
-    from nav_model.trajectory.plan import Waypoint
     from nav_model.trajectory.result import TrajectoryResult
 
 _MOST_STEPS = 30_000  # seconds of work, and memory, of one person
-_POINTS = 1200  # results kept along a flight
 _SHORT = 1500  # fixes
 _seconds_per_fix = 8e-4  # as measured on two shared cores; then that of the last long flight of this process
-Rows = tuple[tuple[float, float, float, str], ...]
-"""Waypoints as a design has them."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +77,8 @@ def follow(
         Naming the file, the input or the key of the design.
     """
     from nav_model.earth.wgs84 import metres_per_radian
-    from nav_model.simulation.design_study import specification
     from nav_model.trajectory.covariance import covariance
-    from nav_model.trajectory.design_study import covariance_specification, plan_like, planned
+    from nav_model.trajectory.design_study import along_flight, plan_like, planned
     from nav_model.trajectory.files.reader import parse_file
 
     global _seconds_per_fix
@@ -98,19 +90,10 @@ def follow(
     if flight.duration > _MOST_STEPS * design.gnss.interval:
         message = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
         raise InputError("Flight", message + "use the command `navbudget trajectory`")
-    study = specification(
-        design,
-        trajectory=flight.trajectory,
-        runs=1,
-        duration=flight.duration,
-        outages=design.trajectory.outages,
-        every=max(1.0, round(flight.duration / _POINTS)),
-        states=states,
-    )
     fixes = flight.duration / design.gnss.interval
     progress(0.0, f"Following {fixes:.0f} fixes, about {max(fixes * _seconds_per_fix, 1.0):.0f} s")
     began = time.monotonic()
-    result = covariance(covariance_specification(design, study, flight.lines), _MOST_STEPS)
+    result = covariance(along_flight(design, flight, states), _MOST_STEPS)
     if fixes > _SHORT:
         _seconds_per_fix = (time.monotonic() - began) / fixes
     position = result.truth.position
@@ -145,24 +128,15 @@ def waypoints_in(content: bytes, name: str, design: Design) -> tuple[Rows, str]:
     InputError
         Naming the file, with what is wrong and where.
     """
+    from nav_model.trajectory.design_study import rows_of
     from nav_model.trajectory.files.reader import parse_file
 
     file = parse_file(content, name, design.flight.altitude, design.trajectory.ground or None)
-    return _rows(file.waypoints), file.note
+    return rows_of(file.waypoints), file.note
 
 
 def waypoints_of_lines(design: Design) -> Rows:
     """The parallel lines of a design as waypoints."""
-    from nav_model.trajectory.design_study import lines_of
+    from nav_model.trajectory.design_study import lines_of, rows_of
 
-    return _rows(lines_of(design).waypoints)
-
-
-def row_of(latitude: float, longitude: float, height: float, line: str = "") -> tuple[float, float, float, str]:
-    """A place [rad, m] to a millimetre as a row of the design's waypoints; a name without what parts its cells."""
-    across = (to_si(Fraction(f"{math.degrees(angle):.8f}"), "°", "angle") for angle in (latitude, longitude))
-    return *across, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split())  # type: ignore[return-value]
-
-
-def _rows(points: tuple[Waypoint, ...]) -> Rows:
-    return tuple(row_of(point.latitude, point.longitude, point.height, point.line) for point in points)
+    return rows_of(lines_of(design).waypoints)

@@ -56,6 +56,26 @@ def test_every_csv_of_ours_marks_what_a_spreadsheet_would_compute():
     assert kept == ["-1.5", "+2", "-inf", "-3.0", "4", "", "True", "nan"]
 
 
+@pytest.mark.long
+def test_a_manoeuvre_for_the_lines_that_fail(capsys):
+    plan = ["trajectory.flight=lines", "trajectory.lines=2", "trajectory.length=9 km", "trajectory.spacing=3 km"]
+    ask = ["explore", "manoeuvre", MEMS, "--set", "requirements.heading=0.08°", *plan]
+    ask += [f"requirements.{name}=1e3 {unit}" for name, unit in (("quadratic_phase", "°"), ("detrended_phase", "°"))]
+    answer = told(capsys, *ask)
+    assert (answer["line"], answer["lines"], answer["closes"]) == ("line 1", ["line 1"], False)
+    first = answer["options"][0]
+    assert (first["closes"], first["kind"]) == (True, "manoeuvre")
+    assert first["figures"]["heading"]["worst"] < first["figures"]["heading"]["limit"]
+    assert first["changes"]["trajectory.waypoints"][-1] == pytest.approx(
+        answer["options"][1]["changes"]["trajectory.waypoints"][-1]
+    )
+    assert told(capsys, *ask, "--line", "line 2")["closes"]
+    assert main([*ask, "--line", "line 7"]) == 2
+    assert "--line: the flight has no line 'line 7'; its lines: line 1, line 2" in capsys.readouterr().err
+    assert main([*ask, "requirements.heading=0.0001°"]) == 1
+    assert not any(option["closes"] for option in json.loads(capsys.readouterr().out)["options"])
+
+
 def test_rows_of_a_vendors_table_are_inverted_or_contradicted(capsys):
     good = "60 s: horizontal 6.59 m, vertical 0.628 m, velocity 0.1997 m/s, roll and pitch 0.02327°, heading 0.01937°"
     found = told(capsys, "explore", "invert", MEMS, "--row", good)

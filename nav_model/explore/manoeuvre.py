@@ -1,0 +1,354 @@
+"""Which manoeuvre would close a flight, and when: candidates are flown through the covariance of the design's plan.
+
+A candidate is a change of the design: waypoints in front of a line or within it, an aid, another IMU. It is judged by
+the flight of the changed design, so that an option that closes does so once it is taken.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from nav_model.base.constants import DEGREE
+from nav_model.base.errors import InputError
+from nav_model.budget.inputs import inputs_of
+from nav_model.design import Design, Value
+from nav_model.design.catalogue import catalogue
+from nav_model.design.declaration import in_sentence
+from nav_model.design.presets import preset_fill
+from nav_model.design.trajectory import LINES, WAYPOINTS
+from nav_model.trajectory.covariance import lines_along
+from nav_model.trajectory.design_study import along_flight, lines_of, plan_like, planned, rows_of
+from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, before_line, in_parts
+from nav_model.trajectory.result import LineResult
+
+_TURNS: Mapping[str, tuple[float, ...]] = {
+    "S-turn": (45 * DEGREE, -90 * DEGREE, 45 * DEGREE),
+    "90° turn": (90 * DEGREE, -90 * DEGREE),
+    "Figure of eight": (360 * DEGREE, -360 * DEGREE),
+}
+"""Manoeuvre -> its turns [rad], to one side and the other; it ends in the direction in which it began."""
+_RUN_INS = (120.0, 300.0)  # s
+_PARTS = {2: "Turn in the middle", 3: "Turns between three parts", 5: "Turns between five parts"}
+_SHORTEST_PART = 60.0  # s
+_BEYOND = 2.0  # s by which parts of a line overlap beyond an aperture
+_GENTLER = 0.95  # of the bank at which fixes are lost
+_AIDS: Mapping[str, Mapping[str, float]] = {
+    "trajectory.heading_noise": {"Two antennas, 1 m apart": 0.3 * DEGREE, "Two antennas, 3 m apart": 0.1 * DEGREE},
+    "gnss.velocity_noise": {"Velocity fixes, Doppler": 0.03, "Velocity fixes, carrier phase": 0.01},
+}
+"""Input -> aid and the typical value that its declaration has for it, the coarser first."""
+_OF_THE_NOISE = (1 / 3, 1 / 10, 1 / 30)
+"""Parts of the gyro noise that another IMU has at most."""
+_NO_BETTER = 0.98
+_PREFERRED = ("manoeuvre", "aid", "imu")
+Way = Callable[[Plan, int], Plan]
+"""A plan and the number of a waypoint where a line begins -> the plan with a manoeuvre there."""
+Step = tuple[Sequence[Way], int]
+"""Ways of which the shortest is flown, and the parts in which the line is then."""
+
+
+class Limited(NamedTuple):
+    """A figure on the line of several that is nearest to its limit, 1 sigma: the worst, the rms, the limit."""
+
+    worst: float
+    mean: float
+    limit: float
+
+
+@dataclass(frozen=True)
+class Option:
+    """What one change makes of the lines in question.
+
+    kind: "manoeuvre", "aid" for further fixes, or "imu". lines: in front of which it is flown, or in which; none for
+    what is not flown. before_s: how long before the end of such a line it is over [s]. costs_s: what it adds to the
+    flight [s]. closes: whether the lines in question meet their limits, and all that did before. useless: no figure
+    is nearer to its limit than without. lost_s: time beyond the bank at which fixes are lost that it adds [s].
+    changes, written: as `Design.replace` takes them.
+    """
+
+    name: str
+    kind: str
+    lines: tuple[str, ...]
+    before_s: float
+    costs_s: float
+    closes: bool
+    useless: bool
+    lost_s: float
+    figures: Mapping[str, Limited]
+    changes: Mapping[str, Value]
+    written: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Manoeuvres:
+    """The answer for the lines of a flight that fail, `line` the first of them: whether all close as planned, their
+    figures then, and the options. First are those that close: manoeuvres before aids and IMUs, the shortest first."""
+
+    line: str
+    lines: tuple[str, ...]
+    closes: bool
+    figures: Mapping[str, Limited]
+    options: tuple[Option, ...] = ()
+
+
+class _Plan(NamedTuple):
+    """A design and the flight of its plan."""
+
+    design: Design
+    flight: PlannedFlight
+
+
+class _Candidate(NamedTuple):
+    """A change to try at some lines; `apply` raises InputError where it cannot be flown."""
+
+    name: str
+    kind: str
+    apply: Callable[[_Plan], _Plan]
+    lines: tuple[str, ...] = ()
+    written: Mapping[str, str] = {}
+
+
+class _Question(NamedTuple):
+    """A plan, the states of the filter, its lines as flown, and the names of the lines that fail."""
+
+    plan: _Plan
+    states: int
+    lines: tuple[LineResult, ...]
+    names: tuple[str, ...]
+
+    @property
+    def failing(self) -> list[int]:
+        return [n for n, line in enumerate(self.lines) if line.name in self.names and not line.closes]
+
+
+def manoeuvres(
+    design: Design, line: str = "", states: int = 0, progress: Callable[[float, str], None] = lambda share, what: None
+) -> Manoeuvres:
+    """What would close the lines of a design's flight that fail: those named `line`, or all.
+
+    Parameters
+    ----------
+    design : Design
+        With its flight plan and at least one limit on a figure of a flight.
+    line : str
+        Name of a line; empty for all.
+    states : int
+        Of the filter, as `simulation.design_study.specification` takes it.
+    progress : callable
+        Called with the share done and what is flown.
+
+    Raises
+    ------
+    InputError
+        For a flight that cannot be flown, has no such line or no limit.
+    """
+    progress(0.0, "The flight as planned")
+    plan = _planned(design)
+    lines = lines_along(along_flight(design, plan.flight, states))
+    chosen = [result for result in lines if line in ("", result.name)]
+    if not chosen:
+        known = ", ".join(dict.fromkeys(result.name for result in lines))
+        raise InputError("line", f"the flight has no line {line!r}; its lines: {known}", line)
+    if not any(result.limits for result in chosen):
+        raise InputError("requirements", "none limits a figure of the flight; give at least one, such as heading")
+    names = tuple(dict.fromkeys(result.name for result in chosen if not result.closes))
+    if not names:
+        return Manoeuvres(chosen[0].name, (), True, _figures(chosen))
+    question = _Question(plan, states, lines, names)
+    kinds, options = list(_kinds(question)), []
+    for n, kind in enumerate(kinds, 1):
+        share = n / (len(kinds) + 2)
+        options += _best(question, kind, lambda what, share=share: progress(share, what))  # type: ignore[misc]
+    if not any(option.closes and option.kind == "manoeuvre" for option in options):
+        share = 1.0 - 1.0 / (len(kinds) + 2)
+        options += _best(question, _in_parts(question, after_turn=True), lambda what: progress(share, what))
+    options.sort(key=lambda option: (not option.closes, _PREFERRED.index(option.kind), option.costs_s))
+    return Manoeuvres(names[0], names, False, _figures(_named(lines, names)), tuple(options))
+
+
+def _best(question: _Question, kind: Iterable[_Candidate], progress: Callable[[str], None]) -> list[Option]:
+    """The first of a kind that closes, else the one nearest to it; none where nothing of the kind can be flown."""
+    flown: list[Option] = []
+    least = _excess(_figures(_named(question.lines, question.names)))
+    for candidate in kind:
+        progress(candidate.name)
+        try:
+            option = _option(question, candidate)
+        except InputError:  # there is no room for it, or no way to it
+            continue
+        flown.append(option)
+        gain, least = _excess(option.figures) / least, min(least, _excess(option.figures))
+        # What follows costs more; where this is no better than what came before, that is not either.
+        if option.closes or (gain > _NO_BETTER and set(candidate.lines) in (set(), set(question.names))):
+            break
+    return [min(flown, key=lambda option: (not option.closes, _excess(option.figures)))] if flown else []
+
+
+def _planned(design: Design) -> _Plan:
+    return _Plan(design, planned(design))
+
+
+def _option(question: _Question, candidate: _Candidate) -> Option:
+    (design, flight), states, lines, names = question
+    changed = candidate.apply(question.plan)
+    flown = lines_along(along_flight(*changed, states))
+    before, after = (_figures(_named(results, names)) for results in (lines, flown))
+    closed = {line.name for line in lines if line.closes} | set(names)
+    limit = changed.design.trajectory.bank_limit
+    return Option(
+        candidate.name,
+        candidate.kind,
+        candidate.lines,
+        max((line.stop_s - line.start_s for line in _named(flown, candidate.lines)), default=0.0),
+        changed.flight.duration - flight.duration,
+        all(line.closes for line in flown if line.name in closed),
+        _excess(after) >= _excess(before),
+        0.0 if limit is None or not candidate.lines else changed.flight.banked(limit) - flight.banked(limit),
+        after,
+        {key: value for key, value in changed.design.items() if value != design[key]},
+        candidate.written,
+    )
+
+
+def _named(lines: Iterable[LineResult], names: Sequence[str]) -> list[LineResult]:
+    return [line for line in lines if line.name in names]
+
+
+def _figures(lines: Iterable[LineResult]) -> Mapping[str, Limited]:
+    """The limited figures of some lines, each of the line where it is nearest to its limit or farthest beyond."""
+    found: dict[str, Limited] = {}
+    for line in lines:
+        for name, limit in line.limits.items():
+            here = Limited(line.worst.get(name, math.inf), line.mean.get(name, math.inf), limit)
+            found[name] = max(found.get(name, here), here, key=_ratio)
+    return found
+
+
+def _ratio(figure: Limited) -> float:
+    return figure.worst / figure.limit
+
+
+def _excess(figures: Mapping[str, Limited]) -> float:
+    return max(map(_ratio, figures.values()))
+
+
+def _kinds(question: _Question) -> Iterator[Iterable[_Candidate]]:
+    """Candidates by kind: within one, those that cost less come first."""
+    design, lines = question.plan.design, question.lines
+    own = design.trajectory
+    if own.flight in (LINES, WAYPOINTS):
+        failing = question.failing
+        places = [failing[:1], failing][: len(failing)]
+        lossy = own.bank_limit is not None and own.bank > own.bank_limit
+        for bank in (own.bank, _GENTLER * own.bank_limit) if lossy else (own.bank,):
+            gentle = "" if bank == own.bank else f" at {math.degrees(bank):.3g}° bank"
+            if gentle:
+                yield [_Candidate(f"All turns{gentle}", "manoeuvre", partial(_changed, {"trajectory.bank": bank}))]
+            for name, arcs in _TURNS.items():
+                yield [_candidate(name + gentle, lines, place, [(_both_sides(arcs), 1)], bank) for place in places]
+        yield [
+            _candidate(f"Run-in of {time / 60:.0f} min", lines, place, [(way, 1)], own.bank)
+            for time, way in ((time, [partial(before_line, arcs=(), run_in=time)]) for time in _RUN_INS)
+            for place in places
+        ]
+        yield _in_parts(question)
+    for key, aids in _AIDS.items():
+        has = math.inf if design[key] is None else float(design[key])  # type: ignore[arg-type]
+        yield [
+            _Candidate(name, "aid", partial(_changed, {key: value})) for name, value in aids.items() if value < has
+        ]
+    yield _better_imus(design)
+
+
+def _in_parts(question: _Question, *, after_turn: bool = False) -> Iterator[_Candidate]:
+    """Lines flown in parts, with turns between them, and with one in front of each line too."""
+    design, failing, lines = question.plan.design, question.failing, question.lines
+    own = design.trajectory
+    if own.flight not in (LINES, WAYPOINTS):
+        return
+    longest = min(lines[n].stop_s - lines[n].start_s for n in failing) / _SHORTEST_PART
+    overlap = (float(inputs_of(design).aperture) + _BEYOND) * design.flight.speed
+    for parts, name in _PARTS.items():
+        if parts <= longest:
+            steps: list[Step] = [([partial(in_parts, parts=parts, overlap=overlap)], parts)]
+            if after_turn:
+                name, arcs = f"S-turn and {in_sentence(name)}", _TURNS["S-turn"]
+                steps.append((_both_sides(arcs), 1))
+            yield _candidate(name, lines, failing, steps, own.bank)
+
+
+def _both_sides(arcs: Sequence[float]) -> list[Way]:
+    return [partial(before_line, arcs=[side * arc for arc in arcs]) for side in (1.0, -1.0)]
+
+
+def _changed(changes: Mapping[str, Value], plan: _Plan) -> _Plan:
+    return _planned(plan.design.replace(changes))
+
+
+def _better_imus(design: Design) -> Iterator[_Candidate]:
+    """IMUs of the catalogue with less noise: the noisiest of which the gyro has at most a part of the design's."""
+    imu = design.imu
+    walks = {
+        entry.name: entry.values["angle_random_walk"].value
+        for entry in catalogue("imu").values()
+        if {"angle_random_walk", "velocity_random_walk"} <= entry.values.keys()
+        and entry.values["velocity_random_walk"].value <= imu.velocity_random_walk
+    }
+    names: dict[str, None] = {}
+    for part in _OF_THE_NOISE:
+        below = {name: walk for name, walk in walks.items() if walk <= part * imu.angle_random_walk}
+        if below:
+            names[max(below, key=below.__getitem__)] = None
+    for name in names:
+        changes, written = preset_fill("imu", name)
+        yield _Candidate(f"IMU {name}", "imu", partial(_changed, changes), (), written)
+
+
+def _candidate(
+    name: str, lines: Sequence[LineResult], place: Sequence[int], steps: Sequence[Step], bank: float
+) -> _Candidate:
+    """A change of the waypoints at the lines of these numbers, one step after another, each by its shortest way."""
+
+    def apply(plan: _Plan) -> _Plan:
+        if bank != plan.design.trajectory.bank:
+            plan = _changed({"trajectory.bank": bank}, plan)
+        for number in reversed(place):  # so that lines before keep their numbers
+            for ways, parts in steps:
+                plan = min(_inserted(plan, number, ways, parts), key=lambda changed: changed.flight.duration)
+        return plan
+
+    return _Candidate(name, "manoeuvre", apply, tuple(dict.fromkeys(lines[n].name for n in place)))
+
+
+def _inserted(plan: _Plan, number: int, ways: Sequence[Way], parts: int) -> list[_Plan]:
+    """The plan with each of the ways at a line; raises InputError where none can be flown."""
+    design, own = plan.design, plan.design.trajectory
+    points = tuple(Waypoint(*row) for row in own.waypoints)
+    flown = lines_of(design) if own.flight == LINES else replace(plan_like(design), waypoints=points)
+    at = [n for n, point in enumerate(flown.waypoints[:-1]) if point.line][number]
+    changed: list[_Plan] = []
+    for way in ways:
+        try:
+            rows = rows_of(way(flown, at).waypoints)
+            other = _planned(design.replace({"trajectory.flight": WAYPOINTS, "trajectory.waypoints": rows}))
+        except InputError:
+            if way is ways[-1] and not changed:
+                raise
+            continue
+        outages = tuple(_later_outages(plan, other, number, parts))
+        changed.append(_Plan(other.design.replace({"trajectory.outages": outages}), other.flight))
+    return changed
+
+
+def _later_outages(plan: _Plan, other: _Plan, number: int, parts: int) -> Iterator[tuple[float, float]]:
+    """Outages where they were on the lines: later by what the other plan adds in front of a line, or between its
+    parts."""
+    line, adds = plan.flight.lines[number], other.flight.duration - plan.flight.duration
+    places = line.start + np.arange(parts > 1, parts) / parts * (line.stop - line.start)
+    for start, stop in plan.design.trajectory.outages:
+        later = adds * float(np.mean(start >= places))
+        yield start + later, stop + later

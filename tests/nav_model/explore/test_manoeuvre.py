@@ -1,0 +1,236 @@
+"""Which manoeuvre would close a flight: what is offered is flown again, as the page flies it, and in runs."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from nav_model.base.constants import DEGREE
+from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.explore.manoeuvre import Manoeuvres, Option, manoeuvres
+from nav_model.simulation.single_run import POSTERIOR
+from nav_model.simulation.single_run import fly as simulate
+from nav_model.trajectory.covariance import covariance
+from nav_model.trajectory.design_study import along_flight, planned
+from nav_model.trajectory.plan import Plan, Waypoint, before_line, fly, in_parts
+from nav_model.trajectory.result import TrajectoryResult
+
+PLAN = Design(
+    {
+        "imu.preset": "STIM300",
+        "imu.velocity_random_walk": 1e-3,
+        "imu.angle_random_walk": 4.4e-5,
+        "gnss.position_noise": 1.0,
+        "gnss.interval": 1.0,
+        "flight.speed": 90.0,
+        "flight.latitude": 48 * DEGREE,
+        "radar.aperture_time": 5.0,
+        "requirements.heading": 0.08 * DEGREE,
+        "trajectory.flight": "lines",
+        "trajectory.lines": 2.0,
+        "trajectory.length": 12_000.0,
+        "trajectory.spacing": 3000.0,
+    }
+)
+
+
+def flown(design: Design) -> TrajectoryResult:
+    """As the page Flight follows it, both processings."""
+    return covariance(along_flight(design, planned(design)))
+
+
+def excess(result: TrajectoryResult, names: tuple[str, ...]) -> float:
+    return max(
+        line.worst.get(figure, math.inf) / limit
+        for line in result.lines
+        if line.name in names
+        for figure, limit in line.limits.items()
+    )
+
+
+def taken(design: Design, option: Option) -> Design:
+    return design.replace(option.changes, option.written)
+
+
+def drawn(seed: int) -> Design:
+    """A design with a plan that fails on some line, most of them by heading."""
+    rng = np.random.default_rng(seed)
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(math.log(low), math.log(high))))
+
+    speed = between(40.0, 150.0)
+    changes: dict[str, object] = {
+        "imu.angle_random_walk": between(5e-6, 1e-4),
+        "imu.velocity_random_walk": between(1e-4, 1e-3),
+        "imu.gyro_bias": rng.choice([0.0, between(0.1, 5.0) * DEGREE / 3600]),
+        "gnss.position_noise": between(0.02, 2.0),
+        "gnss.velocity_noise": rng.choice([None, between(0.01, 0.1)]),
+        "flight.speed": speed,
+        "flight.heading": rng.uniform(0.0, math.tau),
+        "trajectory.lines": float(rng.integers(1, 4)),
+        "trajectory.length": speed * rng.uniform(60.0, 240.0),
+        "trajectory.spacing": float(rng.choice([-1.0, 1.0])) * speed * rng.uniform(5.0, 40.0),
+        "trajectory.bank": rng.uniform(12.0, 30.0) * DEGREE,
+        "trajectory.bank_limit": rng.choice([None, rng.uniform(10.0, 30.0) * DEGREE]),
+        "trajectory.outages": ((100.0, 115.0),) if rng.random() < 0.3 else (),
+        "processing.mode": str(rng.choice(["real time", "real time", "post-processed"])),
+    }
+    design = PLAN.replace(
+        {key: value.item() if isinstance(value, np.generic) else value for key, value in changes.items()}
+    )
+    figure = str(rng.choice(["heading", "heading", "heading", "tilt", "horizontal_velocity"]))
+    free = design.replace({"requirements.heading": None, f"requirements.{figure}": 1.0})
+    worst = max(line.worst[figure] for line in flown(free).lines)
+    return free.replace({f"requirements.{figure}": worst * rng.uniform(0.5, 0.98)})
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(n, marks=pytest.mark.long if n < 6 else pytest.mark.slow) for n in range(100)],
+)
+def test_what_is_offered_keeps_the_limits_when_it_is_put_into_the_plan_and_flown(seed: int) -> None:
+    design = drawn(seed)
+    answer = manoeuvres(design)
+    assert not answer.closes
+    base = flown(design)
+    assert set(answer.lines) == {line.name for line in base.lines if not line.closes}
+    assert excess(base, answer.lines) == pytest.approx(
+        max(f.worst / f.limit for f in answer.figures.values()), rel=1e-9
+    )
+    kept = {line.name for line in base.lines if line.closes} | set(answer.lines)
+    assert [option.closes for option in answer.options] == sorted((o.closes for o in answer.options), reverse=True)
+    for option in answer.options:
+        again = flown(taken(design, option))
+        closes = all(line.closes for line in again.lines if line.name in kept)
+        assert closes == option.closes, option.name
+        assert again.spec.study.duration - base.spec.study.duration == pytest.approx(option.costs_s, abs=1e-6)
+        if option.useless:
+            assert excess(base, answer.lines) <= excess(again, answer.lines) * (1 + 1e-9)
+        if option.kind == "manoeuvre":
+            ends = [places(each) for each in (design, taken(design, option))]
+            for (name, begin, end), parts in ((line, [p for p in ends[1] if p[0] == line[0]]) for line in ends[0]):
+                assert np.abs(parts[0][1] - begin).max() < 3e-6, (option.name, name)  # 20 m
+                assert np.abs(parts[-1][2] - end).max() < 3e-6, (option.name, name)
+
+
+def places(design: Design) -> list[tuple[str, np.ndarray, np.ndarray]]:
+    """Where each line begins and ends, latitude and longitude [rad]."""
+    flight = planned(design)
+    samples = np.frombuffer(flight.trajectory.samples).reshape(-1, 7)
+
+    def at(time: float) -> np.ndarray:
+        return np.array([np.interp(time, samples[:, 0], samples[:, axis]) for axis in (1, 2)])
+
+    return [(line.name, at(line.start), at(line.stop)) for line in flight.lines]
+
+
+@pytest.fixture(scope="module")
+def answer() -> Manoeuvres:
+    return manoeuvres(PLAN)
+
+
+def named(answer: Manoeuvres, name: str) -> Option:
+    return next(option for option in answer.options if option.name == name)
+
+
+def test_a_turn_in_front_of_the_first_line_shows_the_heading_and_so_do_two_antennas(answer: Manoeuvres) -> None:
+    assert (answer.line, answer.lines, answer.closes) == ("line 1", ("line 1",), False)
+    assert answer.options[0].name in {"S-turn", "90° turn"}
+    assert all(option.closes for option in answer.options[:3])
+    costs = [option.costs_s for option in answer.options if option.closes and option.kind == "manoeuvre"]
+    assert costs == sorted(costs)
+    assert min(costs) > 0.0
+    assert named(answer, "Two antennas, 1 m apart").costs_s == 0.0
+    # A straight run-in shows no heading: the gyro's noise goes on growing.
+    assert named(answer, "Run-in of 2 min").useless
+    assert not named(answer, "Velocity fixes, Doppler").closes
+
+
+def test_a_plan_that_closes_needs_nothing_and_a_line_can_be_asked_for_alone() -> None:
+    assert manoeuvres(PLAN, "line 2") == replace(manoeuvres(PLAN, "line 2"), closes=True, options=())
+    for changes, line, key in (({}, "line 9", "line"), ({"requirements.heading": None}, "", "requirements")):
+        with pytest.raises(InputError) as refused:
+            manoeuvres(PLAN.replace(changes), line)
+        assert refused.value.key == key
+
+
+def test_an_outage_stays_where_it_is_on_the_line() -> None:
+    start = planned(PLAN).lines[1].start
+    design = PLAN.replace({"trajectory.outages": ((10.0, 12.0), (start + 20.0, start + 40.0))})
+    for option in manoeuvres(design).options:
+        if option.kind != "manoeuvre":
+            continue
+        changed = taken(design, option)
+        later = next(line.start for line in planned(changed).lines if line.name == "line 2")
+        assert changed.trajectory.outages[1] == pytest.approx((later + 20.0, later + 40.0), abs=0.01), option.name
+
+
+def test_a_turn_that_loses_fixes_says_so_and_a_gentler_one_is_offered() -> None:
+    answer = manoeuvres(PLAN.replace({"trajectory.bank_limit": 20 * DEGREE}))
+    turn, gentle = named(answer, "S-turn"), named(answer, "S-turn at 19° bank")
+    assert turn.lost_s > 20.0 > 0.0 >= gentle.lost_s
+    assert gentle.changes["trajectory.bank"] == pytest.approx(19 * DEGREE)
+    assert gentle.costs_s > turn.costs_s
+
+
+@pytest.mark.parametrize("bank", [10.0, 25.0])
+@pytest.mark.parametrize("arcs", [(90.0, -90.0), (45.0, -90.0, 45.0), (360.0, -360.0), ()])
+def test_turns_in_front_of_a_line_leave_it_and_what_comes_before_as_they_were(
+    arcs: tuple[float, ...], bank: float
+) -> None:
+    corners = ((47.0, 8.0, "a"), (47.1, 8.0, ""), (47.1, 8.05, "b"), (47.0, 8.05, "c"), (46.95, 8.2, ""))
+    points = tuple(Waypoint(lat * DEGREE, lon * DEGREE, 3000.0, line) for lat, lon, line in corners)
+    plan = Plan(points, 70.0, bank * DEGREE)
+    for number in (0, 2, 3):
+        changed = before_line(plan, number, [arc * DEGREE for arc in arcs], 60.0)
+        flight = fly(changed)
+        assert [line.name for line in flight.lines] == ["a", "b", "c"]
+        assert [point for point in changed.waypoints if point.line] == [point for point in points if point.line]
+        before = fly(plan)
+        for line, own in zip(flight.lines, before.lines, strict=True):
+            assert line.stop - line.start >= own.stop - own.start - 1e-6  # none is cut short
+        samples = np.frombuffer(flight.trajectory.samples).reshape(-1, 7)
+        time, course = samples[:, 0], np.unwrap(samples[:, 6])
+        start = flight.lines[{0: 0, 2: 1, 3: 2}[number]].start
+        on = (time > start - 58.0) & (time < start)
+        assert np.ptp(course[on]) < 1e-3  # straight for a minute before the line
+
+
+def test_a_line_in_parts_is_covered_whole() -> None:
+    points = (Waypoint(0.8, 0.1, 3000.0, "a"), Waypoint(0.81, 0.11, 3100.0))
+    changed = in_parts(Plan(points, 70.0), 0, 3, 500.0)
+    assert [point.line for point in changed.waypoints] == ["a", "", "a", "", "a", ""]
+    assert fly(changed).duration > fly(Plan(points, 70.0)).duration
+    along = [(point.latitude - 0.8) / 0.01 for point in changed.waypoints]
+    assert along[0] == 0.0
+    assert along[-1] == pytest.approx(1.0)
+    assert all(begin < end for begin, end in zip(along[2::2], along[1:-1:2], strict=True))  # they overlap
+    heights = [point.height for point in changed.waypoints]
+    np.testing.assert_allclose(heights, 3000.0 + 100.0 * np.array(along), atol=0.5)
+    with pytest.raises(InputError, match="too short"):
+        in_parts(Plan(points, 70.0), 0, 3, 60_000.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_simulated_flights_with_the_manoeuvre_have_the_heading_that_it_promises(seed: int) -> None:
+    bias = [0.0, 0.5, 0.0][seed - 1] * DEGREE / 3600
+    design = PLAN.replace({"imu.gyro_bias": bias, "trajectory.length": [12_000.0, 9000.0, 18_000.0][seed - 1]})
+    option = next(o for o in manoeuvres(design).options if o.closes and o.kind == "manoeuvre")
+    changed, runs = taken(design, option), 200
+    spec = along_flight(changed, planned(changed))
+    result = covariance(replace(spec, settled=False))  # begins as the runs do
+    squares = np.mean([simulate(spec.study, run).error[POSTERIOR][:, 8] ** 2 for run in range(runs)], axis=0)
+    ratio = np.sqrt(squares) / result.real_time.attitude[:, 2]
+    low, high = np.sqrt(chi2.ppf([0.0005, 0.9995], runs) / runs)
+    settled = flown(changed)
+    for line in result.lines:
+        on = (result.time_s >= line.start_s) & (result.time_s <= line.stop_s)
+        assert low < ratio[on].min() <= ratio[on].max() < high, (option.name, line.name)
+        # What was offered is of a filter that has settled before; after the manoeuvre that is the same.
+        offered = settled.real_time.attitude[on, 2]
+        np.testing.assert_allclose(offered, result.real_time.attitude[on, 2], rtol=0.03)
