@@ -1,12 +1,12 @@
-"""The budget as a spreadsheet whose real-time values are live formulas of its input cells.
+"""The budget as a spreadsheet whose real-time values and shares are live formulas of its input cells.
 
 Formulas are the model's own (`app.report.workings`), each written with its value, so that a viewer that does
 not recalculate shows the right numbers. What has no formula is a value that says so, and goes grey beside other
 inputs.
 """
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from importlib.metadata import version
 from io import BytesIO
 from typing import Any, NamedTuple, cast
@@ -15,28 +15,28 @@ import numpy as np
 from xlsxwriter import Workbook
 from xlsxwriter.utility import xl_rowcol_to_cell
 
-from app.document.numbers import percent
 from app.document.verdict import SAID
 from app.document.wording import printable, title_of
 from app.report.inputs import shown_value
-from app.report.workings import RULE, Traces, own_key, symbol_of
+from app.report.workings import RULE, Traces, contributor_key, own_key, symbol_of
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
-from nav_model.budget.figures import figures
-from nav_model.budget.inputs import inputs_of
-from nav_model.budget.verdict import Check
+from nav_model.budget.verdict import Check, Verdict
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.figures import FIGURES, REQUIRED, label_of
+from nav_model.design.figures import FIGURES, REQUIRED, figure_in_sentence, label_of
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 LIVE, OTHER, TAKEN = "live formula", "from other inputs", "value, not a formula"
 """What the column "State" says."""
 
-_CHANGED = "inputs_changed"
+_TEXTS, _APART = ("State", "Name", "Processing", "Main error source"), ("Unit", "Met", "Equation", "What it is")
+"""Columns of texts beside the first; those that stand apart from a number before them."""
+
+_CHANGED, _ENTERING_CHANGED = "inputs_changed", "contributors_changed"
 
 
 def workbook_bytes(budget: Budget) -> bytes:
@@ -59,11 +59,15 @@ class _Sheets:
         self.book, self.budget, self.design = book, budget, budget.design
         self.traces = Traces(budget.design)
         self.cells = self.traces.workings
+        self.checks: list[tuple[Check, str, str]] = []  # in the order of their rows of Shares
         self.bold = book.add_format({"bold": True})
-        self.head = book.add_format({"bold": True, "bottom": 1, "text_wrap": True, "valign": "top"})
-        self.number = book.add_format({"num_format": "0.000E+00"})
-        self.figure = book.add_format({"num_format": "[<0.01]0.00E+00;0.000"})
-        self.level = book.add_format({"num_format": "0.00"})
+        head = {"bold": True, "bottom": 1, "text_wrap": True, "valign": "top"}
+        self.head, self.of_texts = book.add_format(head | {"align": "right"}), book.add_format(head)
+        self.apart_head = book.add_format(head | {"align": "left", "indent": 1})
+        self.changed = book.add_format({"num_format": '"changed";;""', "align": "right"})
+        self.number = book.add_format({"num_format": "0.00E+00"})
+        self.level = book.add_format({"num_format": '[<=-299]"none";[<0]-0.00;0.00'})
+        self.digits: dict[str, Any] = {}
         self.percent = book.add_format({"num_format": "+0.0%;-0.0%"})
         self.share = book.add_format({"num_format": "0.0%"})
         self.apart = book.add_format({"indent": 1})
@@ -74,15 +78,18 @@ class _Sheets:
         self.bad = book.add_format({"font_color": "#B00020", "bold": True})
 
     def write(self) -> None:
-        names = ("Budget", "Inputs", "Sources", "Sums", "Post-processed", "Workings", "Rule")
+        names = "Budget", "Post-processed", "Inputs", "Shares", "Sources", "Workings", "Steps", "Rule"
         sheets = {name: self.book.add_worksheet(name) for name in names}
         self._inputs(sheets["Inputs"])
-        self._workings(sheets["Workings"])
-        self._rule(sheets["Rule"])
         self._sources(sheets["Sources"])
-        self._sums(sheets["Sums"])
-        self._verdict(sheets["Budget"], live=True)
-        self._verdict(sheets["Post-processed"], live=False)
+        for name, processing in (("Budget", REAL_TIME), ("Post-processed", POST_PROCESSED)):
+            self._verdict(sheets[name], processing)
+        self._shares(sheets["Shares"])
+        self._workings(sheets["Workings"])
+        self._steps(sheets["Steps"])
+        self._rule(sheets["Rule"])
+        for name in ("Steps", "Rule"):  # nobody prints them
+            sheets[name].hide()
         sheets["Budget"].activate()
 
     def _start(self, sheet: Any, title: str, columns: Mapping[str, float], lines: Sequence[str] = ()) -> int:
@@ -95,13 +102,32 @@ class _Sheets:
         sheet.fit_to_pages(1, 0)
         row = len(lines) + 2
         sheet.set_row(row, 30)  # two lines, which not every program finds out
-        sheet.write_row(row, 0, columns, self.head)
         for column, (name, width) in enumerate(columns.items()):
-            sheet.set_column(
-                column, column, width, self.apart if name in ("Unit", "Met", "Equation", "What it is") else None
-            )
+            apart = name in _APART
+            head = self.of_texts if not column or name in _TEXTS else self.apart_head if apart else self.head
+            sheet.write(row, column, name, head)
+            sheet.set_column(column, column, width, self.apart if apart else None)
         sheet.freeze_panes(row + 1, 1)
         return row + 1
+
+    def _end(self, sheet: Any, first: int, row: int, columns: Sequence[str]) -> None:
+        """What is printed, and grey for what belongs to other inputs."""
+        sheet.print_area(0, 0, row, len(columns) - 1)
+        if "State" in columns:
+            state = xl_rowcol_to_cell(first, [*columns].index("State"), col_abs=True)
+            form = {"type": "formula", "criteria": f'={state}="{OTHER}"', "format": self.grey}
+            sheet.conditional_format(first, 0, row, len(columns) - 1, form)
+
+    def _format(self, value: float, unit: str = "") -> Any:
+        """Three digits of a value, and of those about as large; a level has two places."""
+        if unit == "dB":
+            return self.level
+        places = 0 if not value or not math.isfinite(value) else 2 - math.floor(math.log10(abs(value)))
+        if places <= 2:
+            form = "[>=99.95]0;[>=9.995]0.0;0.00"
+        else:
+            form = f"[<{10.0 ** (2 - places) if places < 5 else 0.01}]0.00E+00;[>=1]0.00;0.{'0' * min(places, 4)}"
+        return self.digits.setdefault(form, self.book.add_format({"num_format": form}))
 
     def _name(self, symbol: str, sheet: str, row: int, column: int) -> None:
         self.book.define_name(symbol, f"='{sheet}'!{xl_rowcol_to_cell(row, column, True, True)}")
@@ -110,7 +136,7 @@ class _Sheets:
 
     def _inputs(self, sheet: Any) -> None:
         columns = {
-            "Input": 38, "Value": 14, "Unit": 12, "In SI": 14, "As computed": 14, "Changed": 10, "What it is": 60,
+            "Input": 38, "Value": 14, "Unit": 12, "In SI": 14, "As computed": 14, "Changed": 10, "What it is": 96,
         }  # fmt: skip
         row = first = self._start(
             sheet, f"Inputs of {printable(title_of(self.design))}", columns,
@@ -123,21 +149,43 @@ class _Sheets:
                 key = f"{section}.{name}"
                 if key in self.traces.followed or section == "requirements":
                     self._input(sheet, row, key)
-                    if section != "requirements":  # another than as computed
-                        sheet.write_formula(row, 5, f"=IF(B{row + 1}=E{row + 1},0,1)", None, 0)
+                    if section != "requirements":
+                        self._compared(sheet, row)
                     row += 1
                 elif getattr(self.design, section).given():
                     fixed.append((str(declared.label), shown_value(self.design, section, name)))
         for number, limit in enumerate(self.design.limits, 1):
             unit = _Unit.of(limit.unit, limit.dimension)
-            self._entry(sheet, row, own_key(number), limit.name, limit.value, unit, "Requirement of your own")
+            doc = f"Your requirement on {figure_in_sentence(limit.on)}"
+            self._entry(sheet, row, own_key(number), limit.name, limit.value, unit, doc)
             row += 1
-        sheet.write(row + 1, 0, "Inputs changed")
-        sheet.write_formula(row + 1, 1, f"=SUM(F{first + 1}:F{row})>0", None, False)
-        self._name(_CHANGED, "Inputs", row + 1, 1)
-        sheet.write(row + 3, 0, "Fixed here: the formulas do not follow these. Change them in NavBudget.", self.bold)
-        for at, line in enumerate(fixed, row + 4):
+        model = row
+        for number, entry in enumerate(self.design.contributors, 1):
+            key, words = contributor_key(number), f"Contributor to {figure_in_sentence(entry.enters)}, {entry.kind}"
+            doc = ", ".join(text for text in (words, entry.owner and f"owner {entry.owner}", entry.source) if text)
+            unit, allowance = _Unit.of(entry.unit, entry.dimension), f"{entry.name}, allowance"
+            self._entry(sheet, row, key, entry.name, entry.value, unit, doc, empty="0")
+            unit = _Unit.of("%", "ratio")
+            self._entry(sheet, row + 1, f"{key}_allowance", allowance, entry.allowance, unit, "", empty="0")
+            self._compared(sheet, row)
+            self._compared(sheet, row + 1)
+            row += 2
+        for label, symbol, begin, end in (
+            ("Inputs changed", _CHANGED, first, model),
+            ("Contributors changed", _ENTERING_CHANGED, model, row),
+        ):
+            row += 1
+            sheet.write(row, 0, label)
+            sheet.write_formula(row, 1, f"=SUM(F{begin + 1}:F{max(end, begin + 1)})>0", None, False)
+            self._name(symbol, "Inputs", row, 1)
+        sheet.write(row + 2, 0, "Fixed here: the formulas do not follow these. Change them in NavBudget.", self.bold)
+        for at, line in enumerate(fixed, row + 3):
             sheet.write_row(at, 0, line)
+        self._end(sheet, first, row + 2 + len(fixed), (*columns,))
+
+    def _compared(self, sheet: Any, row: int) -> None:
+        """Whether a cell holds another value than that computed with."""
+        sheet.write_formula(row, 5, f"=IF(B{row + 1}=E{row + 1},0,1)", self.changed, 0)
 
     def _input(self, sheet: Any, row: int, key: str) -> None:
         declaration, unit = declaration_of(key), _unit_of(self.design, key)
@@ -155,12 +203,14 @@ class _Sheets:
         sheet.data_validation(row, 1, row, 1, allowed)
         self._entry(sheet, row, symbol_of(key), str(declaration.label), self.design[key], unit, doc)
 
-    def _entry(self, sheet: Any, row: int, symbol: str, label: str, value: Any, unit: "_Unit", doc: str) -> None:
+    def _entry(
+        self, sheet: Any, row: int, symbol: str, label: str, value: Any, unit: "_Unit", doc: str, empty: str = '""'
+    ) -> None:
         """A cell to change, in SI under its name, and what it is as computed."""
         number, cell = None if value is None else unit.number(value), f"B{row + 1}"
         sheet.write_row(row, 0, (label, None, unit.symbol, None, number, None, doc))
         sheet.write(row, 1, number, self.entry)
-        in_si = f'=IF({cell}="","",{unit.to_si(cell)})'
+        in_si = f'=IF({cell}="",{empty},{unit.to_si(cell)})'
         sheet.write_formula(row, 3, in_si, self.number, "" if value is None else value)
         self._name(symbol, "Inputs", row, 3)
 
@@ -168,7 +218,8 @@ class _Sheets:
 
     def _workings(self, sheet: Any) -> None:
         columns = {"Quantity": 46, "Name": 30, "Value": 16, "Unit": 10, "Equation": 16, "State": 22}
-        first = self._start(sheet, "From the inputs to every figure, step by step", columns)
+        lines = ("The steps between these quantities are on the hidden sheet Steps.",)
+        first = self._start(sheet, "From the inputs to every figure", columns, lines)
         for row, line in enumerate(self.cells.rows, first):
             if not line.text:
                 sheet.write(row, 0, line.label, self.bold)
@@ -178,10 +229,15 @@ class _Sheets:
                 sheet.write(row, 2, line.value, self.number)
             else:
                 sheet.write_formula(row, 2, f"={line.text}", self.number, line.value)
-            if line.symbol:
-                self._name(line.symbol, "Workings", row, 2)
-                self._state(sheet, row, 5, taken=line.taken)
-        self._greyed(sheet, f"A{first + 1}:F{row + 1}", f"$F{first + 1}")
+            self._name(line.symbol, "Workings", row, 2)
+            self._state(sheet, row, 5, taken=line.taken, symbol=line.symbol)
+        self._end(sheet, first, row, (*columns,))
+
+    def _steps(self, sheet: Any) -> None:
+        first = self._start(sheet, "Steps to the quantities of the sheet Workings", {"Step": 70, "Value": 16})
+        for row, line in enumerate(self.cells.steps.values(), first):
+            sheet.write(row, 0, line.label)
+            sheet.write_formula(row, 1, f"={line.text}", self.number, line.value)
 
     def _rule(self, sheet: Any) -> None:
         sheet.write(0, 0, "Nodes and weights that integrate the squared responses of the outage [T-17]", self.bold)
@@ -190,15 +246,13 @@ class _Sheets:
             sheet.write_column(f"{letter}3", values)
             self.book.define_name(symbol, f"=Rule!${letter}$3:${letter}${len(values) + 2}")
 
-    def _state(self, sheet: Any, row: int, column: int, *, taken: bool) -> None:
+    def _state(self, sheet: Any, row: int, column: int, *, taken: bool, symbol: str = "") -> None:
         """Whether a value follows the inputs; in words, since grey alone is not enough."""
         if taken:
-            sheet.write_formula(row, column, f'=IF({_CHANGED},"{OTHER}","{TAKEN}")', None, TAKEN)
+            changed = f"OR({_CHANGED},{_ENTERING_CHANGED})" if symbol in self.traces.responses else _CHANGED
+            sheet.write_formula(row, column, f'=IF({changed},"{OTHER}","{TAKEN}")', None, TAKEN)
         else:
             sheet.write(row, column, LIVE)
-
-    def _greyed(self, sheet: Any, cells: str, state: str) -> None:
-        sheet.conditional_format(cells, {"type": "formula", "criteria": f'={state}="{OTHER}"', "format": self.grey})
 
     def _sources(self, sheet: Any) -> None:
         parts, cell = ("quadratic", "cubic", "detrended"), self.cells.cell
@@ -214,7 +268,7 @@ class _Sheets:
             self._state(sheet, row, 8, taken=any(variance.taken for variance in variances))
         row = first + len(self.traces.sources)
         for column, part in enumerate(parts, 1):
-            for entry in self.traces.contributors.get(f"{part}_phase", ()):
+            for entry in self.traces.contributors.get((REAL_TIME, f"{part}_phase"), ()):
                 sheet.write(row, 0, entry.name)
                 self._part_of(sheet, row, column, f"{part}_phase", entry.size, systematic=entry.systematic)
                 self._state(sheet, row, 8, taken=False)
@@ -222,110 +276,125 @@ class _Sheets:
         sheet.write(row, 0, "Sum", self.bold)
         for column, part in enumerate(parts, 1):
             whole = np.degrees(cell(f"real_time_{part}_phase"))
-            sheet.write_formula(row, column, f"={whole.text}", self.figure, float(whole.value))
-        self._greyed(sheet, f"A{first + 1}:I{row + 1}", f"$I{first + 1}")
+            sheet.write_formula(row, column, f"={whole.text}", self._format(whole.value), float(whole.value))
+        self._end(sheet, first, row, (*columns,))
 
     def _part_of(self, sheet: Any, row: int, at: int, figure: str, size: Any, *, systematic: bool = False) -> None:
         """The 1σ of a source or a contributor of a phase, and its share: a systematic one adds linearly to the root
         of what is random."""
         degrees, whole = np.degrees(size), self.cells.cell(f"real_time_{figure}")
-        root = self.cells.cell(f"root_{figure}") if figure in self.traces.contributors else whole
-        sheet.write_formula(row, at, f"={degrees.text}", self.figure, float(degrees.value))
+        root = self.cells.cell(f"root_{figure}") if (REAL_TIME, figure) in self.traces.contributors else whole
+        sheet.write_formula(row, at, f"={degrees.text}", self._format(degrees.value), float(degrees.value))
         with np.errstate(invalid="ignore"):  # of a phase that is zero
             share = size / whole if systematic else size**2 / (whole * root)
         formula = f"=IF({whole.text}=0,0,{share.text})"
         sheet.write_formula(row, at + 3, formula, self.share, float(share.value) if whole.value else 0.0)
 
-    def _sums(self, sheet: Any) -> None:
-        columns = {"Figure, in real time, 1σ": 62, "Value": 16, "Unit": 10, "Equation": 16, "State": 22}
-        first = row = self._start(sheet, "Every figure of the budget in real time", columns)
-        for row, (symbol, dimension) in enumerate(self.traces.sums.items(), first):
-            line, figure = self.cells.named[symbol], symbol.removeprefix("real_time_")
-            key = REQUIRED.get(figure)
-            unit = _unit_of(self.design, f"requirements.{key}") if key else _Unit.of("", dimension)
-            sheet.write_row(row, 0, (line.label, None, unit.symbol, line.mark))
-            look = self.level if unit.symbol == "dB" else self.figure
-            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", look, unit.number(line.value))
-            self._state(sheet, row, 4, taken=line.taken)
-        self._greyed(sheet, f"A{first + 1}:E{row + 1}", f"$E{first + 1}")
-
     # -- limits and margins -----------------------------------------------------------------------------------------
 
-    def _verdict(self, sheet: Any, *, live: bool) -> None:
-        processing = REAL_TIME if live else POST_PROCESSED
-        both = self.budget.verdict, self.budget.other_verdict
-        verdict = next(verdict for verdict in both if verdict.processing == processing)
+    def _judged(self, processing: str) -> Verdict:
+        return next(v for v in (self.budget.verdict, self.budget.other_verdict) if v.processing == processing)
+
+    def _verdict(self, sheet: Any, processing: str) -> None:
+        verdict = self._judged(processing)
         names = (*REQUIRED, *(limit.name for limit in self.design.limits))
-        fixed = {} if live else figures(replace(inputs_of(self.design), processing=POST_PROCESSED), names)
         columns = {
             "Requirement": 38, "Value, 1σ": 14, "Factor": 8, "Value checked": 14, "Limit": 12, "Unit": 8,
-            "Margin": 10, "Met": 12, "Equation": 16, "State": 22, "Main error source (as computed)": 40,
+            "Margin": 10, "Met": 12, "Equation": 16, "State": 22, "Main error source": 40,
         }  # fmt: skip
         lines = (
             "",
             "Values are live formulas of the sheet Inputs, unless the column State says otherwise."
-            if live
-            else "NavBudget computed these values from the column As computed of Inputs; no formula does.",
+            if processing == REAL_TIME
+            else "A smoother has no formula: its values are NavBudget's, for the column As computed of Inputs. "
+            "Contributors, limits and confidence may change.",
         )
         first = row = self._start(sheet, f"{printable(title_of(self.design))}, {SAID[processing]}", columns, lines)
         checks = {check.name: check for check in verdict.checks}
         for row, name in enumerate(names, first):
-            self._check(sheet, row, name, checks.get(name), fixed.get(name))
+            self._check(sheet, row, name, checks.get(name), processing)
         letters = f"H{first + 1}:H{row + 1}"
-        otherwise = f'IF(COUNTIF({letters},"met")>0,"Closes","Not checked")'
-        closes = f'IF(COUNTIF({letters},"not met")>0,"Does not close",{otherwise})'
-        cached = ("Closes" if verdict.closes else "Does not close") if checks else "Not checked"
-        sheet.write_formula(1, 0, f"={closes}", self.bold, cached)
-        if live:
+        closes = f'IF(COUNTIF({letters},"met")>0,"Closes","Not checked")'
+        if verdict.elsewhere:  # requirements that only a flight can judge
+            closes = '"Judged on Flight"'
+        for word, words in (("not known", "Not known for these inputs"), ("not met", "Does not close")):
+            closes = f'IF(COUNTIF({letters},"{word}")>0,"{words}",{closes})'
+        met = all(check.met for check in checks.values())
+        otherwise = "Judged on Flight" if verdict.elsewhere else "Closes" if checks else "Not checked"
+        sheet.write_formula(1, 0, f"={closes}", self.bold, otherwise if met else "Does not close")
+        if processing == REAL_TIME:
             self._name("verdict_in_real_time", "Budget", 1, 0)
-        self._greyed(sheet, f"A{first + 1}:K{row + 1}", f"$J{first + 1}")
+        self._end(sheet, first, row, (*columns,))
         for word, form in (("not met", self.bad), ("met", self.good)):  # the margin beside it too
             rule = {"type": "formula", "criteria": f'=$H{first + 1}="{word}"', "format": form}
             sheet.conditional_format(f"G{first + 1}:H{row + 1}", rule)
         for word, form in (("Does not close", self.bad), ("Closes", self.good)):
             sheet.conditional_format("A2", {"type": "formula", "criteria": f'=$A$2="{word}"', "format": form})
-        sheet.print_area(0, 0, row, len(columns) - 1)
 
-    def _check(self, sheet: Any, row: int, name: str, check: Check | None, fixed: Any) -> None:
-        """One requirement: its limit is a cell of Inputs, its value that of real time or a `fixed` number."""
+    def _check(self, sheet: Any, row: int, name: str, check: Check | None, processing: str) -> None:
+        """One requirement: its limit is a cell of Inputs, its value a cell of Workings."""
         at = row + 1
         if name in REQUIRED:
             key = f"requirements.{REQUIRED[name]}"
             unit, limit, given = _unit_of(self.design, key), symbol_of(key), cast("float | None", self.design[key])
-            symbol, follows = f"real_time_{name}", True
+            on, symbol, follows = name, name, True
         else:
             number, limit_of = next((n, item) for n, item in enumerate(self.design.limits, 1) if item.name == name)
             unit, limit, given = _Unit.of(limit_of.unit, limit_of.dimension), own_key(number), limit_of.value
-            symbol, follows = f"real_time_{limit}", limit_of.confidence is None
-            if symbol not in self.cells.named:  # a figure that has a cell already
-                symbol = f"real_time_{limit_of.on}"
+            on, symbol, follows = limit_of.on, limit, limit_of.confidence is None
+        cells = [f"real_time_{symbol}", f"real_time_{on}"]  # a figure that has a cell already needs no other
+        if processing == POST_PROCESSED:
+            cells = [f"post_processed_{symbol}", *cells]
+        symbol = next(cell for cell in cells if cell in self.cells.named)
         line = self.cells.named[symbol]
         usual = self.design.requirements.confidence
-        confidence = check.confidence if check else usual if name not in FIGURES or FIGURES[name].scaled else None
+        confidence = check.confidence if check else usual if FIGURES[name].scaled else None
         factor = confidence or 1.0
         formula = "=1" if confidence is None else "=requirements_confidence" if follows else f"={factor!r}"
-        sigma = float(line.value if fixed is None else fixed)
-        checked = factor * sigma
-        look = self.level if unit.symbol == "dB" else self.figure
+        value = unit.number(line.value)
+        checked = unit.number(factor * line.value)
+        allowed: Any = "" if given is None else unit.number(given)
+        look = self._format(value, unit.symbol)
         sheet.write(row, 0, label_of(name))
-        if fixed is None:
-            sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", look, unit.number(sigma))
-        else:
-            sheet.write(row, 1, unit.number(sigma), look)
+        sheet.write_formula(row, 1, f"={unit.from_si(symbol)}", look, value)
         sheet.write_formula(row, 2, formula, None, factor)
-        sheet.write_formula(row, 3, f"=B{at}*C{at}", look, unit.number(checked))
-        allowed = "" if given is None else unit.number(given)
-        sheet.write_formula(row, 4, f'=IF({limit}="","",{unit.from_si(limit)})', look, allowed)
+        sheet.write_formula(row, 3, f"=B{at}*C{at}", look, checked)
+        in_unit = f'=IF({limit}="","",{unit.from_si(limit)})'
+        sheet.write_formula(row, 4, in_unit, self._format(allowed or 0.0, unit.symbol), allowed)
         sheet.write(row, 5, unit.symbol)
-        margin: Any = "" if given is None else 1 - checked / given
         of_limit = f"{unit.to_si(f'D{at}')}/({unit.to_si(f'E{at}')})"
+        margin: Any = "" if given is None else 1 - factor * line.value / given
         sheet.write_formula(row, 6, f'=IF({limit}="","",1-{of_limit})', self.percent, margin)
-        met = "not checked" if given is None else "met" if checked <= given else "not met"
-        sheet.write_formula(row, 7, f'=IF({limit}="","not checked",IF(G{at}>=0,"met","not met"))', None, met)
-        sheet.write(row, 8, check.equation if check else line.mark if fixed is None else "")
-        self._state(sheet, row, 9, taken=line.taken or fixed is not None)
+        met = f'IF(J{at}="{OTHER}","not known",IF(G{at}>=0,"met","not met"))'
+        cached = "not checked" if given is None else "met" if margin >= 0 else "not met"
+        sheet.write_formula(row, 7, f'=IF({limit}="","not checked",{met})', None, cached)
+        sheet.write(row, 8, check.equation if check else line.mark)
+        self._state(sheet, row, 9, taken=line.taken, symbol=symbol)
         if check is not None:
-            sheet.write(row, 10, f"{check.sensor}, {percent(check.sensor_share)} of the variance")
+            self.checks.append((check, processing, symbol))
+            self._cause(sheet, row, len(self.checks) + 3, check)
+
+    def _cause(self, sheet: Any, row: int, at: int, check: Check) -> None:
+        """The source with the largest share, in row `at` of Shares."""
+        shares, heads = f"Shares!$D{at}:$AZ{at}", "Shares!$D$3:$AZ$3"
+        largest = f'INDEX({heads},MATCH(MAX({shares}),{shares},0))&", "&TEXT(100*MAX({shares}),"0")'
+        cause = f"{check.sensor}, {100 * check.sensor_share:.0f} % of the variance"
+        formula = f'=IF(Shares!$C{at}="{OTHER}","not known",{largest}&" % of the variance")'
+        sheet.write_formula(row, 10, formula, None, cause)
+
+    def _shares(self, sheet: Any) -> None:
+        """The share of each source in every requirement."""
+        rows = [self.traces.shares_of(check, processing) for check, processing, _ in self.checks]
+        sources = [*dict.fromkeys(source for shares in rows for source in shares)]
+        columns = {"Requirement": 38, "Processing": 16, "State": 22} | dict.fromkeys(sources, 14.0)
+        first = row = self._start(sheet, "Shares of the sources in each requirement's variance", columns)
+        for row, ((check, processing, symbol), shares) in enumerate(zip(self.checks, rows, strict=True), first):
+            sheet.write_row(row, 0, (check.label, processing))
+            self._state(sheet, row, 2, taken=any(share.taken for share in shares.values()), symbol=symbol)
+            for source, share in shares.items():
+                value = float(np.nan_to_num(share.value))
+                sheet.write_formula(row, 3 + sources.index(source), f"=IFERROR({share.text},0)", self.share, value)
+        self._end(sheet, first, row, (*columns,))
 
 
 class _Unit(NamedTuple):

@@ -7,7 +7,8 @@ vibration, unsensed motion and oscillator do over the aperture, and levels in de
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 
@@ -18,20 +19,28 @@ from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.aperture import geometry, phase
 from nav_model.base.traced import Traced, Workings
-from nav_model.budget.contributors import Part, contributors_of, random_and_systematic
+from nav_model.budget.contributors import Part, composed, contributors_of, random_and_systematic
 from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.real_time import RealTime
+from nav_model.budget.shares import SEEN, SIZES
+from nav_model.budget.smoothed import Smoothed
+from nav_model.budget.verdict import Check
 from nav_model.design import Design
 from nav_model.design.figures import FIGURES, LEVELS, REQUIRED, RESPONSE, STEADY, label_of, of_kind
 from nav_model.design.parts import declaration_of
-from nav_model.design.processing import REAL_TIME
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _WITHOUT_FORMULA: tuple[str, ...] = (
     "motion.", "oscillator.", "gnss.correlated_noise", "gnss.correlation_time", "processing.leg_after",
 )  # fmt: skip
 """How the keys of inputs begin that no formula follows."""
+_STEP = 1e-6
+"""Of a source's size, as a part of it: wide enough for rounding, and the share is right to as many digits."""
+_WITH_SHARES = ("phase", "place", "steady", "outage")
+"""Kinds of figures whose shares have a formula."""
 _SI = {"length": "m", "speed": "m/s", "angle": "rad", "level": "", "loss": "dB"}
+_MOMENT = MOMENTS | {"start": "at the last fix"}
 _CHANNEL = {"11": "m²", "12": "m²/s", "13": "m rad", "22": "m²/s²", "23": "m/s rad", "33": "rad²"}
 
 
@@ -48,26 +57,27 @@ class Traces:
     workings : Workings
     followed : set of str
         Keys of the inputs that the formulas follow; each is a cell in SI under the name of `symbol_of`.
-    sums : mapping of str to str
-        Name of the cell of each figure of the budget, 1σ -> the dimension of its limit.
     sources : mapping of str to PhaseVariances
         Source of phase -> the symbols of its variances [m²].
-    contributors : mapping of str to list of Part
+    contributors : mapping of (processing, figure) to list of Part
         Those of each figure that has any, their size in a cell; the root of what is random is in the cell named
         root_FIGURE.
+    responses : set of str
+        Names of the cells of the impulse response, which no formula has and contributors change.
     """
 
     def __init__(self, design: Design) -> None:
         self.design, self.plain = design, RealTime(inputs_of(design))
         self.workings = Workings(first=4)  # under title and heads
         self.followed: set[str] = set()
-        self.sums: dict[str, str] = {}
         self.sources: dict[str, phase.PhaseVariances] = {}
-        self.contributors: dict[str, list[Part]] = {}
+        self.contributors: dict[tuple[str, str], list[Part]] = {}
+        self.responses: set[str] = set()
+        self._of_model: dict[tuple[str, str], Any] = {}  # the same figures without them
         rule = zip(RULE, longest_rule(), strict=True)  # the one that integrates the outage, in cells
         self.rule: Any = tuple(Traced(name, part, self.workings) for name, part in rule)
         self.x = self._inputs()
-        self.entering = contributors_of(design, self.x.wavelength)
+        self.entering = contributors_of(design, self.x.wavelength, self._counted())
         self.model = RealTime(self.x, self.rule)
         self._settled()
         self._outage()
@@ -75,6 +85,19 @@ class Traces:
         self._place()
         self._checked()
         self._limits()
+        self._post_processed()
+
+    def _constant(self, value: float, *, taken: bool = False) -> Traced:
+        return self.workings.traced(np.float64(value), taken=taken)
+
+    def _counted(self) -> Mapping[str, Traced]:
+        """Contributors with their allowances, as their cells have them."""
+        counted = {}
+        for number, entry in enumerate(self.design.contributors, 1):
+            key = contributor_key(number)
+            value = Traced(key, np.float64(entry.value), self.workings)
+            counted[entry.name] = value * (1 + Traced(f"{key}_allowance", np.float64(entry.allowance), self.workings))
+        return counted
 
     def _cell(self, key: str) -> Any:
         value: Any = self.design[key]
@@ -102,20 +125,23 @@ class Traces:
         fixed = {key: declaration_of(key).default for key in design if key.startswith(_WITHOUT_FORMULA[:2])}
         still = design.replace(fixed)
         resolved = inputs_of(still, cells | {"radar.aperture_time": None}).aperture
-        inside = name("aperture_by_resolution", resolved, "aperture time from the resolution", "s", "[S-3]")
+        inside = name("aperture_by_resolution", resolved, "Aperture time from the resolution", "s", "[S-3]")
         x = inputs_of(still, cells | {"radar.aperture_time": self._or("radar.aperture_time", inside)})
         named: list[tuple[str, ...]] = [
-            ("sigma_a", "accelerometer noise in flight", "m/s/√s"),
-            ("sigma_w", "gyro noise in flight", "rad/√s"),
-            ("wavelength", "wavelength", "m", "[T-13]"),
-            ("fix_vertical", "noise of a fix, vertical", "m"),
-            ("aperture", "aperture time in force", "s"),
+            ("sigma_a", "Accelerometer noise in flight", "m/s/√s"),
+            ("sigma_w", "Gyro noise in flight", "rad/√s"),
+            ("wavelength", "Wavelength", "m", "[T-13]"),
+            ("fix_vertical", "Vertical noise of a fix", "m"),
+            ("aperture", "Aperture time", "s"),
         ]
         if x.velocity is not None:
-            named += [("velocity_vertical", "vertical velocity", "m/s"), ("velocity_interval", "interval", "s")]
+            named += [
+                ("velocity_vertical", "Vertical noise of a velocity fix", "m/s"),
+                ("velocity_interval", "Interval of velocity fixes", "s"),
+            ]
         changes: dict[str, Any] = {symbol: name(symbol, getattr(x, symbol), *words) for symbol, *words in named}
         if (bias := self.plain.x.rectified) is not None:
-            changes["rectified"] = name("rectified", bias, "bias caused by vibration", "m/s²", "[P-12]")
+            changes["rectified"] = name("rectified", bias, "Bias caused by vibration", "m/s²", "[P-12]")
         mark, parts = "[P-8]", ("quadratic", "cubic", "left_1", "left_2", "left_3", "mean", "slope")
         changes["fast"] = {}
         for number, (source, fast) in enumerate(self.plain.x.fast.items(), 1):
@@ -130,7 +156,6 @@ class Traces:
 
     def _sum(self, symbol: str, of: Any, label: str, dimension: str, mark: str, *, taken: bool = False) -> None:
         self.workings.name(symbol, of, label, _SI.get(dimension, dimension), mark, taken=taken)
-        self.sums[symbol] = dimension
 
     def _figure(
         self, figure: str, of: Any, mark: str = "", *, taken: bool = False, key: str = "", limit: str = ""
@@ -142,17 +167,22 @@ class Traces:
         key, label = key or figure, label_of(limit or figure)
         dimension = FIGURES[figure].dimension if figure in FIGURES else self._dimensions[figure]
         mark = mark or (FIGURES[figure].mark if figure in FIGURES else "")
-        if parts := self.entering.entering(figure, REAL_TIME):
-            figure, unit, sized = limit or figure, _SI[dimension], []
-            for part in parts:
-                symbol = f"contributor_{len(self.contributors.get(figure, ())) + 1}_{key}"
-                size = self.workings.name(symbol, part.size, f"{part.name}, 1σ in {label}", unit)
-                sized.append(replace(part, size=size))
-                self.contributors.setdefault(figure, []).append(sized[-1])
-            root, systematic = random_and_systematic(of, sized)
-            of = self.workings.name(f"root_{key}", root, f"{label}, random", unit, mark, taken=taken)
-            of, taken = of + systematic, False
-        self._sum(f"real_time_{key}", of, label, dimension, mark, taken=taken)
+        of = self.workings.traced(of, taken=taken)
+        whole = self._with(REAL_TIME, figure, of, limit or figure, key, _SI[dimension], mark)
+        self._sum(f"real_time_{key}", whole, label, dimension, mark)
+
+    def _with(self, processing: str, on: str, of: Traced, name: str, key: str, unit: str, mark: str) -> Traced:
+        """A figure with its contributors, the size of each in a cell, and the root of what is random."""
+        self._of_model[processing, name] = of
+        if not (parts := self.entering.entering(on, processing)):
+            return of
+        label, cell, prefix = label_of(name), self.workings.name, "" if processing == REAL_TIME else "smoothed_"
+        self.contributors[processing, name] = sized = [
+            replace(part, size=cell(f"{prefix}contributor_{n}_{key}", part.size, f"{part.name}, 1σ in {label}", unit))
+            for n, part in enumerate(parts, 1)
+        ]
+        root, systematic = random_and_systematic(of, sized)
+        return cell(f"{prefix}root_{key}", root, f"{label}, random", unit, mark) + systematic
 
     def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
         """Both channels' covariances, every element in a cell."""
@@ -161,16 +191,18 @@ class Traces:
             cells = {}
             for field, element in channel._asdict().items():
                 place = field[1:]
-                words = f"{label} covariance {place}", _CHANNEL[place], mark
+                words = f"{label} covariance {place}, {_MOMENT[prefix]}", _CHANNEL[place], mark
                 cells[field] = self.workings.name(f"{prefix}_{field}", element, *words, taken=taken)
             return channel._replace(**cells)
 
-        return Sawtooth(named(saw.horizontal, "horizontal", marks[0]), named(saw.vertical, "vertical", marks[1]))
+        return Sawtooth(named(saw.horizontal, "Horizontal", marks[0]), named(saw.vertical, "Vertical", marks[1]))
 
     def _variances(self, symbol: str, of: Mapping[str, Any], label: str, mark: str) -> Iterator[Any]:
         """Variances by part, each in a cell."""
         for part, variance in of.items():
-            yield self.workings.name(symbol.format(part), variance, f"{label}, {part}", "m²", mark)
+            yield self.workings.name(
+                symbol.format(part), variance, f"{label[:1].upper()}{label[1:]}, {part}", "m²", mark
+            )
 
     def _settled(self) -> None:
         """The filter, its covariances in cells that the model then goes on from."""
@@ -236,20 +268,21 @@ class Traces:
         if self.design.limits:
             self.workings.head("Limited by requirements of your own")
         for number, limit in enumerate(self.design.limits, 1):
-            if f"real_time_{limit.on}" in self.sums and limit.at is None:
+            if f"real_time_{limit.on}" in self.workings.named and limit.at is None:
                 continue
             of: Any = np.float64(0.0)
             if limit.at is not None:
-                time: Any = Traced(repr(limit.at), np.float64(limit.at), self.workings)
-                of = self.model.value(limit.on, time)
+                of = self.model.value(limit.on, cast("Any", self._constant(limit.at)))
             elif limit.on in FIGURES:
                 of = (self.plain if limit.on in RESPONSE else self.model).value(limit.on)
             self._figure(limit.on, of, taken=limit.on in RESPONSE, key=own_key(number), limit=limit.name)
+            if limit.on in RESPONSE:
+                self.responses |= {f"{prefix}_{own_key(number)}" for prefix in ("real_time", "post_processed")}
 
     def _image(self) -> None:
         x, model = self.x, self.model
         self.workings.head("Phase over the aperture, by source: variances along the line of sight [S-5], [S-6]")
-        model.to_phase = self.workings.name("to_phase", x.to_phase, "phase of a metre", "rad/m", "[T-13]")
+        model.to_phase = self.workings.name("to_phase", x.to_phase, "Phase of a metre", "rad/m", "[T-13]")
         for number, (source, variances) in enumerate(model.phases.items(), 1):
             cells = self._variances(f"{{}}_{number}", variances._asdict(), source, "[S-5], [S-6]")
             self.sources[source] = phase.PhaseVariances(*cells)
@@ -267,9 +300,9 @@ class Traces:
         model = self.model
         self.workings.head("Where the image lies [P-7]")
         shift = model.shift
-        model.shift = type(shift)(*self._variances("shift_{}", shift._asdict(), "variance of the shift", "[P-7]"))
+        model.shift = type(shift)(*self._variances("shift_{}", shift._asdict(), "Variance of the shift", "[P-7]"))
         parts = dict(zip(("azimuth", "across", "both"), model.ground, strict=True))
-        first, second, product = self._variances("ground_{}", parts, "on the ground", "[P-7]")
+        first, second, product = self._variances("ground_{}", parts, "Variance on the ground", "[P-7]")
         model.ground = first, second, product
         for name in of_kind("place"):
             self._figure(name, model.value(name))
@@ -286,6 +319,77 @@ class Traces:
             of = Traced(choice, states[self.plain.x.steady_state].value, self.workings, taken)
             mark = steady_marks(self.design)["vertical" in name] if closed else "[T-8]"
             self._figure(name, of, mark)
+
+    def _post_processed(self) -> None:
+        """Figures that a smoother changes: no formula has them, but what enters them beside the model follows."""
+        self.workings.head("Post-processed: NavBudget's values, with the contributors")
+        smoothed = Smoothed(self.plain.x)
+        limits = {limit.name: (own_key(number), limit.on) for number, limit in enumerate(self.design.limits, 1)}
+        for name in (*REQUIRED, *limits):
+            key, on = limits.get(name, (name, name))
+            figure = FIGURES.get(on)
+            if figure and not figure.smoothed_mark:  # the same as in real time
+                continue
+            of = self._constant(float(smoothed.value(on)) if figure else 0.0, taken=figure is not None)
+            unit, mark = (
+                _SI[figure.dimension if figure else self._dimensions[on]],
+                figure.smoothed_mark if figure else "",
+            )
+            whole = self._with(POST_PROCESSED, on, of, name, key, unit, mark)
+            self.workings.name(f"post_processed_{key}", whole, label_of(name), unit, mark)
+
+    @cached_property
+    def _stepped(self) -> Mapping[str, RealTime]:
+        """Source -> the model with its size a step larger, the settled filter at the average of its cycle."""
+        x, whole = self.x, self.model.at(self.model.at_last_fix)
+        models = {"": whole}
+        for source, fields in SIZES.items():
+            sizes = {field: getattr(x, field) for field in fields if getattr(x, field) is not None}
+            if x.slow is not None or not sizes:
+                continue
+            model = RealTime(replace(x, **{field: size * (1 + _STEP) for field, size in sizes.items()}), self.rule)
+            same = source not in SEEN  # the filter is
+            if same:
+                model.closed = whole.closed
+            if same or x.velocity is not None:  # whose cycle has no formula
+                model.cycle = whole.cycle
+            model.at_last_fix = model.closed if whole.at_last_fix is whole.closed else whole.at_last_fix
+            models[source] = model.at(model.at_last_fix)
+        return models
+
+    def _of_sources(self, check: Check, at: float | None) -> Mapping[str, Traced]:
+        """Shares of the sources in a figure without contributors, by its change for a step of each. [T-18]"""
+        time: Any = None if at is None else self._constant(at)
+        values = {
+            source: self.workings.traced(model.value(check.on, time)) for source, model in self._stepped.items()
+        }
+        whole = values.pop("")
+        return {source: np.maximum((value / whole - 1) / _STEP, 0.0) for source, value in values.items()}
+
+    def shares_of(self, check: Check, processing: str) -> Mapping[str, Traced]:
+        """Source or contributor -> its share of the variance of what is checked, `taken` without a formula."""
+        if check.on in FIGURES and not FIGURES[check.on].smoothed_mark:  # the same in both
+            processing = REAL_TIME
+        key = next(key for name in (check.name, check.on) if (key := (processing, name)) in self._of_model)
+        parts = self.contributors.get(key, [])
+        shares: Mapping[str, Traced] = {}
+        at = next((limit.at for limit in self.design.limits if limit.name == check.name), None)
+        if processing == REAL_TIME and check.on in FIGURES and FIGURES[check.on].kind in _WITH_SHARES:
+            shares = self._of_sources(check, at)
+        if not shares or any(share.taken for share in shares.values()):
+            entering = {part.name for part in parts}
+            rest = {source: share for source, share in check.by_sensor.items() if source not in entering}
+            whole = sum(rest.values())
+            shares = {source: self._constant(share / whole, taken=True) for source, share in rest.items()}
+        with np.errstate(invalid="ignore", divide="ignore"):  # all of it zero
+            mixed = composed(self._of_model[key], shares, tuple(parts)).shares
+        self.workings.label_steps(f"Shares in {label_of(check.name)}, {processing}")
+        return cast("Mapping[str, Traced]", mixed)
+
+
+def contributor_key(number: int) -> str:
+    """What the cells of a contributor of the user's own are called after."""
+    return f"contributor_{number}"
 
 
 def own_key(number: int) -> str:

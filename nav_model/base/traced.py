@@ -48,14 +48,17 @@ class Row:
 
 @dataclass
 class Workings:
-    """Rows in the order in which they are found; the first is written to row `first` of the sheet "Workings".
+    """Quantities in the order in which they are found, ``rows``, and the ``steps`` that lead to them.
 
-    ``named`` are those whose cell has a name, by it.
+    ``named`` are the quantities by the names of their cells. The first step is written to row `first` of the sheet
+    "Steps"; steps of the same formula are one.
     """
 
     first: int = 2
     rows: list[Row] = field(default_factory=list)
+    steps: dict[str, Row] = field(default_factory=dict)
     named: dict[str, Row] = field(default_factory=dict)
+    _labelled: int = 0
 
     def head(self, label: str) -> None:
         """Begin a group."""
@@ -66,12 +69,22 @@ class Workings:
 
         What comes back is a `Traced`, which closed forms take for an array.
         """
-        of = _bare(of)
-        if not isinstance(of, Traced):
-            of = Traced(repr(float(of)), np.float64(of), self, taken)
+        of = self.traced(of, taken=taken)
         self.named[symbol] = Row(label, symbol, of.text, np.asarray(of.value).item(), unit, mark, of.taken)
         self.rows.append(self.named[symbol])
+        self.label_steps(label)
         return Traced(symbol, of.value, self, of.taken)
+
+    def traced(self, of: Any, *, taken: bool = False) -> Traced:
+        """A value as a part of formulas: a plain number is a constant, or ``taken``."""
+        of = _bare(of)
+        return of if isinstance(of, Traced) else Traced(repr(float(of)), np.float64(of), self, taken)
+
+    def label_steps(self, label: str) -> None:
+        """Call the steps since the last quantity after what they lead to."""
+        for number, step in enumerate([*self.steps.values()][self._labelled :], 1):
+            step.label = f"{label}, step {number}"
+        self._labelled = len(self.steps)
 
     def cell(self, symbol: str) -> Traced:
         """A cell with a name, to make formulas of."""
@@ -80,8 +93,8 @@ class Workings:
 
     def step(self, of: Traced) -> str:
         """Put a part of a formula into a cell without a name."""
-        self.rows.append(Row("step", "", of.text, np.asarray(of.value).item(), taken=of.taken))
-        return f"Workings!$C${self.first + len(self.rows) - 1}"
+        self.steps.setdefault(of.text, Row("", "", of.text, np.asarray(of.value).item(), taken=of.taken))
+        return f"Steps!$B${self.first + [*self.steps].index(of.text)}"
 
 
 class Traced(NDArrayOperatorsMixin):

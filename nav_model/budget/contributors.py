@@ -7,7 +7,7 @@ ECSS-E-ST-60-10C, for adding the systematic one.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -64,16 +64,24 @@ class Composed:
     mark: str = ""
 
 
-def contributors_of(design: Design, wavelength: Any) -> Contributors:
-    """What enters each figure of a design, with the wavelength [m] that turns lengths into phases."""
+def contributors_of(design: Design, wavelength: Any, counted: Mapping[str, Any] | None = None) -> Contributors:
+    """What enters each figure of a design, with the wavelength [m] that turns lengths into phases.
+
+    `counted` has the values with their allowance by name, SI, if they are not those of the design that are not zero.
+    """
+    if counted is None:
+        counted = {
+            contributor.name: contributor.counted for contributor in design.contributors if contributor.counted
+        }
     in_figures: dict[str, tuple[Part, ...]] = {}
     alone: dict[str, tuple[Part, ...]] = {}
     for contributor in design.contributors:
-        if contributor.counted:
-            systematic, processing = contributor.kind == SYSTEMATIC, contributor.processing
-            part = Part(contributor.name, size_of(contributor, wavelength), systematic, processing)
-            in_figures[contributor.enters] = (*in_figures.get(contributor.enters, ()), part)
-            alone[contributor.name] = (Part(contributor.name, contributor.counted, systematic, processing),)
+        if (name := contributor.name) in counted:
+            into = FIGURES[contributor.enters].dimension
+            part = Part(name, counted[name], contributor.kind == SYSTEMATIC, contributor.processing)
+            entering = replace(part, size=as_phase(part.size, contributor.dimension, into, wavelength))
+            in_figures[contributor.enters] = (*in_figures.get(contributor.enters, ()), entering)
+            alone[name] = (part,)
     return Contributors(FrozenMapping(in_figures), FrozenMapping(alone))
 
 

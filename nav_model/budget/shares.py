@@ -23,7 +23,7 @@ GNSS_VELOCITY, SCENE_HEIGHT = "GNSS velocity noise", "scene height error"
 _STEP = 1e-20
 _LOST = 0.01
 """Part of a variance by which the shares may miss it, beyond which its digits are lost to rounding."""
-_FIELDS: Mapping[str, tuple[str, ...]] = {
+SIZES: Mapping[str, tuple[str, ...]] = {
     ACCELEROMETER_NOISE: ("sigma_a",),
     GYRO_NOISE: ("sigma_w",),
     GNSS_NOISE: ("fix", "fix_vertical"),
@@ -36,7 +36,7 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
 }
 """Source of error -> the inputs that are its size."""
 
-_SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS)
+SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS)
 """Sources that filter and smoother weigh; others reach figures beside them."""
 
 
@@ -95,12 +95,12 @@ def _stepped(x: Inputs) -> tuple[list[str], list[str], Inputs]:
     The former are stepped along the last axis and the latter along one before it, so that the filter runs for its own
     sources alone. Both axes then end with no step.
     """
-    there = [name for name, fields in _FIELDS.items() if _present(x, fields[0])]
-    seen = [name for name in there if name in _SEEN]
-    beside = [*(name for name in there if name not in _SEEN), *x.fast]
+    there = [name for name, fields in SIZES.items() if _present(x, fields[0])]
+    seen = [name for name in there if name in SEEN]
+    beside = [*(name for name in there if name not in SEEN), *x.fast]
     changes: dict[str, Any] = {}
     for name, factor in zip(seen, _factors(len(seen), len(seen) + bool(beside)), strict=True):
-        for field in _FIELDS[name]:
+        for field in SIZES[name]:
             value = getattr(x, field)
             changes[field] = value._replace(sigma=value.sigma * factor) if field == "slow" else value * factor
     fast = dict(x.fast)
@@ -109,7 +109,7 @@ def _stepped(x: Inputs) -> tuple[list[str], list[str], Inputs]:
         if name in fast:
             fast[name] = fast[name].scaled(factor)
         else:
-            changes |= {field: getattr(x, field) * factor for field in _FIELDS[name]}
+            changes |= {field: getattr(x, field) * factor for field in SIZES[name]}
     return seen, beside, replace(x, **changes, fast=fast)
 
 

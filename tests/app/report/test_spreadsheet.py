@@ -6,6 +6,7 @@ import re
 import subprocess
 import zipfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,9 @@ from nav_model import Design, analyse
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.verdict import Check, Verdict
 from nav_model.design.contributors import Contributor
-from nav_model.design.figures import REQUIRED, RESPONSE, STEADY, of_kind
+from nav_model.design.figures import FIGURES, REQUIRED, RESPONSE, STEADY, of_kind
 from nav_model.design.user_entries import UserEntries, read_limits
 
 CHANGED = {
@@ -68,6 +70,8 @@ def entry(book: openpyxl.Workbook, key: str) -> str:
 def entered(book: openpyxl.Workbook, key: str, value: float) -> float:
     """A value in SI as it is entered in the unit of its cell."""
     in_si = book["Inputs"][entry(book, key).replace("B", "D")].value
+    if "10^" in in_si:
+        return 20 * math.log10(value)
     factor = re.search(r"\*([\d.E-]+)\)$", in_si)
     return value / float(factor[1]) if factor else value
 
@@ -134,16 +138,24 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
         assert row[6].value == pytest.approx(check.margin, abs=1e-9)
         assert row[7].value == ("met" if check.met else "not met")
         assert row[9].value == (TAKEN if check.on in ("pslr", "peak_loss") else LIVE)
+        assert row[10].value == cause(check)
     post = {row[0].value: row for row in book["Post-processed"].iter_rows(min_row=6)}
     for check in budget.other_verdict.checks:
         assert post[check.label][6].value == pytest.approx(check.margin, abs=1e-9)
-        assert post[check.label][9].value == TAKEN
+        assert post[check.label][9].value == (
+            TAKEN if check.on in FIGURES and FIGURES[check.on].smoothed_mark else LIVE
+        )
+        assert post[check.label][10].value == cause(check)
     listed = {row[0].value: row for row in book["Sources"].iter_rows(min_row=4)}
     for line in budget.phase_lines("real time"):
         if line.quadratic:
             assert listed[line.source][1].value == pytest.approx(math.degrees(line.quadratic), rel=1e-9)
             assert listed[line.source][4].value == pytest.approx(line.share, rel=1e-9)
             assert "+" not in listed[line.source][4].number_format  # a share is no margin
+
+
+def cause(check: Check) -> str:
+    return f"{check.sensor}, {100 * check.sensor_share:.0f} % of the variance"
 
 
 def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
@@ -196,20 +208,36 @@ def convert(folder: Path, kind: str, *paths: Path) -> None:
     )  # fmt: skip
 
 
+def other_contributors(design: Design, seed: int) -> Design:
+    """The same contributors with other values and allowances."""
+    random_numbers = random.Random(seed)
+    others = tuple(
+        replace(one, value=one.value * random_numbers.uniform(0.3, 3), allowance=random_numbers.choice([0, 0.1, 0.5]))
+        for one in design.contributors
+    )
+    return design.replace({}, entries=UserEntries(others, design.limits))
+
+
 @pytest.mark.long
 @designs
 def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int) -> None:
-    """All workbooks in one start of the program."""
+    """All workbooks in one start of the program; in every other one the model stays, as a smoother asks."""
     bases = [example(name).replace({}, entries=own()) for name in EXAMPLES]
     wanted: dict[str, Design] = {}
     for seed in range(3 + count):
         base = bases[seed % 3]
         path = write(tmp_path / f"{seed}.xlsx", base)
-        design = base if seed < 3 else drawn(base, seed)
+        design = base if seed < 3 else other_contributors(base if seed % 2 else drawn(base, seed), seed)
         book = openpyxl.load_workbook(path)
         for key in CHANGED:
             if design[key] is not None:
                 book["Inputs"][entry(book, key)] = entered(book, key, design[key])
+        for number, one in enumerate(design.contributors, 1):
+            for key, value in (
+                (f"contributor_{number}", one.value),
+                (f"contributor_{number}_allowance", one.allowance),
+            ):
+                book["Inputs"][entry(book, key)] = entered(book, key, value)
         book.save(path)  # without the values of formulas, which have to be computed
         wanted[path.name] = design
     done = tmp_path / "done"
@@ -219,11 +247,35 @@ def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int)
         places = dict(budget_names(book))
         for symbol, value in expected(design).items():
             sheet, cell = places[symbol].split("!")
-            assert book[sheet][cell].value == pytest.approx(value, rel=1e-6, abs=1e-12), (name, symbol)
-        real_time = design.replace({"processing.mode": "real time"})
-        assert (book["Budget"]["A2"].value == "Closes") == analyse(real_time).verdict.closes
+            assert book[sheet][cell].value == pytest.approx(value, rel=1e-9, abs=1e-12), (name, symbol)
+        model_stays = all(design[key] == bases[int(name[0]) % 3][key] for key in CHANGED)
+        judged = analyse(design)
+        for sheet, verdict in (
+            ("Budget", judged.judged("real time")),
+            ("Post-processed", judged.judged("post-processed")),
+        ):
+            if model_stays or sheet == "Budget":
+                holds(book[sheet], verdict, {check.name for check in analyse(bases[int(name[0]) % 3]).verdict.checks})
+        if not model_stays:
+            assert book["Post-processed"]["A2"].value in ("Does not close", "Not known for these inputs")
         errors = [cell.coordinate for sheet in book for row in sheet for cell in row if cell.data_type == "e"]
         assert not errors
+
+
+def holds(sheet: Any, verdict: Verdict, with_cause: set[str]) -> None:
+    """A sheet has the margins, the verdict and, of limits that were there when it was written, causes of a budget."""
+    rows = {row[0].value: row for row in sheet.iter_rows(min_row=6)}
+    for check in verdict.checks:
+        if rows[check.label][9].value == OTHER:
+            assert check.on in RESPONSE
+            assert rows[check.label][7].value == rows[check.label][10].value == "not known"
+        else:
+            assert rows[check.label][6].value == pytest.approx(check.margin, rel=1e-9, abs=1e-9), check.label
+            assert rows[check.label][7].value == ("met" if check.met else "not met")
+            assert rows[check.label][10].value == (cause(check) if check.name in with_cause else None), check.label
+    met = [row[7].value for row in rows.values()]
+    unknown = "Not known for these inputs" if "not known" in met else "Closes"
+    assert sheet["A2"].value == ("Does not close" if "not met" in met else unknown)
 
 
 @pytest.mark.long
@@ -262,6 +314,14 @@ def test_names_are_texts_and_there_is_no_macro_or_link(tmp_path: Path) -> None:
         with zipfile.ZipFile(path) as parts:
             assert not [name for name in parts.namelist() if "vba" in name or "externalLink" in name]
             assert not any(b"hyperlink" in parts.read(name) for name in parts.namelist() if "rels" in name)
+
+
+def test_steps_are_named_and_not_printed(tmp_path: Path) -> None:
+    book = openpyxl.load_workbook(write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, entries=own())))
+    steps = [row[0].value for row in book["Steps"].iter_rows(min_row=4)]
+    assert all(re.fullmatch(r".+, step \d+", label) for label in steps)
+    assert {sheet.title for sheet in book if sheet.sheet_state == "hidden"} == {"Steps", "Rule"}
+    assert all(sheet.print_area for sheet in book if sheet.sheet_state == "visible")
 
 
 def test_names_of_cells_are_none_of_a_cell() -> None:
