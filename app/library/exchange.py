@@ -54,11 +54,11 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
     InputError
         If a design is not there or damaged, or there are more revisions than an import takes.
     """
-    histories = {design: library.revisions(design)[::-1] for design in designs}
-    count = sum(map(len, histories.values()))
+    latest = {saved.design: saved for archived in (False, True) for saved in library.designs(archived=archived)}
+    count = sum(latest[design].number for design in designs if design in latest)
     if count >= _MAX_FILES:
         raise InputError("export", f"{count} revisions; an archive takes {_MAX_FILES - 1}. Select fewer designs.")
-    tags = {saved.design: saved.tags for archived in (False, True) for saved in library.designs(archived=archived)}
+    histories = {design: library.revisions(design)[::-1] for design in designs}
     listed = []
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -70,7 +70,7 @@ def export_archive(library: Library, designs: Sequence[str]) -> bytes:
                     path = f"{folder}/revision-{revision.number:04d}.toml"
                     archive.writestr(path, revision.text)
                     rows.append({"file": path, **{name: getattr(revision, name) for name in (*_TOLD, *_JUDGED)}})
-                listed.append({"id": design, "tags": list(tags[design]), "revisions": rows})
+                listed.append({"id": design, "tags": list(latest[design].tags), "revisions": rows})
             except (LookupError, TypeError, ValueError) as error:  # no row of ours is without its text or number
                 name = history[-1].name if history else ""
                 raise InputError("export", f"{name or design} was {CHANGED}. Select other designs.") from error

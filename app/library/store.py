@@ -27,6 +27,10 @@ from nav_model.budget.verdict import required
 from nav_model.design.file import format_design, parse_design
 
 
+MOST = {"designs": 5_000, "revisions": 20_000, "reviews": 2_000, "bytes": 200_000_000}
+"""What a library holds at most. The list of 5,000 designs takes half a second, and nothing is ever removed."""
+
+
 class Conflict(InputError):
     """Somebody saved in between; nothing was written."""
 
@@ -125,14 +129,23 @@ class Library:
         Raises
         ------
         InputError
-            If the library did not confirm it: it is full, locked for too long, or its server has gone.
+            If the library would hold more than `MOST`, or did not confirm it: its disk is full, it is locked for too
+            long, or its server has gone.
         """
         if self.read_only:
             raise InputError("library", "is read-only: its file or folder cannot be written; nothing was saved")
         # A server that goes while it confirms may have written.
         faults = database_faults("did not confirm this: {}; check before you do it again")
         with faults, self._transaction(writes=True) as connection:
+            before = _sizes(connection)
             yield connection
+            for what, size in _sizes(connection).items():
+                if before[what] < size > MOST[what]:  # a fuller one, of an older version, can still be tidied
+                    raise InputError(
+                        "library",
+                        f"would hold {size:,} {what}, {MOST[what]:,} at most; nothing was saved. Export the designs in "
+                        "use and import them into another library (`--library`)",
+                    )
 
     @contextmanager
     def read(self) -> Iterator[Connection]:
@@ -237,6 +250,19 @@ class Library:
         """
         with self.read() as connection:
             return find(connection, key)
+
+
+def _sizes(connection: Connection) -> dict[str, int]:
+    """What the library holds, by the names of `MOST`."""
+    tables = [what for what in MOST if what != "bytes"]
+    queries = {what: f"SELECT COUNT(*) FROM {what}" for what in tables}
+    if connection.dialect.name == "sqlite":
+        size = "(page_count - freelist_count) * page_size"
+        queries["bytes"] = f"SELECT {size} FROM pragma_page_count, pragma_freelist_count, pragma_page_size"
+    else:
+        written = ("revisions", "tags", "review_comments", "review_decisions", "offers")
+        queries["bytes"] = "SELECT " + " + ".join(f"pg_total_relation_size('{table}')" for table in written)
+    return {what: int(connection.execute(text(query)).scalar_one()) for what, query in queries.items()}
 
 
 def now() -> str:

@@ -18,7 +18,7 @@ from waiting import PATIENCE, refusing_port, until
 from app.library.exchange import Imported, add_histories, export_archive, read_archive
 from app.library.reviews import add_comment, decide, load_review, open_review, sign
 from app.library.schema import STEPS
-from app.library.store import Conflict, Library
+from app.library.store import MOST, Conflict, Library
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 
@@ -92,7 +92,7 @@ def server(cluster: Server) -> str:
 def shared(server: str) -> Iterator[Library]:
     library = Library(server)
     yield library
-    with library.write() as connection:
+    with library.engine.begin() as connection:
         for table in _TABLES:
             connection.execute(text(f"DROP TABLE {table}"))
     library.close()
@@ -229,3 +229,12 @@ def test_a_database_without_an_encoding_keeps_text(shared: Library, server: str,
         library.close()
         with shared.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
             connection.execute(text("DROP DATABASE plain"))
+
+
+def test_a_full_library_takes_no_more(shared: Library, mems: Budget, monkeypatch: pytest.MonkeyPatch) -> None:
+    saved = shared.save(mems, "Ann")
+    monkeypatch.setitem(MOST, "bytes", 1)
+    shared.archive(saved.design)
+    with pytest.raises(InputError, match="would hold [0-9,]+ bytes, 1 at most; nothing was saved"):
+        for _ in range(60):
+            shared.save(mems, "Ann", "n" * 4000)

@@ -10,9 +10,9 @@ from behind_its_back import sql
 from sqlalchemy import text as text_of
 from waiting import PATIENCE
 
-from app.library.exchange import export_archive
+from app.library.exchange import add_histories, export_archive
 from app.library.schema import STEPS
-from app.library.store import Conflict, Library, now, revision_from_file
+from app.library.store import MOST, Conflict, Library, now, revision_from_file
 from app.library.texts import LIMITS
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
@@ -287,3 +287,27 @@ def test_a_newer_or_foreign_file_is_refused(tmp_path: Path) -> None:
 def test_an_address_of_another_kind_is_refused(address: str) -> None:
     with pytest.raises(InputError, match="library"):
         Library(address)
+
+
+@pytest.mark.parametrize("what", ["designs", "revisions", "bytes"])
+def test_a_full_library_takes_no_more_and_keeps_what_it_has(
+    library: Library, mems: Budget, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    first = library.save(mems, "Ann")
+    size = 1 if what != "bytes" else sql(tmp_path / "library.db", "PRAGMA page_count")[0][0] * 4096
+    monkeypatch.setitem(MOST, what, size)
+    refused = rf"would hold [\d,]+ {what}, {size:,} at most; nothing was saved\. Export"
+    histories = [
+        ([revision_from_file(format_design(Design({"flight.speed": 50.0 + n})), "", "Eve", "n" * 4000, now())], ())
+        for n in range(20)
+    ]
+    with pytest.raises(InputError, match=refused):
+        add_histories(library, histories)
+    assert [saved.design for saved in library.designs()] == [first.design]
+    with pytest.raises(InputError, match=refused):
+        for base in range(1, 20):
+            library.save(mems, "Bob", "n" * 4000, design="" if what == "designs" else first.design, base=base)
+    assert [revision.number for revision in library.revisions(first.design)][-1] == 1
+    library.archive(first.design)  # what adds nothing still works, and so does reading
+    assert library.revision(first.key) == first
+    assert export_archive(library, [first.design])
