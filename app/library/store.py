@@ -26,7 +26,6 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget.verdict import required
 from nav_model.design.file import format_design, parse_design
 
-
 MOST = {"designs": 5_000, "revisions": 20_000, "reviews": 2_000, "bytes": 200_000_000}
 """What a library holds at most. The list of 5,000 designs takes half a second, and nothing is ever removed."""
 
@@ -143,8 +142,8 @@ class Library:
                 if before[what] < size > MOST[what]:  # a fuller one, of an older version, can still be tidied
                     raise InputError(
                         "library",
-                        f"would hold {size:,} {what}, {MOST[what]:,} at most; nothing was saved. Export the designs in "
-                        "use and import them into another library (`--library`)",
+                        f"would hold {size:,} {what}, {MOST[what]:,} at most; nothing was saved. Export the designs "
+                        "in use and import them into another library (`--library`)",
                     )
 
     @contextmanager

@@ -10,12 +10,14 @@ import pytest
 
 from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.figures import FIGURES, IN_FLIGHT, of_kind
 from nav_model.design.file import read_design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.design.user_entries import read_entries
 from nav_model.simulation.design_study import specification
+from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 
@@ -34,7 +36,9 @@ REASONS = {
     "curves between steps": (POST_PROCESSED, ("phase", "place"), 0.01),
 }
 """Reason -> processing, kinds of figures, and largest part by which the two may differ."""
-GRAVITY_GRADIENT = 2 * 9.80665 / 6.371e6  # 1/s²: gravity changes with height along a flight, in the budget it does not
+GRAVITY_GRADIENT = (
+    2 * 9.80665 / 6.371e6
+)  # 1/s²: gravity changes with height along a flight, in the budget it does not
 VERTICAL = ("vertical_position", "vertical_velocity", "range_shift", "ce90")
 
 
@@ -114,3 +118,38 @@ def test_a_straight_line_has_the_figures_and_verdicts_of_the_budget(seed: int) -
             assert met is bool(along <= limit), name
         judged.update(check.name for check in checks)
     assert judged | {check.name for check in result.spec.elsewhere} == {c.name for c in budget.verdict.checks}
+
+
+SLOW_ERRORS = [(0.5, 300.0), (2.0, 60.0), (1.0, 20.0)]  # m, s
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fix", [0.02, 0.5])
+@pytest.mark.parametrize(("sigma", "time"), SLOW_ERRORS)
+def test_budget_flight_and_simulation_know_one_slow_error(sigma: float, time: float, fix: float) -> None:
+    """24 verdicts with limits 5 % above the budget's figures, which all are met, and the states of all three.
+
+    A filter that did not know the slow error had figures up to 13 times as large and missed 19 of these limits.
+    """
+    changes = {"gnss.position_noise": fix, "gnss.vertical_position_noise": None, "processing.mode": POST_PROCESSED}
+    slow = {"correlated": True, "correlated_noise": sigma, "correlation_time": time}
+    plain = BASES[0].replace(changes | {f"gnss.{key}": value for key, value in slow.items()})
+    names = ("quadratic_phase", "detrended_phase", "azimuth_shift", "horizontal_position")
+    figures = analyse(plain)
+    design = plain.replace({f"requirements.{name}": 1.05 * figures.figure(name).sigma for name in names})
+    assert analyse(design).verdict.closes
+    study = specification(design, trajectory="straight", duration=LEG, every=LEG / 2)
+    flight = covariance(covariance_specification(design, study))
+    for name in names:
+        limit = dict(flight.spec.most)[name]
+        assert flight.chosen.figures[name][1] <= limit
+        assert flight.chosen.figures[name][1] == pytest.approx(figures.figure(name).sigma, rel=0.005), name
+    # Just after a fix the filters are the same: the budget's, that along the flight and that of the simulated runs.
+    after = RealTime(inputs_of(design)).cycle.posterior.horizontal
+    budget = np.sqrt([float(after.p11), float(after.p22), float(after.p33)])
+    real = flight.real_time
+    for sigmas in (
+        np.hstack([real.position, real.velocity, real.attitude]),
+        fly_without_errors(study).filter_sigma[POSTERIOR],
+    ):
+        np.testing.assert_allclose(sigmas[1, [1, 4, 6]], budget, rtol=0.005)
