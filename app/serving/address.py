@@ -88,7 +88,7 @@ class SharedSocket(socket.socket):
         return accepted, peer
 
     def keep(self, accepted: socket.socket) -> None:
-        """A connection has become a page's."""
+        """Count an accepted connection no longer among those that wait: it has become a page's."""
         self._waiting = [h for h in self._waiting if h() is not accepted]
 
     def _rest(self) -> None:

@@ -177,7 +177,7 @@ class _Children:
 
 
 def _serve_pages(listening: socket.socket, port: int, rules: Rules, library: str, row: Row, secret: bytes) -> None:
-    """What each process does."""
+    """Serve pages on an open socket until the parent ends: the whole life of a process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent turns a terminal's Ctrl-C into SIGTERM
     end_with_parent()
     set_up(rules.log)

@@ -55,7 +55,7 @@ class Coefficient:
 
     @property
     def interval(self) -> str:
-        """What `low` and `high` are."""
+        """How `low` and `high` are meant: a reading off the curve, or a confidence interval."""
         return READING_INTERVAL if self.reading else CONFIDENCE_INTERVAL
 
 
@@ -72,7 +72,7 @@ class Provenance:
 
     @classmethod
     def of(cls, log: ImuLog) -> Self:
-        """That of a log."""
+        """What a log says of its file."""
         return cls(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading)
 
 

@@ -290,7 +290,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     @cached_property
     def sar(self) -> Aperture:
-        """The aperture."""
+        """Wavelength, length and cell of the aperture, and how the along-track error grows in it."""
         x, radar, speed = self.x, self.design.radar, self.design.flight.speed
         real_time = self.models[REAL_TIME]
         wavelength, time = float(x.wavelength), float(x.aperture)

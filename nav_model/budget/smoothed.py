@@ -90,7 +90,7 @@ class Smoothed(RealTime):
 
     @property
     def lines(self) -> tuple[Line, Line]:
-        """As of real time."""
+        """Line in the smoothed position error over the aperture, horizontal and vertical. [P-7]"""
         mean, slope, both = (self.error[name] for name in ("mean", "slope", "mean_slope"))
         return Line(mean[0], slope[0], both[0]), Line(mean[1], slope[1], both[1])
 

@@ -163,7 +163,7 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def _unit_of(part: str) -> str:
-    """What follows the number."""
+    """Unit of a quantity as text; empty without one."""
     return _NUMBER.sub("", part, count=1).strip()
 
 

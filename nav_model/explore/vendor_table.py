@@ -153,7 +153,7 @@ class Contradiction(NamedTuple):
 
     @property
     def factor(self) -> float:
-        """Given over implied."""
+        """The value of the vendor over that which the other entries imply."""
         return self.entry.value / self.implied
 
 

@@ -52,7 +52,7 @@ class Stretch(NamedTuple):
 
     @property
     def segment(self) -> Segment:
-        """What a filter needs of it."""
+        """Its information, transition and noise alone, as a filter doubles them."""
         return Segment(*self[:3])
 
 

@@ -61,7 +61,7 @@ class InsRun:
     source: str
 
     def cases(self, which: list[int]) -> InsRun:
-        """Some of the cases."""
+        """The run of the cases at these places alone."""
         picked = {name: getattr(self, name)[which] for name in ("position_i", "velocity_i", "attitude_bi")}
         return replace(self, **picked)
 

@@ -45,7 +45,7 @@ class NavigationErrors:
     """Names of the arrays with a row per case."""
 
     def cases(self, which: slice) -> NavigationErrors:
-        """Some of the cases."""
+        """The errors of the cases at these places alone."""
         return replace(self, **{name: getattr(self, name)[which] for name in self.histories})
 
 

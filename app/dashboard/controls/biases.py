@@ -14,13 +14,13 @@ class BiasInput(DesignInput[None]):
     """Sets both residual biases at once; what is typed below it counts as entered."""
 
     def row(self) -> Row:
-        """The choices."""
+        """Label, help and the three choices: as entered, none, of the data sheet."""
         options = [(_ENTERED, "as entered below"), (_NONE, "none"), (_IN_RUN, "data-sheet in-run")]
         text = "None: fully estimated before the last fix. Data-sheet in-run: as the catalogue has it for the IMU."
         return choice_row("Residual bias", text, options)
 
     def value(self) -> object:
-        """Both biases."""
+        """Both biases in force, SI."""
         return tuple(self.session.design[key] for key in _KEYS)
 
     def current(self) -> Row:

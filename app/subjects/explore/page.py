@@ -60,7 +60,7 @@ class ExplorePage(View):
 
     @property
     def question(self) -> Question:
-        """The one in view."""
+        """The question whose answer is in view."""
         return self._asked[self.views.chosen]
 
     def show(self, budget: Budget) -> None:

@@ -121,7 +121,7 @@ class LibraryView(View):
 
     def _ticked(self, event: Any) -> None:
         """Pick what was ticked, unless as many are picked as go side by side."""
-        revisions = self._listed.shown if self._listed else ()
+        revisions = self._listed.revisions if self._listed else ()
         known = {revision.key: revision for revision in (*self.desk.picked, *revisions)}
         self.desk.pick([revision for key, revision in known.items() if key in event.new])
         self._picks()  # also where one too many was refused
@@ -240,16 +240,16 @@ class _Listing:
     """What a look into the library brings: designs, all tags, the histories that are unfolded, and whether only some
     designs were looked for."""
 
-    found: tuple[Saved, ...]
+    designs: tuple[Saved, ...]
     tags: tuple[str, ...]
     histories: Mapping[str, tuple[Revision, ...]]
     narrowed: bool
     read_only: bool
 
     @property
-    def shown(self) -> Iterator[Revision]:
+    def revisions(self) -> Iterator[Revision]:
         """What is listed: each design, with its revisions where they are unfolded."""
-        for saved in self.found[:_SHOWN]:
+        for saved in self.designs[:_SHOWN]:
             yield saved
             yield from self.histories.get(saved.design, ())
 
@@ -265,12 +265,12 @@ def _blocks(listing: _Listing) -> Iterator[Block]:
     """The list, or why it is empty."""
     if listing.read_only:
         yield Text("This library is read-only: its file or folder cannot be written.")
-    if not listing.found:
+    if not listing.designs:
         yield Text("No design matches." if listing.narrowed else _EMPTY)
         return
-    many = len(listing.found) > _SHOWN
-    more = f"{_SHOWN} of {len(listing.found)} designs. Search to narrow the list." if many else ""
-    rows = (_row(revision, listing) for revision in listing.shown)
+    many = len(listing.designs) > _SHOWN
+    more = f"{_SHOWN} of {len(listing.designs)} designs. Search to narrow the list." if many else ""
+    rows = (_row(revision, listing) for revision in listing.revisions)
     yield table("library", "Saved designs", _HEADS, rows, more, ticks=True)
 
 
@@ -295,8 +295,8 @@ def _row(revision: Revision, listing: _Listing) -> Row:
 
 def _answer(listing: _Listing) -> Answer:
     """What is in the library, in a line."""
-    closing = sum(saved.closes is True for saved in listing.found)
-    what = counted(len(listing.found), "design") + (" found" if listing.narrowed else " saved")
-    sentence = f"{closing} of {len(listing.found)} close." if closing else "No design closes."
-    sentence = sentence if listing.found else "Save the current design."
+    closing = sum(saved.closes is True for saved in listing.designs)
+    what = counted(len(listing.designs), "design") + (" found" if listing.narrowed else " saved")
+    sentence = f"{closing} of {len(listing.designs)} close." if closing else "No design closes."
+    sentence = sentence if listing.designs else "Save the current design."
     return Answer(what, "open", (sentence,))

@@ -247,7 +247,7 @@ def _of_study(draw: Callable[[SarStudy], Chart]) -> Callable[[SarResult], Chart]
 
 
 def _blank(budget: Budget) -> str:
-    """Where the images will be."""
+    """Empty frames, named, in the places of the images."""
     figures = "".join(
         f'<figure class="pic"><div class="blank"></div><figcaption><b>{escape(name)}</b><br>…</figcaption></figure>'
         for name in (strategy.name for _, strategy in shown_strategies(budget))

@@ -15,7 +15,7 @@ from app.charts.legend import key_html, legend_html
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen
 from app.document.blocks import Answer, Block
-from app.document.numbers import number as shown
+from app.document.numbers import number as text_of
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.simulation.charts import (
@@ -234,7 +234,7 @@ class SimulatePage(StudyPage[Flown]):
 
     def _receive(self, flown: Flown) -> None:
         super()._receive(flown)
-        done, wall_s = flown.study.result.spec, shown(flown.study.result.wall_s)
+        done, wall_s = flown.study.result.spec, text_of(flown.study.result.wall_s)
         self._say(f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}.")
 
     def _specification(self) -> SimulationSpec:
@@ -286,7 +286,7 @@ class SimulatePage(StudyPage[Flown]):
             self._refuse(error)
         else:
             self._file = flight.trajectory
-            self._say(f"{name}: a flight of {shown(flight.duration, 4, given=True)} s; {flight.note}.")
+            self._say(f"{name}: a flight of {text_of(flight.duration, 4, given=True)} s; {flight.note}.")
             self.length = f"{math.floor(10 * flight.duration) / 10:.1f}"
 
 

@@ -3,7 +3,7 @@
 from app.charts.kinds import Array
 from app.document.blocks import Answer, KeyFigure, KeyFigures
 from app.document.numbers import show
-from app.subjects.suborbital.charts.shown import Shown
+from app.subjects.suborbital.charts.content import Content
 from nav_model.suborbital.summary import final_total
 
 WAITING = Answer(
@@ -21,9 +21,9 @@ _CARDS = {
 }
 
 
-def answer(shown: Shown) -> tuple[Answer, KeyFigures]:
+def answer(page: Content) -> tuple[Answer, KeyFigures]:
     """What the tracker repairs, in a line and in figures."""
-    study = shown.study
+    study = page.study
     before, after = map(_size, final_total(study))
     what = f"from {_metres(before)} to {_metres(after)}"
     if not study.used.any():
@@ -37,16 +37,16 @@ def answer(shown: Shown) -> tuple[Answer, KeyFigures]:
     largest = max(remaining, key=lambda label: remaining[label])
     cancel = ", more than the total: signed errors partly cancel" if remaining[largest] > after else ""
     sentence = f"Largest remaining source: {largest.lower()}, {_metres(remaining[largest])}{cancel}."
-    exact = "From the full simulation." if shown.exact else "Linearised from the last full simulation [B-4]."
-    return Answer(word, tone, (sentence, exact)), _figures(shown)
+    exact = "From the full simulation." if page.exact else "Linearised from the last full simulation [B-4]."
+    return Answer(word, tone, (sentence, exact)), _figures(page)
 
 
 def _size(error: Array) -> float:
     return float((error @ error) ** 0.5)
 
 
-def _figures(shown: Shown) -> KeyFigures:
-    study = shown.study
+def _figures(page: Content) -> KeyFigures:
+    study = page.study
     pure, aided = final_total(study)
     signed = f"signed errors, which partly cancel, and white noise; INS: {_channels(pure)}"
     figures = [_figure("Everything", pure, aided, f"{signed}; with tracker: {_channels(aided)}")]
@@ -54,7 +54,7 @@ def _figures(shown: Shown) -> KeyFigures:
         k = study.case(case)
         pure, aided = study.pure.position_m[k, -1], study.aided.position_m[k, -1]
         figures.append(_figure(label, pure, aided, f"INS: {_channels(pure)}; with tracker: {_channels(aided)}"))
-    images = "star images" if shown.settings["camera.frames"] == "star images" else "a perfect camera"
+    images = "star images" if page.settings["camera.frames"] == "star images" else "a perfect camera"
     frames = f"part of everything; {int(study.used.sum())} frames from {images}"
     spreads = (study.pure_noise.position_sigma_m[-1], study.aided_noise.position_sigma_m[-1])
     figures.append(_figure("White noise, 1σ", *spreads, frames))

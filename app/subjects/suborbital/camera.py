@@ -9,7 +9,7 @@ from app.declared import required
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.suborbital.charts.camera_noise import NOISES, camera_noise_answer, camera_noise_chart
-from app.subjects.suborbital.charts.shown import Shown
+from app.subjects.suborbital.charts.content import Content
 from app.ui.first_screen import first_screen
 from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
@@ -39,15 +39,15 @@ class CameraNoisePanel(pn.viewable.Viewer):
     def __panel__(self) -> pn.Column:
         return first_screen(self._said, left=[self._place], height="100%")
 
-    def show(self, shown: Shown) -> None:
+    def show(self, page: Content) -> None:
         """Sweep for its settings, unless that was done."""
-        settings = shown.settings
+        settings = page.settings
         if settings is not self._settings:
             self._settings = settings
             self._said.object = progress_html(Progress("Sweeping the centroid noise: 13 values"))
 
             async def sweep(_: Run) -> tuple[CameraNoise, float]:
-                swept = await run_in_pool(sweep_camera_noise, shown.study, settings, NOISES)
+                swept = await run_in_pool(sweep_camera_noise, page.study, settings, NOISES)
                 return swept, float(settings["camera.centroid_noise"])
 
             self.run.start(sweep)

@@ -6,7 +6,7 @@ import panel_material_ui as pmui
 
 from app.declared import chosen, required
 from app.session import Session
-from app.subjects.suborbital.charts.shown import Shown
+from app.subjects.suborbital.charts.content import Content
 from app.ui.run_bar import RunBar
 from app.ui.view import View
 from app.work.cancellable import run_alone
@@ -30,7 +30,7 @@ class NoisePanel(View):
     run = required(Run)
     runs = chosen(100, _RUNS, "Runs")
 
-    def __init__(self, session: Session, current: Callable[[], Shown | None]) -> None:
+    def __init__(self, session: Session, current: Callable[[], Content | None]) -> None:
         super().__init__(run=session.new_run())
         self._current = current
         runs = pmui.Select.from_param(self.param.runs, width=110, margin=(10, 6, 4, 6))
@@ -44,18 +44,18 @@ class NoisePanel(View):
 
     def start(self) -> object:
         """Fly the study on the page; an ensemble under way is cancelled."""
-        shown = self._current()
-        if shown is None:
+        page = self._current()
+        if page is None:
             return None
         runs = self.runs
 
         async def fly(run: Run) -> tuple[Study, NoiseEnsemble]:
-            track = shown.survey.track
+            track = page.survey.track
             ensemble = await run_alone(
-                fly_noise, shown.study, runs, int(shown.survey.settings["seed"]),
+                fly_noise, page.study, runs, int(page.survey.settings["seed"]),
                 None if track is None else track.covariance, progress=lambda share, what: run.tell(what, share),
             )  # fmt: skip
-            return shown.study, ensemble
+            return page.study, ensemble
 
         return self.run.start(fly)
 

@@ -14,7 +14,7 @@ from app.document.tiles import tiles_html
 from app.session import Session
 from app.subjects.suborbital.answer import WAITING, answer
 from app.subjects.suborbital.camera import CameraNoisePanel
-from app.subjects.suborbital.charts.shown import Shown
+from app.subjects.suborbital.charts.content import Content
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
 from app.subjects.suborbital.noise import NoisePanel
 from app.subjects.suborbital.studies import asked, fly_study
@@ -53,7 +53,7 @@ class SuborbitalPage(StudyPage[Survey]):
 
     def __init__(self, session: Session) -> None:
         noise, camera, inputs = (
-            NoisePanel(session, lambda: self.study.shown),
+            NoisePanel(session, lambda: self.study.page),
             CameraNoisePanel(session),
             InputPanel(session),
         )
@@ -105,7 +105,7 @@ class SuborbitalPage(StudyPage[Survey]):
     def _tell_progress(self) -> None:
         """Before the first answer the views say how far it is."""
         super()._tell_progress()
-        if self.study.shown is None:
+        if self.study.page is None:
             self.study.say_coming(self.run.progress.words if self.run.progress else "")
 
     @param.depends("renewal.message", watch=True)
@@ -137,37 +137,37 @@ class SuborbitalPage(StudyPage[Survey]):
         return ""  # what a moved input needs is begun at once, and the curves move meanwhile
 
     def _verdict(self, survey: Survey) -> Answer:
-        return answer(self.study.shown)[0] if self.study.shown else WAITING
+        return answer(self.study.page)[0] if self.study.page else WAITING
 
     # --- on screen ---------------------------------------------------------------------------------------
 
     @param.depends("study.case", "study.channel", "study.aided_sources", "study.along_track", "study.moment",
                    "noise.run.result", watch=True)  # fmt: skip
     def _look(self) -> None:
-        if self._result is not None and self.study.shown is not None:
-            self._put_on_screen(self._result, self.study.shown.study)
+        if self._result is not None and self.study.page is not None:
+            self._put_on_screen(self._result, self.study.page.study)
 
     def _put_on_screen(self, survey: Survey, study: Study) -> None:
         ensemble = self.noise.ensemble_of(study)
-        shown = Shown(survey, study, self.inputs.settings, **self.study.looks, ensemble=ensemble)
-        self._session.keep("suborbital", shown)
+        page = Content(survey, study, self.inputs.settings, **self.study.looks, ensemble=ensemble)
+        self._session.keep("suborbital", page)
         with pn.io.hold():
-            self._tiles.object = tiles_html(answer(shown)[1])
+            self._tiles.object = tiles_html(answer(page)[1])
             self.noise.note(study)
-            self.study.shown = shown
+            self.study.page = page
             self._write()
             self._sweep_camera()
 
     def _sweep_camera(self) -> None:
-        shown = self.study.shown
-        if shown is not None and self.study.views.chosen == CAMERA_NOISE:
-            self.camera.show(shown)
+        page = self.study.page
+        if page is not None and self.study.views.chosen == CAMERA_NOISE:
+            self.camera.show(page)
 
     def _json(self) -> str:
-        shown = self.study.shown
-        if shown is None:
+        page = self.study.page
+        if page is None:
             return "{}"
-        content = survey_json(shown.survey, shown.study, shown.settings)
-        if shown.ensemble is not None:
-            content["white_noise_monte_carlo"] = noise_json(shown.ensemble)
+        content = survey_json(page.survey, page.study, page.settings)
+        if page.ensemble is not None:
+            content["white_noise_monte_carlo"] = noise_json(page.ensemble)
         return json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1)

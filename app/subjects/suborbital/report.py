@@ -10,7 +10,7 @@ from app.document.blocks import Block, Row, Section, Table, Text, chart_block, t
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
-from app.subjects.suborbital.charts.shown import Shown
+from app.subjects.suborbital.charts.content import Content
 from app.subjects.suborbital.console import told_progress
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
@@ -26,7 +26,7 @@ _FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rat
 REFERENCES = (f"{WORKS['van Leeuwen 2007']} The camera's stars.",)
 
 
-def study(design: Design, options: argparse.Namespace) -> Shown:
+def study(design: Design, options: argparse.Namespace) -> Content:
     """The study that `navbudget report --with suborbital` asks for, progress on standard error.
 
     Raises
@@ -37,38 +37,38 @@ def study(design: Design, options: argparse.Namespace) -> Shown:
     settings = read_changes(from_design(DEFAULTS, design), {"seed": str(options.seed)}, "command line")
     with told_progress("suborbital: ") as progress:
         survey = run_survey(settings, progress=progress)
-    return Shown(survey, survey.study, settings, "all")
+    return Content(survey, survey.study, settings, "all")
 
 
-def another_design(shown: Shown, design: Design) -> str:
+def another_design(page: Content, design: Design) -> str:
     """The design whose inertial unit it took, where that is not this design's as it is now; else nothing."""
-    settings = shown.settings
+    settings = page.settings
     if not follows_design(settings) or dict(from_design(settings, design).values) == dict(settings.values):
         return ""
     return next((origin for origin in settings.origin.values() if origin.startswith(OF_DESIGN)), "none")
 
 
-def sections(shown: Shown, key: str) -> tuple[Section, ...]:
+def sections(page: Content, key: str) -> tuple[Section, ...]:
     """The answer, the tables, the charts, every input with its origin."""
     prefix = f"{key}-suborbital"
 
     def section(part: str, title: str, *blocks: Block) -> Section:
         return Section(f"{prefix}-{part}", f"Suborbital flight: {title}", blocks)
 
-    def table(build: Callable[[Shown], tables.NumberTable]) -> Table:
-        return build(shown).block(f"{prefix}-")
+    def table(build: Callable[[Content], tables.NumberTable]) -> Table:
+        return build(page).block(f"{prefix}-")
 
-    def drawn(*describe: Callable[[Shown], Chart]) -> tuple[Block, ...]:
-        return tuple(chart_block(draw(shown), prefix) for draw in describe)
+    def drawn(*describe: Callable[[Content], Chart]) -> tuple[Block, ...]:
+        return tuple(chart_block(draw(page), prefix) for draw in describe)
 
     # The prediction of white noise alone is a row of the sources.
-    noise = (*drawn(*_NOISE), table(tables.noise_table)) if shown.ensemble is not None else ()
+    noise = (*drawn(*_NOISE), table(tables.noise_table)) if page.ensemble is not None else ()
     return (
         Section(
             prefix,
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*answer(shown), Text(explain(shown.study)), Text(_sensors(shown.settings)),
-             *_paper_tables(shown, prefix)),
+            (*answer(page), Text(explain(page.study)), Text(_sensors(page.settings)),
+             *_paper_tables(page, prefix)),
             REFERENCES,
         ),
         section("errors", "errors by source, with and without star tracker",
@@ -79,7 +79,7 @@ def sections(shown: Shown, key: str) -> tuple[Section, ...]:
                 table(tables.method_table),
                 *drawn(attitude.star_chart, attitude.star_count_chart)),
         section("flight", "trajectory and gravity", *drawn(*_FLIGHT), table(tables.gravity_table)),
-        section("inputs", "inputs of the study", _inputs(shown.settings, prefix)),
+        section("inputs", "inputs of the study", _inputs(page.settings, prefix)),
     )  # fmt: skip
 
 
@@ -93,9 +93,9 @@ def _sensors(settings: Settings) -> str:
     return "The study has its own inputs, listed at its end; they are not this design's IMU."
 
 
-def _paper_tables(shown: Shown, prefix: str) -> tuple[Table, ...]:
+def _paper_tables(page: Content, prefix: str) -> tuple[Table, ...]:
     """The four tables; the note they share is under the last."""
-    *first, last = (table.block(f"{prefix}-") for table in tables.paper_tables(shown))
+    *first, last = (table.block(f"{prefix}-") for table in tables.paper_tables(page))
     return (*(replace(table, note="") for table in first), last)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from app.document.blocks import Cell, Column, Table
 from app.document.numbers import DIGITS, NONE, number, percent
-from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown, called
+from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content, called
 from nav_model.base.constants import ARCSECOND
 from nav_model.base.csv_text import csv_text
 from nav_model.suborbital.star_camera import StarFrame
@@ -90,10 +90,10 @@ def _paper(name: str) -> tuple[Entry, ...]:
     )
 
 
-def paper_tables(shown: Shown) -> tuple[NumberTable, ...]:
+def paper_tables(page: Content) -> tuple[NumberTable, ...]:
     """The paper's four tables for these sensors: final errors, m, the paper's readings beside them."""
-    final = shown.study.final_m
-    how = f"Final errors at {shown.study.flight.time_s[-1]:.0f} s. {shown.how}. {PAPER_NOTE}"
+    final = page.study.final_m
+    how = f"Final errors at {page.study.flight.time_s[-1]:.0f} s. {page.how}. {PAPER_NOTE}"
     tables = [
         NumberTable(
             key,
@@ -114,7 +114,7 @@ def paper_tables(shown: Shown) -> tuple[NumberTable, ...]:
     return (*tables, NumberTable("tracker", "INS alone vs with star tracker", heads, lines, how))
 
 
-def source_table(shown: Shown) -> NumberTable:
+def source_table(page: Content) -> NumberTable:
     """Every case: single sources, classes, tracker and gravity, with down-range and cross-range."""
 
     def line(k: int) -> tuple[Entry, ...]:
@@ -124,7 +124,7 @@ def source_table(shown: Shown) -> NumberTable:
         return (called(study.names[k]), *(float(value) for end in ends for value in end))
 
     names = (*CHANNELS, "down-range", "cross-range")
-    study = shown.study
+    study = page.study
     noise: tuple[Entry, ...] = (
         "white noise, 1σ", *map(float, study.pure_noise.position_sigma_m[-1]), None, None,
         *map(float, study.aided_noise.position_sigma_m[-1]), None, None,
@@ -135,14 +135,14 @@ def source_table(shown: Shown) -> NumberTable:
         "Every error source, one at a time and by class",
         ("source", *(f"INS {n} [m]" for n in names), *(f"tracker {n} [m]" for n in names)),
         (*map(line, range(len(study.names))), noise),
-        f"{shown.how}. Gravity row: {gravity}. White noise: covariance of [B-4].",
+        f"{page.how}. Gravity row: {gravity}. White noise: covariance of [B-4].",
     )
 
 
-def gap_table(shown: Shown) -> NumberTable:
+def gap_table(page: Content) -> NumberTable:
     """How far the linear answers are from the integrated ones."""
-    plain = shown.matrix_gap
-    study = shown.survey.study
+    plain = page.matrix_gap
+    study = page.survey.study
     rows = [k for k, kind in enumerate(study.kinds) if kind != "gravity"]
     worst = max(rows, key=lambda k: max(plain.pure_share[k], plain.aided_share[k]))
     beyond = [k for k in rows if max(plain.pure_share[k], plain.aided_share[k]) > _PROMISED]
@@ -168,12 +168,12 @@ def gap_table(shown: Shown) -> NumberTable:
     )  # fmt: skip
 
 
-def noise_table(shown: Shown) -> NumberTable:
+def noise_table(page: Content) -> NumberTable:
     """White noise at the end: ensemble against prediction."""
-    ensemble = shown.ensemble
+    ensemble = page.ensemble
     heads = ("INS, channel", "predicted 1σ [m]", "ensemble rms [m]", "rms / predicted", "inside 95 %")
     if ensemble is None:
-        study = shown.study
+        study = page.study
         spreads = (("INS alone", study.pure_noise), ("INS with star tracker", study.aided_noise))
         rows: tuple[tuple[Entry, ...], ...] = tuple(
             (f"{ins}, {channel}", float(spread.position_sigma_m[-1, i]), None, None, None)
@@ -195,9 +195,9 @@ def noise_table(shown: Shown) -> NumberTable:
     return NumberTable("white-noise", "White noise at the end of the flight", heads, rows, note)
 
 
-def method_table(shown: Shown) -> NumberTable:
+def method_table(page: Content) -> NumberTable:
     """The attitude methods on this flight's images."""
-    sigma = shown.survey.settings["camera.centroid_noise"] / ARCSECOND
+    sigma = page.survey.settings["camera.centroid_noise"] / ARCSECOND
     return NumberTable(
         "methods",
         "Attitude methods compared",
@@ -205,10 +205,10 @@ def method_table(shown: Shown) -> NumberTable:
          "rms about boresight [arcsec]", "mean NEES (3 expected)"),
         tuple(
             (s.method, s.mean_error_rad / ARCSECOND, *(rms / ARCSECOND for rms in s.axis_rms_rad), s.mean_nees)
-            for s in shown.survey.scores
+            for s in page.survey.scores
         ),
         "The same images of this flight for every method, one a second, centroid noise "
-        f"{number(sigma, given=True)} arcsec per axis; {shown.survey.scenes_refused} rejected. "
+        f"{number(sigma, given=True)} arcsec per axis; {page.survey.scenes_refused} rejected. "
         "Covariances [B-9]. TRIAD uses only two stars, the "
         "brightest: its error is large where these are close together, so a few scenes decide its mean. Over 1000 "
         "random scenes of five stars at 10 arcsec, twenty seeds give means of 207 to 362 arcsec; SVD, the least "
@@ -216,24 +216,24 @@ def method_table(shown: Shown) -> NumberTable:
     )  # fmt: skip
 
 
-def gravity_table(shown: Shown) -> NumberTable:
+def gravity_table(page: Content) -> NumberTable:
     """What a wrong gravity model costs an otherwise perfect INS."""
     return NumberTable(
         "gravity-mismatch",
         "Cost of a mismatched gravity model",
         ("truth / INS", *(f"{channel} [m]" for channel in CHANNELS)),
-        tuple((f"{truth} / {model}", *map(float, error)) for truth, model, error in shown.survey.gravity),
+        tuple((f"{truth} / {model}", *map(float, error)) for truth, model, error in page.survey.gravity),
         "Final error of an otherwise perfect INS on the reference flight in each true gravity field; integrated "
         "[B-3]."
-        if shown.survey.gravity
+        if page.survey.gravity
         else "Not available for a trajectory from a file.",
     )
 
 
-def star_table(shown: Shown) -> NumberTable:
+def star_table(page: Content) -> NumberTable:
     """The stars of the image looked at."""
-    frame = shown.star_frame
-    real = shown.survey.settings["sky.stars"] == "Hipparcos"
+    frame = page.star_frame
+    real = page.survey.settings["sky.stars"] == "Hipparcos"
     return NumberTable(
         "stars",
         f"Identified stars at {frame.time_s:.0f} s",

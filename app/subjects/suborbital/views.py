@@ -14,7 +14,7 @@ from app.charts.kinds import Chart
 from app.declared import chosen, declared, optional
 from app.document.pane import html_of
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
-from app.subjects.suborbital.charts.shown import CHANNELS, SUM, Shown
+from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content
 from app.subjects.suborbital.tables import (
     NumberTable,
     gap_table,
@@ -39,7 +39,7 @@ from nav_model.suborbital.errors import CLASSES, SOURCES
 from nav_model.suborbital.study import GRAVITY_ROW
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
 
-Describe = Callable[[Shown], Chart]
+Describe = Callable[[Content], Chart]
 _SQUARE = 400  # pixels of height of a chart whose two axes must be alike
 
 
@@ -49,21 +49,21 @@ class View:
 
     name: str
     charts: tuple[Describe, ...] = ()
-    tables: tuple[Callable[[Shown], NumberTable], ...] = ()
+    tables: tuple[Callable[[Content], NumberTable], ...] = ()
     chooses: tuple[str, ...] = ()
 
 
 _SPACING_S = round(STAR_FRAME_SPACING_S)
 
 
-def _of(draw: Callable[[Shown, int], Chart]) -> Describe:
+def _of(draw: Callable[[Content, int], Chart]) -> Describe:
     """A chart of the channel looked at."""
-    return lambda shown: draw(shown, shown.channel)
+    return lambda page: draw(page, page.channel)
 
 
-def _paper(index: int) -> Callable[[Shown], NumberTable]:
+def _paper(index: int) -> Callable[[Content], NumberTable]:
     """One of the tables beside the published values."""
-    return lambda shown: paper_tables(shown)[index]
+    return lambda page: paper_tables(page)[index]
 
 
 VIEWS: tuple[View, ...] = (
@@ -108,11 +108,11 @@ class StudyViews(Page):
     aided_sources = chosen(False, {"INS alone": False, "INS with star tracker": True}, "Error sources of")
     along_track = chosen(False, {"north and east": False, "down-range and cross-range": True}, "Horizontal axes")
     moment: int = declared(param.Integer(default=100, bounds=(0, 1500), step=_SPACING_S, label="Star frame at [s]"))
-    shown = optional(Shown, "What is on the page; None before the first answer.")
+    page = optional(Content, "What is on the page; None before the first answer.")
 
     def __init__(self, noise: pn.viewable.Viewer, camera: pn.viewable.Viewer, inputs: pn.viewable.Viewer) -> None:
         super().__init__()
-        self._parts: dict[str, Follower[Shown]] = {}  # of the views opened so far
+        self._parts: dict[str, Follower[Content]] = {}  # of the views opened so far
         self._coming = html_pane(_COMING)
         self._noise = noise
         makes: dict[str, Callable[[], Any]] = {view.name: partial(self._place, view) for view in VIEWS}
@@ -122,7 +122,7 @@ class StudyViews(Page):
 
     @property
     def looks(self) -> dict[str, Any]:
-        """The user's choice of views, as fields of `Shown`."""
+        """The user's choice of views, as fields of `Content`."""
         return {"star_index": self.moment // _SPACING_S} | {
             name: getattr(self, name) for name in ("case", "channel", "aided_sources", "along_track")
         }
@@ -134,7 +134,7 @@ class StudyViews(Page):
 
     def _place(self, view: View) -> pn.Column:
         """The place of a view; it is filled with the first answer."""
-        parts = self._parts[view.name] = Follower(lambda: self.shown)
+        parts = self._parts[view.name] = Follower(lambda: self.page)
         waiting = pn.Column(self._coming, sizing_mode="stretch_both", min_height=320, styles=FRAME, margin=(8, 10))
         return parts.later(
             partial(self._build, view, parts), waiting, sizing_mode="stretch_both", stylesheets=[NARROW]
@@ -144,13 +144,13 @@ class StudyViews(Page):
         """How far the first study is, in the views that wait for it."""
         self._coming.object = f"{_COMING}<p class='quiet'>{escape(progress)}</p>"
 
-    @param.depends("shown", watch=True)
+    @param.depends("page", watch=True)
     def _draw(self) -> None:
         """Update the chosen view; the others are updated when they are opened."""
         if parts := self._parts.get(self.views.chosen):
             parts.follow()
 
-    def _build(self, view: View, parts: Follower[Shown]) -> pn.Column:
+    def _build(self, view: View, parts: Follower[Content]) -> pn.Column:
         fills: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
         scrolls = {**fills, "styles": {"overflow": "auto"}}
         made: list[Any] = []
@@ -183,13 +183,13 @@ class StudyViews(Page):
         return axis
 
 
-def _table(parts: Follower[Shown], build: Callable[[Shown], NumberTable]) -> SortableTable:
+def _table(parts: Follower[Content], build: Callable[[Content], NumberTable]) -> SortableTable:
     table = SortableTable(margin=(4, 12))
-    parts.add(lambda shown: setattr(table, "html", html_of(build(shown).block(sortable=True))))
+    parts.add(lambda page: setattr(table, "html", html_of(build(page).block(sortable=True))))
     return table
 
 
-def _takes(view: View, current: Callable[[], Shown]) -> Iterator[pn.viewable.Viewable]:
+def _takes(view: View, current: Callable[[], Content]) -> Iterator[pn.viewable.Viewable]:
     """Buttons that take the numbers of a view away."""
     for draw in view.charts:
         yield from download_buttons(draw, current)

@@ -320,7 +320,7 @@ class TrajectoryPage(StudyPage[Followed]):
 
 
 def as_json(followed: Followed) -> str:
-    """The command's document."""
+    """The result as JSON, as `navbudget trajectory` prints it."""
     from nav_model.trajectory.result import to_json
 
     return json.dumps(to_json(followed.result), allow_nan=False)

@@ -16,7 +16,7 @@ from app.report.content import report_of
 from app.report.studies import belonging, study_sections
 from app.session import Session
 from app.subjects.sar.run import SarResult
-from app.subjects.suborbital.charts.shown import Shown
+from app.subjects.suborbital.charts.content import Content
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.equations import SYMBOLS
@@ -51,7 +51,7 @@ def findings(design) -> dict[str, Any]:
     return {
         "simulation": simulation,
         "sar": SarResult(design_case(study.budget), study, points),
-        "suborbital": Shown(survey, survey.study, settings, "all"),
+        "suborbital": Content(survey, survey.study, settings, "all"),
     }
 
 
@@ -140,12 +140,12 @@ def test_the_strategies_numbers_are_those_of_the_studys_json_in_millimetres_and_
     degrees = math.degrees(4 * math.pi / document["wavelength_m"])
     for row, found in zip(table(told, "sar-errors").rows, document["strategies"], strict=True):
         rms, band = found["residual_rms_over_runs_m"], found["parts_m"]["residual_rms"]
-        shown = [None if cell.text == "–" else value(cell) for cell in row[4:]]
+        page = [None if cell.text == "–" else value(cell) for cell in row[4:]]
         whole = [None if x is None else degrees * x for x in (
             found["closed_form"]["whole_residual_rms_m"], found["whole_residual_rms_over_runs_m"],
         )]  # fmt: skip
         expected = [1e3 * rms, degrees * rms, degrees * band["median"], *whole]
-        for one, other in zip(shown, expected, strict=True):
+        for one, other in zip(page, expected, strict=True):
             assert one == (None if other is None else pytest.approx(other, rel=6e-3, abs=1e-9)), row[0].text
         form = found["closed_form"]["residual_rms_m"]
         assert row[2].text == "–" if form is None else value(row[2]) == pytest.approx(1e3 * form, rel=6e-3)

@@ -1,2 +1,2 @@
-"""The charts of the suborbital study, as plain data. Each takes a `Shown` and draws what is in it; none computes
+"""The charts of the suborbital study, as plain data. Each takes a `Content` and draws what is in it; none computes
 an error."""

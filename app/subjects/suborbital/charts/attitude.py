@@ -6,22 +6,22 @@ import numpy as np
 
 from app.charts.kinds import Array, Chart, Line, Points
 from app.document.numbers import number, show, show_in
-from app.subjects.suborbital.charts.shown import TIME, Shown, boost, called
+from app.subjects.suborbital.charts.content import TIME, Content, boost, called
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.navigation_errors import NavigationErrors
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
 
 
-def _attitude(shown: Shown, key: str, title: str, field: str, axes: tuple[str, str, str], note: str) -> Chart:
-    study = shown.study
-    x, k = study.pure.time_s, study.case(shown.case)
+def _attitude(page: Content, key: str, title: str, field: str, axes: tuple[str, str, str], note: str) -> Chart:
+    study = page.study
+    x, k = study.pure.time_s, study.case(page.case)
 
     def curve(errors: NavigationErrors, axis: int) -> Array:
         return np.asarray(getattr(errors, field)[k, :, axis] / ARCSECOND)
 
     return Chart(
         key=key,
-        title=f"{title}: {called(shown.case)}",
+        title=f"{title}: {called(page.case)}",
         x_label=TIME,
         y_label="attitude error [arcsec]",
         lines=(
@@ -31,39 +31,39 @@ def _attitude(shown: Shown, key: str, title: str, field: str, axes: tuple[str, s
                    "INS [B-7]") for i, axis in enumerate(axes)),
         ),
         spans=boost(study),
-        knowledge=f"{note} {shown.how}.",
+        knowledge=f"{note} {page.how}.",
     )  # fmt: skip
 
 
-def inertial_attitude_chart(shown: Shown) -> Chart:
+def inertial_attitude_chart(page: Content) -> Chart:
     """Attitude error on inertial axes: what the gyros or the tracker did."""
     return _attitude(
-        shown, "attitude-inertial", "Attitude error, inertial frame", "attitude_inertial_rad", ("x", "y", "z"),
+        page, "attitude-inertial", "Attitude error, inertial frame", "attitude_inertial_rad", ("x", "y", "z"),
         "Rotation from true to estimated body attitude on inertial axes; a perfect camera brings it to zero.",
     )  # fmt: skip
 
 
-def navigation_attitude_chart(shown: Shown) -> Chart:
+def navigation_attitude_chart(page: Content) -> Chart:
     """Attitude error in the navigation frame, which holds the position error."""
     return _attitude(
-        shown, "attitude-navigation", "Attitude error, navigation frame", "attitude_navigation_rad",
+        page, "attitude-navigation", "Attitude error, navigation frame", "attitude_navigation_rad",
         ("north", "east", "down"),
         "About the north, east and down axes. With the tracker, the error is the position error divided by the "
         "radius, dr/r [B-7].",
     )  # fmt: skip
 
 
-def star_chart(shown: Shown) -> Chart:
+def star_chart(page: Content) -> Chart:
     """The camera's square at one instant, with the stars identified."""
-    frame, camera = shown.star_frame, shown.survey.settings.camera()
+    frame, camera = page.star_frame, page.survey.settings.camera()
     edge = camera.pixels - 0.5
     square = np.array([-0.5, edge, edge, -0.5, -0.5])
     names = tuple(
-        f"HIP {star}, Hp {number(magnitude)}" if shown.survey.settings["sky.stars"] == "Hipparcos"
+        f"HIP {star}, Hp {number(magnitude)}" if page.survey.settings["sky.stars"] == "Hipparcos"
         else f"star {star}, magnitude {number(magnitude)}"
         for star, magnitude in zip(frame.identifier, frame.magnitude, strict=True)
     )  # fmt: skip
-    faintest = shown.survey.settings["sky.magnitude_limit"]
+    faintest = page.survey.settings["sky.magnitude_limit"]
     sizes = np.clip(6.0 + 2.5 * (faintest - frame.magnitude), 6.0, 24.0)
     ra, dec = math.degrees(frame.boresight_ra_rad) / 15.0, math.degrees(frame.boresight_dec_rad)
     verdict = "used" if frame.used else f"not used: {frame.reason}"
@@ -90,13 +90,13 @@ def star_chart(shown: Shown) -> Chart:
     )  # fmt: skip
 
 
-def star_count_chart(shown: Shown) -> Chart:
+def star_count_chart(page: Content) -> Chart:
     """Stars in the field along the flight."""
-    frames = shown.survey.star_frames
+    frames = page.survey.star_frames
     x = np.array([frame.time_s for frame in frames])
     field = np.array([float(frame.stars_in_field) for frame in frames])
     used = np.array([float(len(frame.identifier)) if frame.used else math.nan for frame in frames])
-    settings = shown.survey.settings
+    settings = page.survey.settings
     refused = int(np.sum(np.isnan(used)))
     return Chart(
         key="star-count",

@@ -4,7 +4,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, Line
 from app.document.numbers import percent, show, show_in
-from app.subjects.suborbital.charts.shown import CHANNELS, SHOWN_SOURCES, SUM, TIME, Shown, boost, called, km
+from app.subjects.suborbital.charts.content import CHANNELS, SHOWN_SOURCES, SUM, TIME, Content, boost, called, km
 from nav_model.suborbital.channels import height_e_folding_time, height_growth
 from nav_model.suborbital.sensitivity import along_track_sigma
 from nav_model.suborbital.study import Study
@@ -12,33 +12,33 @@ from nav_model.suborbital.study import Study
 HOLDS_WITHIN = 0.1  # of the INS's own error: where the decoupled channel is drawn as holding
 
 
-def source_chart(shown: Shown, channel: int) -> Chart:
+def source_chart(page: Content, channel: int) -> Chart:
     """Errors by source in one channel."""
-    study = shown.study
-    which = "with star tracker" if shown.aided_sources else "INS alone"
-    x, axis = study.pure.time_s, shown.axis(channel)
+    study = page.study
+    which = "with star tracker" if page.aided_sources else "INS alone"
+    x, axis = study.pure.time_s, page.axis(channel)
     return Chart(
         key=f"sources-{CHANNELS[channel]}",
         title=f"{axis.capitalize()} error by source, {which}",
         x_label=TIME,
         y_label=f"{_LABELS[channel]} [km]",
         lines=tuple(
-            Line(name, SUM if name == "all" else style, x, km(shown.position_m(shown.aided_sources, name, channel)),
+            Line(name, SUM if name == "all" else style, x, km(page.position_m(page.aided_sources, name, channel)),
                  style, "integrated INS [B-3]")
             for name, style in SHOWN_SOURCES.items()
         ),
         spans=boost(study),
-        knowledge=f"{shown.how}. Each source runs alone, a sensor with all its errors. The parts have "
+        knowledge=f"{page.how}. Each source runs alone, a sensor with all its errors. The parts have "
         "signs and partly cancel; they add up to the sum to second order. White noise is not among them.",
     )  # fmt: skip
 
 
-def aided_chart(shown: Shown, channel: int) -> Chart:
+def aided_chart(page: Content, channel: int) -> Chart:
     """The INS against the aided INS in one channel."""
-    study, axis = shown.study, shown.axis(channel)
+    study, axis = page.study, page.axis(channel)
     x = study.pure.time_s
     pairs = tuple(
-        (name, shown.position_m(aided, shown.case, channel), _noise(shown, aided, channel))
+        (name, page.position_m(aided, page.case, channel), _noise(page, aided, channel))
         for name, aided in (("INS alone", False), ("INS with tracker", True))
     )
     return Chart(
@@ -55,30 +55,30 @@ def aided_chart(shown: Shown, channel: int) -> Chart:
             for name, error, sigma in pairs
         ),
         spans=boost(study),
-        knowledge=f"Case: {called(shown.case)}. {shown.how}. Bands: white noise alone, covariance of [B-4].",
+        knowledge=f"Case: {called(page.case)}. {page.how}. Bands: white noise alone, covariance of [B-4].",
     )  # fmt: skip
 
 
 _LABELS = ("horizontal error", "horizontal error", "height error")
 
 
-def _noise(shown: Shown, aided: bool, channel: int) -> Array:
+def _noise(page: Content, aided: bool, channel: int) -> Array:
     """Sigma of white noise in the axes looked at, m."""
-    study = shown.study
+    study = page.study
     spread = study.aided_noise if aided else study.pure_noise
-    if shown.along_track and channel < 2:
+    if page.along_track and channel < 2:
         return along_track_sigma(spread, study.flight, study.every)[:, channel]
     return spread.position_sigma_m[:, channel]
 
 
-def growth_chart(shown: Shown) -> Chart:
+def growth_chart(page: Content) -> Chart:
     """Size of the error of one case in one channel on a log scale, against the decoupled channel [B-5]."""
-    study, channel = shown.study, shown.channel
-    k, x = study.case(shown.case), study.pure.time_s
+    study, channel = page.study, page.channel
+    k, x = study.case(page.case), study.pure.time_s
     truth = study.pure.position_m[k, :, channel]
     ins, aided = (np.abs(e.position_m[k, :, channel]) for e in (study.pure, study.aided))
     decoupled = study.channels_m[k, :, channel]
-    closed = shown.closed_form_m[:, channel]
+    closed = page.closed_form_m[:, channel]
     holds, fails, agreement = _split(x, decoupled, truth)
     closed_holds, closed_fails, closed_said = _split(x, closed, truth)
     slope = _slope(study, ins) if channel == 2 else np.full(len(x), np.nan)
@@ -89,7 +89,7 @@ def growth_chart(shown: Shown) -> Chart:
     why = f" Slope 1/k for explanation only: e-folding time {slow} [B-6]." if channel == 2 else ""
     return Chart(
         key="growth",
-        title=f"Size of the {CHANNELS[channel]} error: {called(shown.case)}",
+        title=f"Size of the {CHANNELS[channel]} error: {called(page.case)}",
         x_label=TIME,
         y_label="size of the error [m]",
         lines=(
@@ -104,7 +104,7 @@ def growth_chart(shown: Shown) -> Chart:
         spans=boost(study),
         y_log=True,
         y_range=_log_range(ins, aided, np.abs(decoupled)),
-        knowledge=f"{shown.how}. The decoupled channel [B-5], whose local frame does not rotate, {agreement}. The "
+        knowledge=f"{page.how}. The decoupled channel [B-5], whose local frame does not rotate, {agreement}. The "
         f"formula [B-6], with one height and constant forcing (means of the powered flight), {closed_said}.{why}",
     )
 

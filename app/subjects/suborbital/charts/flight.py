@@ -6,7 +6,7 @@ import numpy as np
 
 from app.charts.kinds import Array, Chart, Line, Points
 from app.document.numbers import show
-from app.subjects.suborbital.charts.shown import TIME, Shown, boost
+from app.subjects.suborbital.charts.content import TIME, Content, boost
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.earth.gravity import compare_gravity
 from nav_model.suborbital.study import Study
@@ -24,9 +24,9 @@ def _marks(study: Study, x: Array, y: Array) -> Points:
     return Points("marks", ", ".join(names), x[list(at)], y[list(at)], names, "mark", "diamond", "flight")
 
 
-def map_chart(shown: Shown) -> Chart:
+def map_chart(page: Content) -> Chart:
     """Ground track on a plain map."""
-    flight, every = shown.study.flight, shown.study.every
+    flight, every = page.study.flight, page.study.every
     latitude, longitude = np.degrees(flight.latitude_rad), np.degrees(np.unwrap(flight.longitude_rad))
     return Chart(
         key="map",
@@ -34,15 +34,15 @@ def map_chart(shown: Shown) -> Chart:
         x_label="longitude, east [°]",
         y_label="latitude, north [°]",
         lines=(Line("track", "ground track", longitude[::every], latitude[::every], "path", flight.name),),
-        points=(_marks(shown.study, longitude, latitude),),
+        points=(_marks(page.study, longitude, latitude),),
         knowledge=f"{flight.source}. Latitude and longitude on the sphere, Earth turning under the flight; "
         f"{show(float(flight.ground_range_m[-1]), 'length')} over ground.",
     )  # fmt: skip
 
 
-def height_chart(shown: Shown) -> Chart:
+def height_chart(page: Content) -> Chart:
     """Height against time, with the tracker's frames."""
-    study = shown.study
+    study = page.study
     flight, every = study.flight, study.every
     x, height = flight.time_s[::every], flight.height_m / 1000.0
     apogee_time, apogee = flight.apogee
@@ -71,21 +71,21 @@ def _near_frame(study: Study, every: int) -> np.ndarray:
     return np.asarray(count[index + 1] > count[np.maximum(index + 1 - every, 0)])
 
 
-def force_chart(shown: Shown) -> Chart:
+def force_chart(page: Content) -> Chart:
     """True specific force on body axes."""
-    return _body(shown, "specific-force", "Specific force, body axes", "specific force [m/s²]",
-                 shown.study.flight.specific_force_b, 1.0)  # fmt: skip
+    return _body(page, "specific-force", "Specific force, body axes", "specific force [m/s²]",
+                 page.study.flight.specific_force_b, 1.0)  # fmt: skip
 
 
-def rate_chart(shown: Shown) -> Chart:
+def rate_chart(page: Content) -> Chart:
     """True inertial angular rate on body axes."""
-    return _body(shown, "angular-rate", "Angular rate, body axes", "angular rate [°/s]",
-                 shown.study.flight.angular_rate_b, 180.0 / math.pi)  # fmt: skip
+    return _body(page, "angular-rate", "Angular rate, body axes", "angular rate [°/s]",
+                 page.study.flight.angular_rate_b, 180.0 / math.pi)  # fmt: skip
 
 
-def _body(shown: Shown, key: str, title: str, label: str, nodes: Array, scale: float) -> Chart:
-    flight = shown.study.flight
-    every = shown.study.every
+def _body(page: Content, key: str, title: str, label: str, nodes: Array, scale: float) -> Chart:
+    flight = page.study.flight
+    every = page.study.every
     x = flight.time_s[:-1:every]
     return Chart(
         key=key,
@@ -96,15 +96,15 @@ def _body(shown: Shown, key: str, title: str, label: str, nodes: Array, scale: f
             Line(axis, axis, x, scale * nodes[::every, 0, i], f"axis {axis}", "true, at the start of a step")
             for i, axis in enumerate("xyz")
         ),
-        spans=boost(shown.study),
+        spans=boost(page.study),
         knowledge=f"What a perfect strapdown unit measures; the errors [B-1] are added to it. {flight.source}.",
     )
 
 
-def gravity_chart(shown: Shown) -> Chart:
+def gravity_chart(page: Content) -> Chart:
     """How far the gravity models are apart, by height."""
     height = np.linspace(0.0, 1.0e6, 101)
-    latitude = float(shown.study.flight.latitude_rad[0])
+    latitude = float(page.study.flight.latitude_rad[0])
     g = compare_gravity(latitude, height)
     x = height / 1000.0
     curves = (

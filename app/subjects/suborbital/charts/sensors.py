@@ -6,20 +6,20 @@ import numpy as np
 
 from app.charts.kinds import Band, Chart, Line
 from app.document.numbers import number
-from app.subjects.suborbital.charts.shown import CHANNELS, SENSOR_CLASSES, SENSORS, TIME, Shown, boost
+from app.subjects.suborbital.charts.content import CHANNELS, SENSOR_CLASSES, SENSORS, TIME, Content, boost
 from nav_model.base.constants import STANDARD_GRAVITY
 
 _UNITS = ((1e3 / STANDARD_GRAVITY, "mg", "specific force"), (math.degrees(3600.0), "°/h", "angular rate"))
 _STYLES = tuple((f"{sensor} bias", f"{sensor} instability", "everything") for sensor in SENSORS)
 
 
-def sensor_chart(shown: Shown, axis: int, sensor: int) -> Chart:
+def sensor_chart(page: Content, axis: int, sensor: int) -> Chart:
     """One sensor's error along the flight (axis x, y, z; sensor 0 accelerometer, 1 gyro)."""
     factor, unit, what = _UNITS[sensor]
     name, letter = SENSORS[sensor], "xyz"[axis]
-    history = shown.sensor_errors
+    history = page.sensor_errors
     errors = (history.specific_force_m_s2, history.angular_rate_rad_s)[sensor]
-    white = shown.survey.settings.show(f"{name}s.white_noise")
+    white = page.survey.settings.show(f"{name}s.white_noise")
     return Chart(
         key=f"{name}-error-{letter}",
         title=f"{name.capitalize()} error, {letter} axis",
@@ -29,16 +29,16 @@ def sensor_chart(shown: Shown, axis: int, sensor: int) -> Chart:
             Line(kind, kind, history.time_s, factor * errors[3 * sensor + k, :, axis], style, "[B-1]")
             for k, (kind, style) in enumerate(zip(SENSOR_CLASSES, _STYLES[sensor], strict=True))
         ),
-        spans=boost(shown.study),
+        spans=boost(page.study),
         knowledge=f"Sensor error [B-1] at the true {what}: bias is every constant term (scale factor and "
         f"misalignment times the {what} among them), instability every oscillating one; white noise, {white}, "
         "has no value at an instant and is not drawn.",
     )
 
 
-def noise_chart(shown: Shown, channel: int) -> Chart:
+def noise_chart(page: Content, channel: int) -> Chart:
     """White noise in one channel, ensemble against its prediction."""
-    study, ensemble = shown.study, shown.ensemble
+    study, ensemble = page.study, page.ensemble
     x = study.pure.time_s
     predicted = (
         ("INS alone", study.pure_noise.position_sigma_m[:, channel]),

@@ -21,7 +21,7 @@ from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.camera import CameraNoisePanel
 from app.subjects.suborbital.charts import attitude, errors, sensors
 from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
-from app.subjects.suborbital.charts.shown import Shown
+from app.subjects.suborbital.charts.content import Content
 from app.subjects.suborbital.page import SuborbitalPage
 from app.subjects.suborbital.tables import PAPER_NOTE, gap_table, noise_table, paper_tables, source_table
 from app.subjects.suborbital.views import VIEWS
@@ -56,10 +56,10 @@ def flown(page: SuborbitalPage, trajectory: tuple[str, bytes] | None) -> None:
 
 
 def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
-    before = here.study.shown
+    before = here.study.page
     assert before.exact
     assert here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h")) is None
-    after = here.study.shown
+    after = here.study.page
     assert not after.exact
     k = after.study.case("gyro total")
     change = after.study.pure.position_m[k, -1] - before.study.pure.position_m[k, -1]
@@ -67,7 +67,7 @@ def test_an_input_moves_every_curve_and_says_so(here: SuborbitalPage) -> None:
     assert "Linearised from the last full simulation" in here._strip._text.object
     # and back: the exact answer again
     here.inputs.put("gyros.bias", DEFAULTS["gyros.bias"])
-    assert here.study.shown.exact
+    assert here.study.page.exact
 
 
 def test_a_refusal_stands_at_the_field_and_changes_nothing(here: SuborbitalPage) -> None:
@@ -92,8 +92,8 @@ def test_a_slider_keeps_the_ratio_of_the_axes(here: SuborbitalPage) -> None:
 
 
 def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: SuborbitalPage) -> None:
-    shown = here.study.shown
-    tables = paper_tables(shown)
+    page = here.study.page
+    tables = paper_tables(page)
     assert len(tables) == 4
     bias = next(row for row in tables[0].rows if row[0] == "accelerometer bias")
     assert bias[1:4] == pytest.approx((-125.14, -11226.05, 20252.26), abs=5.0)
@@ -101,14 +101,14 @@ def test_tables_hold_the_study_and_name_the_papers_values_as_comparison(here: Su
     assert all(PAPER_NOTE in table.note for table in tables)
     cell = tables[0].block().rows[0][2]
     assert (cell.text, cell.sort) == ("−11200", pytest.approx(11226, abs=5))  # sorted by size, not by sign
-    assert len(source_table(shown).rows) == len(shown.study.names) + 1
+    assert len(source_table(page).rows) == len(page.study.names) + 1
     rows = list(csv.reader(io.StringIO(tables[1].csv())))
-    assert float(rows[1][1]) == shown.study.pure.position_m[shown.study.case("gyro bias"), -1, 0]
+    assert float(rows[1][1]) == page.study.pure.position_m[page.study.case("gyro bias"), -1, 0]
 
 
 def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> None:
     """star_tracker.md: gyro total in height 36.8 km by the channel, 13.6 km by the INS."""
-    chart = errors.growth_chart(Shown(survey, survey.study, survey.settings, case="gyro total"))
+    chart = errors.growth_chart(Content(survey, survey.study, survey.settings, case="gyro total"))
     lines = {line.key: line for line in chart.lines}
     assert lines["fails"].y[-1] == pytest.approx(36.8e3, rel=0.01)
     assert lines["ins"].y[-1] == pytest.approx(13.6e3, rel=0.01)
@@ -124,7 +124,7 @@ def test_decoupled_channel_is_shown_failing_where_it_does(survey: Survey) -> Non
 
 def test_star_chart_shows_the_stars_inside_the_square(survey: Survey) -> None:
     for index in (50, 250, 500):
-        chart = attitude.star_chart(Shown(survey, survey.study, survey.settings, star_index=index))
+        chart = attitude.star_chart(Content(survey, survey.study, survey.settings, star_index=index))
         places, measured = chart.points
         assert len(places.x) >= 3
         assert np.all((places.x > -0.5) & (places.x < 1023.5) & (places.y > -0.5) & (places.y < 1023.5))
@@ -135,14 +135,14 @@ def test_star_chart_shows_the_stars_inside_the_square(survey: Survey) -> None:
 def test_every_view_is_built_and_fed(here: SuborbitalPage) -> None:
     for view in VIEWS:
         here.study.views.chosen = view.name
-        here.study.param.trigger("shown")  # fed a second time
+        here.study.param.trigger("page")  # fed a second time
     contents = [here.study.views._places[view.name][0][0] for view in VIEWS]
     assert len({id(content) for content in contents}) == len(VIEWS)
     # what is opened after the curves have moved shows the moved ones
     here.study.views.chosen = VIEWS[0].name
     here.inputs.put("gyros.bias", (0.0, 0.0, 0.0))
     here.study.views.chosen = VIEWS[1].name
-    assert not here.study.shown.exact
+    assert not here.study.page.exact
 
 
 def test_the_inertial_unit_is_the_designs(survey: Survey) -> None:
@@ -177,7 +177,7 @@ def test_exact_run_in_a_process_shows_progress(here: SuborbitalPage) -> None:
     )
     when_done(here.begin, here.run)
     assert any(running and "error sources" in words for running, words in told)
-    assert here.study.shown.exact
+    assert here.study.page.exact
     assert "From the full simulation" in here._strip._text.object
     assert not here._session.running
 
@@ -204,13 +204,13 @@ def test_who_asks_the_same_study_has_it_at_once(
     other, running = asyncio.run(opened(to_link(DEFAULTS)))
     assert not running
     assert other._result is here._result
-    assert other.study.shown.exact
+    assert other.study.page.exact
     assert other._strip._text.object == here._strip._text.object
     assert asyncio.run(opened("study.gyros.bias=6,8,4deg/h"))[1]
 
 
 def test_a_bad_trajectory_is_said_by_name(here: SuborbitalPage) -> None:
-    before = here.study.shown
+    before = here.study.page
     flown(here, ("mine.csv", b"a,b\n1,2\n"))
     assert "mine.csv: columns time_s" in here.inputs.notice.object
     assert here.inputs.trajectory is None
@@ -261,68 +261,69 @@ def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_s
 
     def slid() -> None:
         here.inputs.sheet._handle_msg({"key": "tracker.frame_interval", "place": float(np.log10(0.34)), "number": 1})
-        assert here.study.shown.exact  # other frames need other matrices first
+        assert here.study.page.exact  # other frames need other matrices first
 
     when_done(slid, here.renewal)
     assert here.inputs.settings["tracker.frame_interval"] == pytest.approx(0.3)
     assert here.renewal.message == ""
-    assert not here.study.shown.exact
-    assert here.study.shown.study.used.sum() < here._result.study.used.sum()
+    assert not here.study.page.exact
+    assert here.study.page.study.used.sum() < here._result.study.used.sum()
 
 
 def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move(here: SuborbitalPage) -> None:
     here.study.views.chosen = "White noise"
-    assert np.all(np.isnan(sensors.noise_chart(here.study.shown, 2).lines[2].y))
+    assert np.all(np.isnan(sensors.noise_chart(here.study.page, 2).lines[2].y))
     here.noise.runs = 50
     when_done(here.noise.start)
-    shown = here.study.shown
-    flown = sensors.noise_chart(shown, 2)
+    page = here.study.page
+    flown = sensors.noise_chart(page, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
-    assert "50 runs, seed 1" in noise_table(shown).note
+    assert "50 runs, seed 1" in noise_table(page).note
     told = json.loads(here._json())
     assert (told["white_noise_monte_carlo"]["runs"], told["exact"]) == (50, True)
     assert told["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)  # as the command has it
     here.inputs.put("gyros.white_noise", 1e-5)
-    assert here.study.shown.ensemble is None
-    assert "Press Run for an ensemble" in noise_table(here.study.shown).note
+    assert here.study.page.ensemble is None
+    assert "Press Run for an ensemble" in noise_table(here.study.page).note
     assert "Run again" in here.noise.bar.message
 
 
 def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
-    shown = Shown(survey, survey.study, survey.settings)
-    lines = {line.key: line for line in sensors.sensor_chart(shown, 1, 1).lines}
+    page = Content(survey, survey.study, survey.settings)
+    lines = {line.key: line for line in sensors.sensor_chart(page, 1, 1).lines}
     assert list(lines) == ["bias", "instability", "total"]
     np.testing.assert_allclose(lines["bias"].y + lines["instability"].y, lines["total"].y)
     # Before the pitch programme the y gyro senses little: bias 4 °/h and 1e-4 of the rates the others sense.
     assert lines["bias"].y[0] == pytest.approx(4.0, abs=0.05)
-    assert sensors.sensor_chart(shown, 0, 0).y_label == "specific force error [mg]"
+    assert sensors.sensor_chart(page, 0, 0).y_label == "specific force error [mg]"
 
 
 def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Survey) -> None:
     study = survey.study
     k = study.case("all")
     along, across = (
-        errors.aided_chart(Shown(survey, study, DEFAULTS, "all", along_track=True), c).lines[0].y[-1] for c in (0, 1)
+        errors.aided_chart(Content(survey, study, DEFAULTS, "all", along_track=True), c).lines[0].y[-1]
+        for c in (0, 1)
     )
     assert (along, across) == pytest.approx(
         (study.pure.down_range_m[k, -1] / 1e3, study.pure.cross_range_m[k, -1] / 1e3)
     )
     assert np.hypot(along, across) == pytest.approx(np.hypot(*study.pure.position_m[k, -1, :2]) / 1e3)
-    named = errors.source_chart(Shown(survey, study, DEFAULTS, along_track=True), 1)
+    named = errors.source_chart(Content(survey, study, DEFAULTS, along_track=True), 1)
     assert named.title == "Cross-range error by source, INS alone"
 
 
 def test_everything_has_white_noise_and_says_that_signed_errors_cancel(survey: Survey) -> None:
     study = survey.study
-    word, figures = answer(Shown(survey, study, DEFAULTS))
+    word, figures = answer(Content(survey, study, DEFAULTS))
     first, noise = figures.items[0], figures.items[-1]
     assert (first.label, noise.label) == ("Everything", "White noise, 1σ")
     k = study.names.index("all")
-    for found, spread, shown in zip(
+    for found, spread, text in zip(
         (study.pure, study.aided), (study.pure_noise, study.aided_noise), first.value.split(" → "), strict=True
     ):
         whole = math.sqrt(sum(found.position_m[k, -1] ** 2) + sum(spread.position_sigma_m[-1] ** 2))
-        assert shown.replace("\u00a0", " ") == show(whole, "length")
+        assert text.replace("\u00a0", " ") == show(whole, "length")
     assert "partly cancel" in first.detail
     assert first.value.partition(" → ")[2] in word.word
     accelerometers = np.linalg.norm(study.aided.position_m[study.names.index("accelerometer total"), -1])
@@ -333,7 +334,7 @@ def test_everything_has_white_noise_and_says_that_signed_errors_cancel(survey: S
 
 
 def test_linear_gap_names_the_row_that_is_beyond_the_promise(survey: Survey) -> None:
-    table = gap_table(Shown(survey, survey.study, survey.settings))
+    table = gap_table(Content(survey, survey.study, survey.settings))
     assert "sum of signed errors is off by 0.6 %" in table.note
     assert len(table.rows) == len(survey.study.names) - 1
 

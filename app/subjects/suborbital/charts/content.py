@@ -31,7 +31,7 @@ TIME = "time since lift-off [s]"
 
 
 @dataclass(frozen=True)
-class Shown:
+class Content:
     """The content of the page: the last run, the study at the sliders' positions, and the chosen view.
 
     settings: of the study, which its survey was run at unless the curves were moved;
