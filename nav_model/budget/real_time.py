@@ -19,7 +19,7 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
 from nav_model.analytic.refined_coast import refined_growth
 from nav_model.analytic.steady_state import Horizontal, Vertical
-from nav_model.aperture import geometry, phase
+from nav_model.aperture import phase
 from nav_model.base.arrays import Array
 from nav_model.budget.contributors import with_contributors
 from nav_model.budget.fast import levels
@@ -212,7 +212,7 @@ class RealTime:
 
     @cached_property
     def to_phase(self) -> Array:
-        """As of the inputs, computed once. [T-13]"""
+        """As of the inputs; the workbook puts a cell in its place. [T-13]"""
         return self.x.to_phase
 
     def phase_by_source(self, order: int) -> Mapping[str, phase.PhaseVariances]:
@@ -264,17 +264,9 @@ class RealTime:
         whole = self._phase if order == self.x.autofocus_order else phase.total(self.phase_by_source(order))
         return self.to_phase * np.sqrt(whole.detrended)
 
-    @property
-    def detrended_phase_1(self) -> Array:
-        return self.detrended(1)
-
-    @property
-    def detrended_phase_2(self) -> Array:
-        return self.detrended(2)
-
-    @property
-    def detrended_phase_3(self) -> Array:
-        return self.detrended(3)
+    detrended_phase_1 = property(lambda self: self.detrended(1))
+    detrended_phase_2 = property(lambda self: self.detrended(2))
+    detrended_phase_3 = property(lambda self: self.detrended(3))
 
     @property
     def along_track_quadratic_phase(self) -> Array:
@@ -341,13 +333,8 @@ class RealTime:
         x = self.x
         return levels(x.fast.values(), x.to_phase, x.aperture, x.window)
 
-    @property
-    def paired_echo(self) -> Array:
-        return self._levels["paired_echo"]
-
-    @property
-    def islr(self) -> Array:
-        return self._levels["islr"]
+    paired_echo = property(lambda self: self._levels["paired_echo"])
+    islr = property(lambda self: self._levels["islr"])
 
     # The azimuth impulse response with the quadratic phase at one sigma, contributors included.
 
@@ -355,21 +342,10 @@ class RealTime:
     def _response(self) -> dict[str, Array]:
         return measures(self.x, self.sigma("quadratic_phase"))
 
-    @property
-    def response_width(self) -> Array:
-        return self._response["response_width"]
-
-    @property
-    def pslr(self) -> Array:
-        return self._response["pslr"]
-
-    @property
-    def response_islr(self) -> Array:
-        return self._response["response_islr"]
-
-    @property
-    def peak_loss(self) -> Array:
-        return self._response["peak_loss"]
+    response_width = property(lambda self: self._response["response_width"])
+    pslr = property(lambda self: self._response["pslr"])
+    response_islr = property(lambda self: self._response["response_islr"])
+    peak_loss = property(lambda self: self._response["peak_loss"])
 
 
 def with_fast(x: Inputs, shift: Shifts) -> Shifts:
@@ -390,13 +366,3 @@ def azimuth_lever(x: Inputs) -> Array:
 def fast_slope(x: Inputs) -> Array:
     """Variance of the slope over the aperture from vibration, unsensed motion and oscillator, m²/s²."""
     return np.asarray(sum(effect.slope for effect in x.fast.values()) * 4 / x.aperture**2)
-
-
-def sight_weights(x: Inputs) -> tuple[Array, Array]:
-    """Weights of horizontal and vertical variances along the line of sight. [S-1]"""
-    return geometry.line_of_sight_weights(x.grazing_angle)
-
-
-def sum_of(x: Inputs, column: str) -> Array:
-    """What vibration, unsensed motion and oscillator add to a column of the smoother."""
-    return np.asarray(sum(getattr(effect, column) for effect in x.fast.values()))

@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 
 from nav_model.analytic.turning import TURNING, Turn, smoothed_bent_variance, turn_weights
+from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.budget.inputs import Inputs
-from nav_model.budget.real_time import RealTime, azimuth_lever, fast_slope, sight_weights, sum_of
+from nav_model.budget.real_time import RealTime, azimuth_lever, fast_slope
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.flight import Channel
 from nav_model.processing.geolocation import Line
@@ -64,11 +65,15 @@ class Smoothed(RealTime):
     def tilt(self) -> Array:
         return np.asarray(np.sqrt(self.error["tilt"][0] + self.x.bias**2) / self.x.g)
 
+    def _along_sight(self, column: str) -> Array:
+        """Variance along the line of sight from both axes. [S-1]"""
+        weights = line_of_sight_weights(self.x.grazing_angle)
+        return np.asarray(sum(weight * axis for weight, axis in zip(weights, self.error[column], strict=True)))
+
     def sight_variance(self, column: str) -> Array:
-        """Variance along the line of sight, with vibration, unsensed motion and oscillator."""
-        wide, high = sight_weights(self.x)
-        horizontal, vertical = self.error[column]
-        return np.asarray(wide * horizontal + high * vertical + sum_of(self.x, column))
+        """The same with vibration, unsensed motion and oscillator."""
+        fast = sum(getattr(effect, column) for effect in self.x.fast.values())
+        return np.asarray(self._along_sight(column) + fast)
 
     @property
     def quadratic_phase(self) -> Array:
@@ -97,9 +102,7 @@ class Smoothed(RealTime):
     @property
     def slope_shift(self) -> Array:
         """Azimuth shift without the position along the track, m: R/V times the slope of the line of sight."""
-        wide, high = sight_weights(self.x)
-        horizontal, vertical = self.error["slope"]
-        return np.asarray(azimuth_lever(self.x) * np.sqrt(wide * horizontal + high * vertical + fast_slope(self.x)))
+        return np.asarray(azimuth_lever(self.x) * np.sqrt(self._along_sight("slope") + fast_slope(self.x)))
 
     # Along the line of sight as it turns over the aperture: [S-2] and the terms that it omits.
 

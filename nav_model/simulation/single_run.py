@@ -161,6 +161,7 @@ def _advance_run(
     for k in range(-1, len(events)):
         # Rows 0 and 1 of the increments end at time 0: they only fill the window.
         sample, now = increments[k + 1], window[(k + 1) % 3]
+        # What the sensors report of this sample, less the biases that the filter has estimated.
         measure(accelerometer, sample[:3], dt, imu_noise, now[:3])
         measure(gyro, sample[3:], dt, imu_noise, now[3:])
         for i in range(6):
@@ -173,6 +174,8 @@ def _advance_run(
             advance(state, now, window[k % 3], window[(k - 1) % 3], dt, force, scratch)
         if k < 0 or events[k] == 0:
             continue
+        # The filter steps from event to event, not from sample to sample, with the mean force and attitude since the
+        # last one. Over the same time, what is estimated of biases and slow error decays.
         if k > last_step:
             elapsed = (k - last_step) * dt
             for i in range(3):
@@ -202,6 +205,7 @@ def _advance_run(
             for i in range(len(slow)):
                 slow[i] *= math.exp(-tuning.decay_rate[inertial - BIASES + i] * elapsed)
             last_step = k
+        # An output is written before the fix and after it.
         for phase in range(2):
             if phase == 1 and events[k] & FIX:
                 for i in range(3):
@@ -222,6 +226,7 @@ def _advance_run(
                 correct(state, bias, slow, estimate)
                 write_matrix(quaternion, matrix)
                 fix += 1
+            # A filter with one state for the bias of a sensor estimates the sum of its constant and its varying part.
             if events[k] & OUTPUT:
                 for i in range(3):
                     a, g = ACCELEROMETER + i, GYRO + i
