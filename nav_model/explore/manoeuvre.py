@@ -6,7 +6,7 @@ the flight of the changed design, so that an option that closes does so once it 
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -21,8 +21,8 @@ from nav_model.design.declaration import in_sentence
 from nav_model.design.presets import preset_fill
 from nav_model.design.trajectory import LINES, WAYPOINTS
 from nav_model.trajectory.covariance import lines_along
-from nav_model.trajectory.design_study import along_flight, lines_of, plan_like, planned, rows_of
-from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, before_line, in_parts
+from nav_model.trajectory.design_study import along_flight, plan_of, planned, rows_of
+from nav_model.trajectory.plan import Plan, PlannedFlight, before_line, in_parts
 from nav_model.trajectory.result import LineResult
 
 _TURNS: Mapping[str, tuple[float, ...]] = {
@@ -326,9 +326,7 @@ def _candidate(
 
 def _inserted(plan: _Plan, number: int, ways: Sequence[Way], parts: int) -> list[_Plan]:
     """The plan with each of the ways at a line; raises InputError where none can be flown."""
-    design, own = plan.design, plan.design.trajectory
-    points = tuple(Waypoint(*row) for row in own.waypoints)
-    flown = lines_of(design) if own.flight == LINES else replace(plan_like(design), waypoints=points)
+    design, flown = plan.design, plan_of(plan.design)
     at = [n for n, point in enumerate(flown.waypoints[:-1]) if point.line][number]
     changed: list[_Plan] = []
     for way in ways:

@@ -6,6 +6,8 @@
     covariance.py     covariance(spec): filter, smoother and the share of every source -> TrajectoryResult
     aperture.py       the weights of the image figures, of the errors at the nodes of a flight
     result.py         TrajectoryResult and its parts; to_json
+    lines.py          the lines of a flight against their limits
+    line_length.py    how long a line of a plan may be
     plan.py           a flight from waypoints and lines, with coordinated turns
     files             flights from files: plans, recordings
 

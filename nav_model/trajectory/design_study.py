@@ -21,7 +21,7 @@ from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
 from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, strip
+from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, lengthened, strip
 from nav_model.trajectory.specification import CovarianceSpec, Line, Most
 
 _SAME = 0.005
@@ -49,22 +49,28 @@ def lines_of(design: Design) -> Plan:
     return strip(plan_like(design), first, flight.heading, route.length, route.spacing, int(route.lines))
 
 
+def plan_of(design: Design) -> Plan:
+    """The plan of a design with waypoints or lines; raises InputError as `lines_of`."""
+    places = tuple(Waypoint(*row) for row in design.trajectory.waypoints)
+    return lines_of(design) if design.trajectory.flight == LINES else replace(plan_like(design), waypoints=places)
+
+
 def rows_of(points: Iterable[Waypoint]) -> Rows:
     """Waypoints as a design has them."""
     return tuple(row_of(point.latitude, point.longitude, point.height, point.line) for point in points)
 
 
-def planned(design: Design) -> PlannedFlight:
-    """The flight of the design's plan.
+def planned(design: Design, number: int = 0, longer: float = 0.0) -> PlannedFlight:
+    """The flight of the design's plan; `longer` [s] in its line `number` (from 0), or as a whole without lines.
 
     Raises InputError under the key of the design, where it cannot be flown.
     """
     trajectory = design.trajectory
     if trajectory.flight not in (LINES, WAYPOINTS):
-        return PlannedFlight(named_flight(design, trajectory.flight), trajectory.duration, ())
+        return PlannedFlight(named_flight(design, trajectory.flight), trajectory.duration + longer, ())
     with under(f"trajectory.{trajectory.flight}"):
-        places = tuple(Waypoint(*row) for row in trajectory.waypoints)
-        return fly(lines_of(design) if trajectory.flight == LINES else replace(plan_like(design), waypoints=places))
+        plan = plan_of(design)
+        return fly(lengthened(plan, number, longer * plan.speed) if longer else plan)
 
 
 def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> CovarianceSpec:

@@ -10,6 +10,8 @@ from nav_model.trajectory.result import STATE_AXES, LineResult, Processed
 from nav_model.trajectory.specification import CovarianceSpec, Line
 
 FloatArray = NDArray[np.float64]
+MOST_RESERVE = 1200.0
+"""Seconds by which a line is made longer at most: a reserve of this is one of at least this."""
 
 
 def judge(
@@ -30,6 +32,17 @@ def time_in_words(seconds: float) -> str:
         return f"{seconds:.3g} s"
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes} min {rest} s" if rest else f"{minutes} min"
+
+
+def length_in_words(line: LineResult) -> str:
+    """How long a line may be; empty where that is not solved."""
+    if line.longest_s is None or line.reserve_s is None:
+        return ""
+    if line.reserve_s >= MOST_RESERVE:
+        return f"may be more than {time_in_words(MOST_RESERVE)} longer"
+    if line.closes:
+        return f"may be {time_in_words(line.reserve_s)} longer"
+    return f"at most {time_in_words(line.longest_s)} long" if line.longest_s else "no length holds"
 
 
 def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *, image: bool) -> NDArray[np.bool_]:

@@ -98,6 +98,16 @@ def strip(like: Plan, first: Waypoint, heading: float, length: float, spacing: f
     return replace(like, waypoints=tuple(points))
 
 
+def lengthened(plan: Plan, number: int, by: float) -> Plan:
+    """The plan with its line `number` (from 0) longer by `by` [m], or shorter; all that follows it moves along."""
+    points, legs = plan.waypoints, _legs(plan.waypoints)
+    leg = [n for n, point in enumerate(points[:-1]) if point.line][number]
+    legs[leg] *= 1.0 + by / abs(legs[leg])
+    places = zip(points, _places(points[0], legs.tolist()), strict=True)
+    moved = (replace(point, latitude=place.latitude, longitude=place.longitude) for point, place in places)
+    return replace(plan, waypoints=tuple(moved))
+
+
 def fly(plan: Plan) -> PlannedFlight:
     """The flight of a plan.
 

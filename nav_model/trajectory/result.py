@@ -60,7 +60,8 @@ class LineResult:
     failing: names of the figures beyond their limit, or without a value on the line. reason: why no image of the line
     can be taken, after its name in a sentence; else empty. fails_at_s: when the first figure passes its limit [s
     after the line's start], None where none does; fails_by: that figure; because: the same in words, with the largest
-    source at that time.
+    source at that time. longest_s, reserve_s: the longest line that holds, and by how much it is longer [s], as
+    `nav_model.trajectory.line_length` solves them; None before.
     """
 
     name: str
@@ -76,6 +77,19 @@ class LineResult:
     fails_at_s: float | None
     fails_by: str
     because: str
+    longest_s: float | None = None
+    reserve_s: float | None = None
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return self.stop_s - self.start_s
+
+    @property
+    def excess(self) -> tuple[str, float]:
+        """The figure that decides on it, and its worst over its limit; none without a limit or a value."""
+        over = {name: self.worst[name] / limit for name, limit in self.limits.items() if name in self.worst}
+        return max(over.items(), key=lambda item: item[1], default=("", 0.0))
 
     @property
     def closes(self) -> bool:

@@ -6,6 +6,7 @@ from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.flight import flight_arguments, flight_study
+from app.console.progress import show_progress
 
 _DOES_NOT_CLOSE = 1
 
@@ -30,7 +31,8 @@ def add_to(commands: Any) -> None:
 def _trajectory(options: argparse.Namespace) -> int:
     from nav_model.simulation.study_inputs import read_study_inputs, split_changes
     from nav_model.trajectory.covariance import covariance
-    from nav_model.trajectory.design_study import covariance_specification
+    from nav_model.trajectory.design_study import PLAN, covariance_specification
+    from nav_model.trajectory.line_length import with_lengths
     from nav_model.trajectory.result import to_json
 
     (path,) = paths_of(options)
@@ -39,5 +41,8 @@ def _trajectory(options: argparse.Namespace) -> int:
     study, flight = flight_study(design, read_study_inputs(of_study), options)
     lines = flight.lines if flight else ()
     result = covariance(covariance_specification(design, study, lines=lines))
+    if options.trajectory == PLAN and options.duration is None:
+        with show_progress() as show:
+            result = with_lengths(result, design, lambda share, what: show(what, share))
     put_json(lambda: to_json(result), options.output)
     return 0 if result.closes else _DOES_NOT_CLOSE

@@ -66,6 +66,7 @@ _RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 _ADDED = " A double click on the map adds one at the end."
 _NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
+_LENGTHS = "How long may lines be?"
 _NO_FILE = "Open a file: plans (KML, KMZ, GPX, .plan) are flown at the design's speed, recordings as they were."
 
 
@@ -88,8 +89,9 @@ class TrajectoryPage(StudyPage[Followed]):
         self._on_disk = UploadedFile()
         self._plan = PlanFields(session, self._typed)
         of_flight = self._of_result
-        self._bar = RunBar(self.run, self.begin, "Compute", strip=True)
-        self._bar.start.visible = False  # the flight is followed whenever something changes
+        # The flight is followed whenever something changes; how long lines may be takes many flights.
+        self._bar = RunBar(self.run, lambda: self.begin(by_itself=False, lengths=True), _LENGTHS, strip=True)
+        self._bar.start.param.update(icon="straighten", variant="outlined", size="small")
         self._drawer = Drawer("Plan", "route", *self._plan_parts())
         figure = pmui.Select.from_param(self.param.figure, width=170, **_LOOK)
         self._stack = Timelines(timelines(None, self.figure))
@@ -136,8 +138,12 @@ class TrajectoryPage(StudyPage[Followed]):
             self.flight = self._session.design.trajectory.flight
         self._places.visible = self.flight == WAYPOINTS
 
-    def begin(self, settle: float = 0.0, *, by_itself: bool = True) -> asyncio.Task[None]:
-        """Follow the flight of the design, or of the file, after `settle` seconds; one under way is cancelled."""
+    def begin(self, settle: float = 0.0, *, by_itself: bool = True, lengths: bool = False) -> asyncio.Task[None]:
+        """Follow the flight of the design, or of the file, after `settle` seconds; one under way is cancelled.
+
+        ``lengths``: solve how long its lines may be too.
+        """
+        self._lengths = lengths
         return super().begin(settle, by_itself=by_itself)
 
     async def _study(self, run: Run) -> Followed:
@@ -149,9 +155,12 @@ class TrajectoryPage(StudyPage[Followed]):
             self._asked = self._key or ()
         asked = self._session.design, self.states, file
         flown: Followed | None = None
-        if file is None:  # a short flight is not worth a process that ends with the next step of a slider
+        if file is None and not self._lengths:
+            # A short flight is not worth a process that ends with the next step of a slider.
             flown = await run_in_pool(follow_if_short, *asked[:2])
-        return flown or await run_alone(follow, *asked, progress=lambda _, what: run.tell(what))
+        return flown or await run_alone(
+            follow, *asked, self._lengths, progress=lambda share, what: run.tell(what, share or None)
+        )
 
     @property
     def _key(self) -> tuple[str, ...] | None:
@@ -250,6 +259,8 @@ class TrajectoryPage(StudyPage[Followed]):
         self._head.say(head_html("Along the flight", knowledge, description, key))
         faint = self._refused or self.run.message
         self._body.styles = {"opacity": "0.5" if faint else "1"}  # an empty one would leave it as it was
+        lines = result.result.lines if result and not result.file else ()
+        self._bar.start.visible = any(line.limits for line in lines) and all(line.longest_s is None for line in lines)
         if not self.run.running:
             self._of_result.follow()
 

@@ -24,7 +24,7 @@ def study(design: Design, options: argparse.Namespace) -> Followed:
         For a key of the design that cannot be flown.
     """
     del options  # those of runs
-    return follow(design, _STATES)
+    return follow(design, _STATES, lengths=True)
 
 
 def another_design(study: Followed, design: Design) -> str:

@@ -66,10 +66,13 @@ def follow(
     design: Design,
     states: int,
     file: File | None = None,
+    lengths: bool = False,
     *,
     progress: Callable[[float, str], None] = lambda share, what: None,
 ) -> Followed:
     """Follow the covariance along the flight of the design's plan, or of a file; for a process of its own.
+
+    lengths: solve how long each line of the plan may be, which takes many flights.
 
     Raises
     ------
@@ -80,6 +83,7 @@ def follow(
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import along_flight, plan_like, planned
     from nav_model.trajectory.files.reader import parse_file
+    from nav_model.trajectory.line_length import with_lengths
 
     global _seconds_per_fix
     if file is None:
@@ -96,6 +100,8 @@ def follow(
     result = covariance(along_flight(design, flight, states), _MOST_STEPS)
     if fixes > _SHORT:
         _seconds_per_fix = (time.monotonic() - began) / fixes
+    if lengths and file is None:
+        result = with_lengths(result, design, progress)
     position = result.truth.position
     north, east = metres_per_radian(position[0, 0], position[0, 2])
     return Followed(

@@ -36,7 +36,7 @@ def verdict(followed: Followed, name: str) -> Answer:
         word = f"{percent(min(result.lines[0].within.values()))} of the flight within the limits"
     sentences: tuple[str, ...] = ()
     if failing:
-        worst = max(failing, key=lambda line: (bool(line.reason), _excess(line)[1]))
+        worst = max(failing, key=lambda line: (bool(line.reason), line.excess[1]))
         first = failure(worst)
         sentences = (f"{first[0].upper()}{first[1:]}.", "See Close it for what would.")
     return Answer(
@@ -64,34 +64,39 @@ def failure(line: LineResult) -> str:
     return f"{line.name} fails: {line.because}; {worst} at worst"
 
 
-def _excess(line: LineResult) -> tuple[str, float]:
-    """The figure that decides on a line, and its worst over its limit; none without a limit or a value."""
-    over = {name: line.worst[name] / limit for name, limit in line.limits.items() if name in line.worst}
-    return max(over.items(), key=lambda item: item[1], default=("", 0.0))
-
-
 def line_list(followed: Followed, name: str) -> Table:
-    """The verdict of each line, with the figure that decides; `name` where no limit does."""
+    """The verdict of each line: when and why it fails, or the figure that decides, `name` where no limit does; and
+    how long it may be, once that is solved."""
     result = followed.result
+    lengths = [_length(line) for line in result.lines]
     rows: list[Row] = []
-    for place, line in enumerate(result.lines, 1):
-        figure = FIGURES[_excess(line)[0] or name]
+    for place, (line, length) in enumerate(zip(result.lines, lengths, strict=True), 1):
+        figure = FIGURES[line.fails_by or line.excess[0] or name]
         worst, limit = line.worst.get(figure.name), line.limits.get(figure.name)
-        fails = "✗ fails", "bad"
-        sign, tone = (("✓ keeps", "good") if limit else ("no limit", "")) if line.closes else fails
+        fails = "✗\u00a0fails", "bad"
+        sign, tone = (("✓\u00a0keeps", "good") if limit else ("no limit", "")) if line.closes else fails
         label = line.name if not result.spec.lines or line.name == f"line {place}" else f"{place}  {line.name}"
+        why = line.reason or line.because
         texts = (
+            f"{why[:1].upper()}{why[1:]}" or figure.label,
             NONE if worst is None else figure.show(worst),
             NONE if limit is None else figure.show(limit, given=True),
         )
-        rows.append((label, Cell(sign, tone=tone), line.reason or figure.label, *texts))
+        rows.append((label, Cell(sign, tone=tone), *texts, *([length or NONE] if any(lengths) else [])))
     return table(
         "trajectory-verdicts",
         f"Verdict by line, {result.spec.processing}",
-        ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit (1σ)")),
+        ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit (1σ)"), *(["Length"] if any(lengths) else [])),
         rows,
         result.heading.text,
     )
+
+
+def _length(line: LineResult) -> str:
+    """How long a line may be; empty where that is not solved."""
+    from nav_model.trajectory.lines import length_in_words
+
+    return length_in_words(line)
 
 
 def line_table(followed: Followed, name: str) -> Table:
@@ -102,7 +107,7 @@ def line_table(followed: Followed, name: str) -> Table:
     rows: list[Row] = []
     for line in result.lines:
         span = f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"
-        rows.append((f"{span}; {line.reason}" if line.reason else span,))
+        rows.append(("; ".join(filter(None, (span, line.reason or line.because, _length(line)))),))
         for figure in figures:
             within = line.within.get(figure.name)
             limited: tuple[str | Cell, ...] = (NONE, NONE)
@@ -110,13 +115,13 @@ def line_table(followed: Followed, name: str) -> Table:
                 sign, tone = ("✗", "bad") if figure.name in line.failing else ("✓", "good")
                 limit = figure.show(line.limits[figure.name], given=True)
                 limited = limit, Cell(percent(within), sign, tone)
-            values = (part.get(figure.name) for part in (line.mean, line.worst))
+            values = (part.get(figure.name) for part in (line.first, line.mean, line.worst))
             texts = (NONE if value is None else figure.show(value) for value in values)
             rows.append((figure.label, *texts, *limited))
     return table(
         "trajectory-lines",
         f"Figures by line, {result.spec.processing}",
-        ("Quantity", *numbers("Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
+        ("Quantity", *numbers("At start", "Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
         rows,
         f"An image's aperture lies within its line. Position, velocity, tilt and heading are {result.moment}.",
     )

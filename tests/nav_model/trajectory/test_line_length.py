@@ -8,11 +8,15 @@ import pytest
 
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR
 from nav_model.design import Design
+from nav_model.design.trajectory import LIMITED
+from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import covariance
-from nav_model.trajectory.design_study import covariance_specification
-from nav_model.trajectory.result import to_json
+from nav_model.trajectory.design_study import along_flight, covariance_specification, planned
+from nav_model.trajectory.line_length import with_lengths
+from nav_model.trajectory.lines import MOST_RESERVE, length_in_words
+from nav_model.trajectory.result import TrajectoryResult, to_json
 from nav_model.trajectory.specification import Line
 
 START, WALK, BIAS, TIME = 0.005 * DEGREE, 0.05 * DEGREE / 60, 0.5 * DEGREE_PER_HOUR, 200.0
@@ -54,6 +58,65 @@ def test_a_line_within_its_limits_fails_at_no_time_and_one_beyond_from_the_start
     within, beyond = (
         covariance(replace(spec, most=(("heading", limit * DEGREE),))).lines[0] for limit in (1.0, 0.05)
     )
-    assert (within.fails_at_s, within.fails_by, within.because) == (None, "", "")
+    assert (within.fails_at_s, within.fails_by, within.because, length_in_words(within)) == (None, "", "", "")
     assert (beyond.fails_at_s, beyond.fails_by) == (0.0, "heading")
     assert beyond.because == "heading is beyond 0.05° (1σ) from the start; mostly initial heading"
+    solved = [(within, 90.0), (within, MOST_RESERVE), (beyond, -20.0), (beyond, -50.0)]
+    lines = [replace(line, longest_s=50.0 + longer, reserve_s=max(longer, 0.0)) for line, longer in solved]
+    assert [length_in_words(line) for line in lines] == [
+        "may be 1 min 30 s longer", "may be more than 20 min longer", "at most 30 s long", "no length holds",
+    ]  # fmt: skip
+
+
+def _flown(design: Design) -> TrajectoryResult:
+    return covariance(along_flight(design, planned(design)))
+
+
+def _waypoints(latitude: float, legs: np.ndarray) -> tuple[tuple[float, float, float, str], ...]:
+    """The ends of legs [m], north and east as the imaginary part; lines begin with the first and the third."""
+    place, rows = np.array([latitude, 0.1]), [(latitude, 0.1, 1500.0, "line 1")]
+    for leg, name in zip(legs, ("", "line 2", ""), strict=True):
+        north = 0.0
+        for _ in range(3):  # with the metres of a degree half way
+            scale = metres_per_radian(place[0] + north / 2, 1500.0)
+            north = leg.real / scale[0]
+        place = place + np.array([north, leg.imag / scale[1]])
+        rows.append((*place.tolist(), 1500.0, name))
+    return tuple(rows)
+
+
+@pytest.mark.parametrize(
+    "seed", [pytest.param(n, marks=pytest.mark.long if n < 2 else pytest.mark.slow) for n in range(20)]
+)
+def test_the_longest_line_flown_again_meets_its_limit_and_a_longer_one_fails(seed: int) -> None:
+    random = np.random.default_rng([42, seed])
+    speed, latitude, sense = random.uniform(40, 90), random.uniform(-1, 1), random.choice([-1, 1])
+    course = random.uniform(-math.pi, math.pi) + sense * random.uniform(1.2, 2) * np.arange(3)
+    legs = speed * random.uniform([120, 60, 120], [300, 90, 300]) * np.exp(1j * course)
+    design = Design(
+        {
+            "imu.angle_random_walk": 10 ** random.uniform(-1.5, -0.7) * DEGREE / 60,
+            "imu.gyro_bias": random.choice([0, 0.5]) * DEGREE_PER_HOUR, "flight.speed": speed,
+            "gnss.position_noise": 10 ** random.uniform(-1.7, -0.5),
+            "processing.mode": ("real time", "post-processed")[seed % 2],
+            "trajectory.flight": "waypoints", "trajectory.waypoints": _waypoints(latitude, legs),
+        }
+    )  # fmt: skip
+    limits = [line.worst["heading"] * random.uniform(0.8, 1.5) for line in _flown(design).lines]
+    rows = (tuple(limit if name == "heading" else None for name in LIMITED) for limit in limits)
+    design = design.replace({"trajectory.limits": tuple((f"line {n}", *row) for n, row in enumerate(rows, 1))})
+    result = _flown(design)
+    for number, line in enumerate(with_lengths(result, design).lines):
+        assert line.longest_s is not None
+        trials = {1.02 * line.longest_s: False, 0.999 * line.longest_s: True}
+        if line.longest_s == 0.0:
+            trials = {1.01 * float(result.spec.inputs.aperture): False}
+        elif line.reserve_s == MOST_RESERVE:
+            trials = {line.longest_s: True}
+        for length, holds in trials.items():
+            other = legs.copy()
+            other[2 * number] *= 1 + (length - line.duration) * speed / abs(other[2 * number])
+            lines = _flown(design.replace({"trajectory.waypoints": _waypoints(latitude, other)})).lines
+            again = next(each for each in lines if each.name == line.name)
+            assert again.duration == pytest.approx(length, rel=5e-4)
+            assert again.closes == holds

@@ -293,6 +293,9 @@ def test_the_commands_fly_the_plan_of_the_design(tmp_path: Path, capsys: pytest.
     assert main(["trajectory", str(path), "--set", "trajectory.heading_noise=0.05°"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert [line["name"] for line in found["lines"]] == ["out & <b>in</b>", "line 2"]
+    first, second = found["lines"]
+    assert (first["longest_s"], first["reserve_s"], second["reserve_s"]) == (0.0, 0.0, 1200.0)
+    assert second["longest_s"] == pytest.approx(second["stop_s"] - second["start_s"] + 1200.0, abs=0.01)
     assert found["heading"]["text"].startswith("Heading is observed from 1 s on, by two antennas")
     assert found["shares"]["position_horizontal"]["heading aiding"]
     assert found["time_s"][-1] == pytest.approx(planned(design()).duration, abs=1.0)

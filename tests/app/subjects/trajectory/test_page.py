@@ -88,10 +88,27 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
     assert said.sentences[0].startswith(f"{worst.name.capitalize()} fails: {worst.because}; ")
     assert worst.because.startswith("detrended phase ")
     listed = line_list(followed, "detrended_phase")
-    assert [[cell.text for cell in row][:3] for row in listed.rows] == [
-        [f"line {n}", "✗ fails", "Detrended phase"] for n in (1, 2)
+    assert [[cell.text.lower() for cell in row][:3] for row in listed.rows] == [
+        [line.name, "✗\u00a0fails", line.because] for line in followed.result.lines
     ]
     assert listed.note == followed.result.heading.text
+
+
+def test_the_page_solves_how_long_lines_may_be_when_asked_and_forgets_it_with_the_next_design(
+    session: Session,
+) -> None:
+    page = TrajectoryPage(session)
+    session.change(TWO_LINES)
+    after(page, page.begin)
+    assert page._bar.start.visible
+    assert [column.title for column in line_list(page.run.result, page.figure).columns][-1] == "Limit (1σ)"
+    after(page, lambda: page.begin(by_itself=False, lengths=True))
+    assert not page._bar.start.visible
+    assert [row[-1].text for row in line_list(page.run.result, page.figure).rows] == ["no length holds"] * 2
+    assert "no length holds" in html_of(line_table(page.run.result, page.figure))
+    session.change({"trajectory.length": 3100.0})
+    after(page, page.begin)
+    assert page._bar.start.visible
 
 
 def test_a_design_that_is_good_enough_says_so_and_one_without_limits_too() -> None:
@@ -237,7 +254,7 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     opened("song.mp3", b"abc")
     assert "This is not a table. Give a KML, KMZ, GPX" in page._bar.message
     opened("plan.gpx", b"<gpx/>")
-    assert "Not used. plan.gpx: holds no route" in page._bar.message
+    assert "Not used. plan.gpx: holds no path" in page._bar.message
     assert (page._file, session.design.trajectory.waypoints) == (None, ())
     opened("plan.gpx", _PLAN.encode())
     assert session.design["trajectory.flight"] == page.flight == "waypoints"

@@ -1,0 +1,82 @@
+"""How long a line may be: its leg is made longer or shorter, and the plan is followed again by the same covariance.
+
+All that follows the line moves along with its end, so that it is flown as before; outages stay at their times.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.design.processing import REAL_TIME
+from nav_model.trajectory.covariance import lines_along
+from nav_model.trajectory.design_study import planned
+from nav_model.trajectory.lines import MOST_RESERVE
+from nav_model.trajectory.result import STATE_AXES, LineResult, TrajectoryResult
+from nav_model.trajectory.specification import Line
+
+_CLOSE = 0.01  # of its length: how near the solved line is to one that fails
+_MOST_TRIALS = 16  # for a line
+_MOST_FIXES = 100_000  # of all lines' flights together: a few minutes
+
+Progress = Callable[[float, str], None]
+
+
+def with_lengths(
+    result: TrajectoryResult, design: Design, progress: Progress = lambda share, what: None
+) -> TrajectoryResult:
+    """The result of the design's plan, with the longest line that holds in place of each line, and its reserve.
+
+    A line keeps None where it has no limit, cannot be flown longer or shorter, or where the flights are too many.
+    """
+    study, lines, solved = result.spec.study, result.lines, []
+    if len(lines) * (study.duration + MOST_RESERVE) > _MOST_FIXES * study.gnss.interval:
+        return result
+    for number, line in enumerate(lines):
+        progress(number / len(lines), f"How long {line.name} may be, {number + 1} of {len(lines)}")
+        try:
+            solved.append(_solved(line, result, partial(_flown, result, design, number)))
+        except InputError:  # the ground, the turns or the latitude leave no room for a line of another length
+            solved.append(line)
+    return replace(result, lines=tuple(solved))
+
+
+def _flown(result: TrajectoryResult, design: Design, number: int, longer: float) -> LineResult:
+    """A line of the plan, `longer` [s] than it is. In real time, what follows it changes nothing."""
+    spec, flight = result.spec, planned(design, number, longer)
+    line = flight.lines[number] if flight.lines else Line("flight", 0.0, flight.duration)
+    if spec.lines:
+        line = replace(line, most=spec.lines[number].most)
+    soon = line.stop + 2.0 * spec.study.gnss.interval if spec.processing == REAL_TIME else math.inf
+    study = replace(spec.study, trajectory=flight.trajectory, duration=min(flight.duration, soon))
+    return lines_along(replace(spec, study=study, lines=(line,)))[0]
+
+
+def _solved(line: LineResult, result: TrajectoryResult, flown: Callable[[float], LineResult]) -> LineResult:
+    """The line with its longest that holds: bracketed from where a longer one first fails, then closed in."""
+    if line.reason or not line.limits:
+        return line
+    aperture = float(result.spec.inputs.aperture)
+    low: LineResult | None = None
+    high = line
+    if line.closes:
+        low, high = line, flown(MOST_RESERVE)
+        if high.closes:
+            return replace(line, longest_s=high.duration, reserve_s=MOST_RESERVE)
+    for _ in range(_MOST_TRIALS):
+        least = low.duration * (1.0 + _CLOSE) if low else 1.001 * aperture
+        if high.duration <= least * (1.0 + 1e-6):
+            break
+        # As long as a line that fails is within its limits from the start, in real time that is the answer.
+        image = high.fails_by not in STATE_AXES
+        length = (high.fails_at_s or 0.0) + (aperture / 2 if image else 0.0)
+        if low and length < least:
+            (x, y), (a, b) = ((low.duration, high.duration), (low.excess[1], high.excess[1]))
+            share = min(max(-math.log(a) / math.log(b / a), 0.0), 1.0)
+            length = x * (y / x) ** share
+        trial = flown(min(max(length, least), high.duration / (1.0 + _CLOSE)) - line.duration)
+        low, high = (trial, high) if trial.closes else (low, trial)
+    longest = low.duration if low else 0.0
+    return replace(line, longest_s=longest, reserve_s=max(longest - line.duration, 0.0))
