@@ -34,22 +34,12 @@ class Scale(NamedTuple):
 
 @dataclass(frozen=True)
 class Dimension:
-    """A kind of quantity.
+    """A kind of quantity, by its name in messages.
 
-    Attributes
-    ----------
-    name : str
-        As used in messages.
-    units : dict
-        Canonical symbol -> exact factor to SI. The first is the default for display.
-    products : dict
-        Product of named units -> its canonical symbol.
-    base : dict
-        Base unit -> its power, the same for all of the units.
-    examples : tuple of str
-        Quantity strings offered to a user whose text was refused.
-    decibels : int
-        20 where the units are decibels of an amplitude, 10 of a power: SI then is the ratio itself. 0: no decibels.
+    units: canonical symbol -> exact factor to SI, the default for display first. products: product of named units ->
+    its canonical symbol. base: base unit -> its power, the same for all units. examples: quantity strings offered to
+    a user whose text was refused. decibels: 20 where the units are decibels of an amplitude, 10 of a power, and SI is
+    the ratio itself; 0: no decibels.
     """
 
     name: str

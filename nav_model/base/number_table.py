@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,12 +34,9 @@ _COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
 _WHOLE = re.compile(r"\s*[-+]?\d+\s*")
 
 
-@dataclass(frozen=True)
-class Columns:
-    """Values (rows, columns), NaN where a field is empty; the line of the file that each row is in.
-
-    `cut`: the last line ends too early, as where a recording was broken off, and was left out.
-    """
+class Columns(NamedTuple):
+    """Values (rows, columns), NaN where a field is empty; the line of the file that each row is in; whether the last
+    line ends too early, as where a recording was broken off, and was left out."""
 
     values: Array
     lines: NDArray[np.int32]
@@ -49,16 +47,8 @@ class Columns:
 class NumberTable:
     """A table whose rows are not read yet.
 
-    Attributes
-    ----------
-    headers : tuple of tuple of str
-        Lines above the first row that have a text for each column, the nearest first.
-    comments : tuple of str
-        All lines above the first row.
-    width : int
-        Number of columns.
-    ends_open : bool
-        Whether rows end with a delimiter, after which no column comes.
+    comments: all lines above the first row; headers: those that have a text for each of `width` columns, the nearest
+    first. ends_open: rows end with a delimiter, after which no column comes.
     """
 
     file_name: str
@@ -267,7 +257,7 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
         glued = re.sub(r"\s+(?=[\[(])", "", bare)  # a blank before a unit parts nothing
         for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
             names = tuple(name.strip() for name in _fields((bare if mark else glued).rstrip(mark), mark))
-            if mark is None and len(names) == width - 1 and _SPANS_TWO.fullmatch(names[0]):
+            if delimiter is None and len(names) == width - 1 and _SPANS_TWO.fullmatch(names[0]):
                 names = ("date", *names)  # a blank between date or week, and time
             if len(names) == width and not all(map(_is_number, names)):
                 headers.append(names)

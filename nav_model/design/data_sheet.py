@@ -53,28 +53,14 @@ def read_data_sheet(text: str) -> SheetValues:
     values = SheetValues({}, {}, {}, ())
     rest = []
     for row in _rows(text):
-        name, reason = "", "not known"
-        keys: tuple[str, ...] = ()
-        for number in re.finditer(r"[-+±<≤~]?\s*\d[\d.,]*(?:e[-+]?\d+)?", row):
-            name = row[: number.start()]
-            keys = next((inputs for words, inputs in _NAMES if words.search(name)), ())
-            if keys and _BARE_NUMBER.search(name):  # the columns of least, typical and largest
-                reason = "several numbers. Keep the one that holds"
-                break
-            read = _read(row[number.start() :], name, keys)
-            if isinstance(read, str):
-                reason = read or reason
-                continue
-            key, parsed = read
-            if key in values.changes:
-                reason = f"a second value of {declaration_of(key).label}"
-                continue
+        key, parsed, reason = _value_of(row)
+        if key in values.changes:
+            reason = f"a second value of {declaration_of(key).label}"
+        if parsed is None or reason:
+            rest.append(f"{row}: {reason}")
+        else:
             values.changes[key], values.written[key] = parsed
             values.origins[key] = f"data sheet: {row}"
-            reason = ""
-            break
-        if reason:
-            rest.append(f"{row}: {reason}")
     return values._replace(rest=tuple(rest))
 
 
@@ -90,19 +76,24 @@ def _rows(text: str) -> Iterator[str]:
         yield row[:200]
 
 
-def _read(text: str, name: str, keys: tuple[str, ...]) -> tuple[str, Parsed] | str:
-    """The input that a value is of, and the value; or why there is none."""
-    remark = _REMARK.search(text)
-    bare = text[: remark.start()] if remark and not _ACCURACY.search(remark[0]) else text
-    column = f"{bare} {name.split()[-1].strip('[]():,')}" if name.split() else bare  # "bias instability [°/h]  0.5"
-    before = _ACCURACY.search(name)  # "bias instability (3σ): 0.3 °/h"
+def _value_of(row: str) -> tuple[str, Parsed | None, str]:
+    """The input that a row has a value of, and the value; or why there is none."""
     reason = ""
-    for key in keys:
-        declaration = declaration_of(key)
-        assert isinstance(declaration, BaseQuantity)
-        for value in (text, bare, column):
-            try:
-                return key, declaration.read(f"{value} {before[0]}" if before else value)
-            except InputError as error:
-                reason = reason or error.reason
-    return reason
+    for number in re.finditer(r"[-+±<≤~]?\s*\d[\d.,]*(?:e[-+]?\d+)?", row):
+        name, text = row[: number.start()], row[number.start() :]
+        keys = next((inputs for words, inputs in _NAMES if words.search(name)), ())
+        if keys and _BARE_NUMBER.search(name):  # the columns of least, typical and largest
+            return "", None, "several numbers. Keep the one that holds"
+        remark = _REMARK.search(text)
+        bare = text[: remark.start()] if remark and not _ACCURACY.search(remark[0]) else text
+        column = f"{bare} {name.split()[-1].strip('[]():,')}" if name.split() else bare  # "bias [°/h] 0.5"
+        before = _ACCURACY.search(name)  # "bias instability (3σ): 0.3 °/h"
+        for key in keys:
+            declaration = declaration_of(key)
+            assert isinstance(declaration, BaseQuantity)
+            for value in (text, bare, column):
+                try:
+                    return key, declaration.read(f"{value} {before[0]}" if before else value), ""
+                except InputError as error:
+                    reason = reason or error.reason
+    return "", None, reason or "not known"

@@ -42,16 +42,10 @@ def read_file(path: str | Path, height: float | None = None, ground: float | Non
 
 
 def parse_file(content: bytes, name: str, height: float | None = None, ground: float | None = None) -> FlightFile:
-    """What a file holds.
+    """What a file holds, whose name is for messages alone.
 
-    Parameters
-    ----------
-    content, name : bytes, str
-        Of the file; the name only for messages.
-    height : float, optional
-        Of places that have none [m above the ellipsoid].
-    ground : float, optional
-        Height of the ground, or of the take-off, of places whose heights are above it [m above the ellipsoid].
+    height: of places that have none; ground: of the ground, or of the take-off, of places whose heights are above it;
+    both [m above the ellipsoid].
 
     Raises
     ------

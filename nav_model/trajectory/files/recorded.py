@@ -90,39 +90,37 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
     origin = pieces[0].rows[0, 1:4]
     curves = [_smoothed(piece.rows[:, 0], (piece.rows[:, 1:4] - origin) * scale) for piece in pieces]
 
-    recorded = [piece.rows[:, _ATTITUDE] for piece in pieces if piece.rows.shape[1] > 4]
-    fast = all(float(np.median(np.diff(piece.rows[:, 0]))) <= _FAST_ENOUGH for piece in pieces)
-    attitude = bool(recorded) and fast and len(pieces) == 1
     times, places, lines, clock, cuts = [], [], [], 0.0, list[float]()
-    total = float(sum(piece.rows[-1, 0] - piece.rows[0, 0] for piece in pieces))
-    if total > _LONGEST:
-        raise heights.refuse(f"takes {total / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h are flown")
     count = Counter(piece.name for piece in pieces)
     for number, (piece, curve) in enumerate(zip(pieces, curves, strict=True)):
         name = piece.name if count[piece.name] == 1 else f"{piece.name} {number + 1}"
-        start, stop = float(piece.rows[0, 0]), float(piece.rows[-1, 0])
+        start, stop = piece.rows[[0, -1], 0].tolist()
+        bridge = None
         if number:  # across the pause before it, in the time that a gentle flight needs
-            pause = start - pieces[number - 1].rows[-1, 0]
-            bridge = _bridge(curves[number - 1], pieces[number - 1].rows[-1, 0], curve, start, pause)
-            if clock + bridge.x[-1] > _LONGEST:
-                raise heights.refuse(f"the way to {name!r} is too long to be flown; give the parts as files")
-            t = np.linspace(0.0, bridge.x[-1], math.ceil(bridge.x[-1] / _STEP) + 1)[1:-1]
+            before = pieces[number - 1].rows[-1, 0]
+            bridge = _bridge(curves[number - 1], before, curve, start)
+            cuts += [start - before - bridge.x[-1]] if start - before > bridge.x[-1] else []
+        way = float(bridge.x[-1]) if bridge else 0.0
+        if clock + way + stop - start > _LONGEST:
+            most = f"at most {_LONGEST / 3600.0:.0f} h"
+            raise heights.refuse(f"is with {name!r} too long to be flown, {most}. Give it in parts.")
+        if bridge:
+            t = np.linspace(0.0, way, math.ceil(way / _STEP) + 1)[1:-1]
             times.append(clock + t)
             places.append(bridge(t))
-            clock += float(bridge.x[-1])
-            cuts += [pause - bridge.x[-1]] if pause > bridge.x[-1] else []
         step = min(_STEP, 0.5 * float(np.diff(np.unique(curve.t)).min()))
-        most = 2 * len(piece.rows) + math.ceil((stop - start) / _STEP)
-        t = np.linspace(start, stop, min(max(math.ceil((stop - start) / step), 8), most) + 1)
-        times.append(clock + t - start)
+        steps = max(math.ceil((stop - start) / step), 8)
+        t = np.linspace(start, stop, min(steps, 2 * len(piece.rows) + math.ceil((stop - start) / _STEP)) + 1)
+        times.append(clock + way + t - start)
         places.append(curve(t))
-        lines.append(Line(name, clock, clock + stop - start))
-        clock += stop - start
+        lines.append(Line(name, clock + way, clock + way + stop - start))
+        clock = lines[-1].stop
     time = np.concatenate(times)
     place = np.vstack(places) / scale + origin
     place[:, :2] = np.radians(place[:, :2])
-    if attitude:
-        stamps = pieces[0].rows[:, 0]
+    recorded = [piece.rows[:, _ATTITUDE] for piece in pieces if piece.rows.shape[1] > 4]
+    stamps = pieces[0].rows[:, 0]
+    if recorded and len(pieces) == 1 and float(np.median(np.diff(stamps))) <= _FAST_ENOUGH:
         roll, pitch, yaw = _smoothed(stamps, np.unwrap(np.radians(recorded[0]), axis=0))(time + stamps[0]).T
         heights.note("attitude as recorded")
     else:
@@ -190,15 +188,14 @@ def _smoothed(time: Array, values: Array) -> Any:
     return min(fits, key=lambda fit: fit[0])[1]
 
 
-def _bridge(curve: Any, stop: float, following: Any, start: float, pause: float) -> Any:
+def _bridge(curve: Any, stop: float, following: Any, start: float) -> Any:
     """The cubic from the end of one segment to the start of the next: as short as is gentle, not longer than the
     pause."""
     from scipy.interpolate import CubicHermiteSpline
 
     places, speeds = (np.array([curve(stop, nu), following(start, nu)]) for nu in (0, 1))
-    time = min(
-        pause, max(np.linalg.norm(places[1] - places[0]) / max(np.linalg.norm(speeds, axis=1).max(), 1.0), 1.0)
-    )
+    way, fastest, pause = np.linalg.norm(places[1] - places[0]), np.linalg.norm(speeds, axis=1).max(), start - stop
+    time = min(pause, max(way / max(fastest, 1.0), 1.0))
     while True:
         bridge = CubicHermiteSpline([0.0, time], places, speeds)
         if time >= pause or np.linalg.norm(bridge([0.0, time], 2), axis=1).max() <= _GENTLE:
