@@ -81,14 +81,10 @@ class NumberTable:
         following = self._piece(text)
         while piece := following:
             following = self._piece(text)
-            block = self._at_once(piece, places)
-            if block is not None:
-                count, offsets = len(block), np.arange(len(block), dtype=np.int32)
-            else:
-                count = piece.count("\n") + (not piece.endswith("\n"))
-                if piece.isspace():
-                    line += count
-                    continue
+            count = piece.count("\n") + (not piece.endswith("\n"))
+            block = None if piece.isspace() else self._at_once(piece, count, places)
+            offsets = np.arange(count, dtype=np.int32)
+            if block is None:
                 block, offsets, cut = self._by_field(piece, line, places, times, last=not following)
             if rows + len(block) > allowed:
                 many = f"The file has more than {most_rows} rows. Cut it."
@@ -107,28 +103,26 @@ class NumberTable:
             raise InputError(self.file_name, f"A line is longer than {_LONGEST_LINE} characters. This is no table.")
         return piece + end
 
-    def _at_once(self, piece: str, places: Sequence[int]) -> Array | None:
+    def _at_once(self, piece: str, lines: int, places: Sequence[int]) -> Array | None:
         """The rows by NumPy's parser, a line each; None where it does not know a field, or lines differ in theirs."""
-        if "\n\n" in piece or piece.startswith("\n"):
-            return None  # the parser would pass over empty lines
         if self.delimiter != "," and "," in piece:
             if "." in piece:
                 return None
             piece = piece.replace(",", ".")
         # Asked for some columns, the parser does not count the others, but text among them does no harm.
-        lines = piece.count("\n") + (not piece.endswith("\n"))
-        if self.delimiter and piece.count(self.delimiter) != lines * (self.width - 1 + self.ends_open):
+        some = places if self.delimiter and (len(places) < self.width or self.ends_open) else None
+        if some and piece.count(self.delimiter or "") != lines * (self.width - 1 + self.ends_open):
             return None
-        some = places if self.delimiter else None
         try:
             block = np.loadtxt(
                 io.StringIO(piece), delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, usecols=some
             )
         except ValueError:
             return None
-        if some is None and block.shape[1] != self.width:
+        # It passes over empty lines, which are counted.
+        if len(block) != lines or (some is None and block.shape[1] != self.width) or np.isinf(block).any():
             return None
-        return None if np.isinf(block).any() else block[:, places] if some is None else block
+        return block[:, places] if some is None else block
 
     def _by_field(
         self, piece: str, first: int, places: Sequence[int], times: Collection[int], *, last: bool
