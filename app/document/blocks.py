@@ -121,6 +121,7 @@ def chart_block(chart: Drawing, key: str) -> ChartBlock:
         chart = replace(
             chart,
             lines=tuple(line for line in chart.lines if not np.isnan(line.y).all()),
+            points=tuple(points for points in chart.points if len(points.x)),
             spans=tuple(span for span in chart.spans if not math.isnan(span.start)),
             limits=tuple(limit for limit in chart.limits if not math.isnan(limit.level)),
         )

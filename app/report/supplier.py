@@ -21,7 +21,7 @@ from app.document.blocks import (
     table,
 )
 from app.document.html import to_html
-from app.document.wording import input_in_words, printable, title_of
+from app.document.wording import input_in_words, printable, shortened, title_of
 from nav_model.allan.result import axis_label
 from nav_model.base.errors import under
 from nav_model.design import Design
@@ -64,12 +64,12 @@ def supplier_report(design: Design, unit: Unit) -> Report:
     degrees = degrees_of(_HOUR, design.imu.rate) if unit == "imu" else _FIXES - 1.0  # of freedom, of the test
     values = _values(design, unit, lines, accepted_share(degrees)), Bullets(_conditions(design, unit))
     proof = Text(_proof(design, unit)), Text(_decision(unit, degrees))
-    title = f"{NAMES[unit]} requirements for {title_of(design)}"
+    title = f"{NAMES[unit][:1].upper()}{NAMES[unit][1:]} requirements for {title_of(design)}"
     chapter = Chapter(
         key=unit,
         kind="Requirement sheet",
         title=title,
-        running=design.content_hash[:12],
+        running=f"{shortened(title)} · {design.content_hash[:12]}",
         facts=(
             ("Design", design.content_hash[:12]),
             ("Written", f"{now:%d %B %Y, %H:%M} UTC"),
@@ -126,7 +126,7 @@ def _meaning(plan: Allotment | None) -> str:
         return f"Largest values of all units at once, frozen with the design {plan.frozen}"
     if plan is not None:
         return "Largest values within the design's allocation: all at once meet each allocated limit less its reserve"
-    return "Largest values of all units, IMU and receiver, with which every limit of the design is met, all at once"
+    return "Largest values that together meet every limit, if every other input stays as assumed"
 
 
 def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:

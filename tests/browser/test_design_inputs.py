@@ -95,12 +95,12 @@ def test_the_sliders_that_are_tried_together_are_in_view_together(plain: Page, w
 
 def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
     enter(box(desk, "Position noise"), "2 cm")
-    expect(card(desk, "Horizontal position")).not_to_have_text("40.4 cm")
+    expect(card(desk, "Horizontal position")).not_to_have_text("0.404 m")
     changed = card(desk, "Horizontal position").inner_text()
     expect(desk.get_by_role("button", name="Undo")).to_be_enabled()
     desk.get_by_role("button", name="Undo").focus()
     desk.keyboard.press("Enter")
-    expect(card(desk, "Horizontal position")).to_have_text("40.4 cm")
+    expect(card(desk, "Horizontal position")).to_have_text("0.404 m")
     expect(box(desk, "Position noise")).to_have_value("1 m")
     expect(desk.get_by_role("button", name="Redo")).to_be_enabled()
     desk.get_by_role("button", name="Redo").focus()
@@ -108,7 +108,7 @@ def test_undo_redo_reset_by_keyboard(desk: Page) -> None:
     expect(card(desk, "Horizontal position")).to_have_text(changed)
     desk.get_by_role("button", name="Open", exact=True).press("Enter")
     desk.get_by_role("button", name="Reset").press("Enter")
-    expect(card(desk, "Horizontal position")).to_have_text("40.4 cm")
+    expect(card(desk, "Horizontal position")).to_have_text("0.404 m")
 
 
 def test_what_is_done_after_a_slider_is_not_overtaken_by_it(desk: Page) -> None:
@@ -132,7 +132,7 @@ def test_what_is_done_after_a_slider_is_not_overtaken_by_it(desk: Page) -> None:
     enter(name, "Told after the reset")
     expect(desk.get_by_role("button", name="Redo")).to_be_disabled()
     expect(box(desk, "Angle random walk")).to_have_value("0.15 °/√h")
-    expect(card(desk, "Horizontal position")).to_have_text("40.4 cm")
+    expect(card(desk, "Horizontal position")).to_have_text("0.404 m")
 
 
 @pytest.mark.slow
@@ -158,7 +158,7 @@ def test_preset_deviation_is_marked_and_taken_back(visit: Visit) -> None:
 def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> None:
     page = desk
     enter(box(page, "Position noise"), "7 cm")
-    expect(card(page, "Horizontal position")).not_to_have_text("40.4 cm")
+    expect(card(page, "Horizontal position")).not_to_have_text("0.404 m")
     shown = card(page, "Horizontal position").inner_text()
     page.get_by_role("button", name="Share").click()
     address = page.get_by_role("textbox", name="Link to this design and page")
@@ -189,7 +189,7 @@ def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> No
 def test_forged_link_is_said_and_harms_nothing(visit: Visit, query: str) -> None:
     page = visit(f"/{query}")
     expect(page.get_by_text("The link was not used.").first).to_be_visible()
-    expect(card(page, "Horizontal position")).to_have_text("40.4 cm")
+    expect(card(page, "Horizontal position")).to_have_text("0.404 m")
 
 
 def test_save_open_and_refuse(desk: Page, tmp_path: Path) -> None:

@@ -31,23 +31,24 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
     units = {figure.label: figure.amount for figure in was.items} if was else {}
 
     def tile(name: str) -> KeyFigure:
-        figure, amount, check = FIGURES[name], budget.figure(name).sigma, checks.get(name)
+        figure, amount = FIGURES[name], budget.figure(name).sigma
+        detail = _detail(budget, figure, amount, display)
+        if name in checks:
+            return limited(checks[name], detail)
         spread = display.named(pair=figure.pair)
         value = display.show(amount, figure.dimension, pair=figure.pair, like=units.get(figure.label))
-        detail = _detail(budget, figure, amount, display)
-        if check is None:
-            return KeyFigure(
-                figure.label, value, detail, f"{spread}, no limit" if spread != "1σ" else "", amount=amount
-            )
-        limit = _limit_said(budget, check, display)
-        return KeyFigure(figure.label, value, detail, limit, check.met, amount, 1 - check.margin)
+        return KeyFigure(figure.label, value, detail, f"{spread}, no limit" if spread != "1σ" else "", amount=amount)
 
-    def other(check: Check) -> KeyFigure:
+    def limited(check: Check, detail: str) -> KeyFigure:
         value, *_ = shown_check(budget.design, check, display)
-        detail, limit = check_words(budget.design, check).figure, _limit_said(budget, check, display)
+        limit = _limit_said(budget, check, display)
         return KeyFigure(check.label, value, detail, limit, check.met, check.sigma, 1 - check.margin)
 
-    others = tuple(other(check) for check in budget.verdict.checks if check.name not in _TILES)
+    others = tuple(
+        limited(check, check_words(budget.design, check).figure)
+        for check in budget.verdict.checks
+        if check.name not in _TILES
+    )
     title = f"Key figures, {display.spread}{display.scaled}"
     return KeyFigures(title, (*map(tile, _TILES), *(others or (_width(budget, display, units),))))
 

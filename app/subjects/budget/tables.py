@@ -249,7 +249,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
 def image_table(budget: Budget, key: str) -> Table:
     """The aperture, and the azimuth response with the quadratic phase."""
     sar, sources = budget.sar, provenance(budget)
-    response, phases = budget.response(budget.processing), [name for name in of_kind("phase") if name in REQUIRED]
+    response = budget.response(budget.processing)
 
     def image(name: str, show_value: Callable[[float], str], scale: float = 1.0) -> str:
         return "no image: more than 1000 rad" if response is None else show_value(scale * getattr(response, name))
@@ -258,10 +258,6 @@ def image_table(budget: Budget, key: str) -> Table:
         ("Wavelength", show(sar.wavelength, "length"), "sar.wavelength_m"),
         ("Aperture time", show(sar.aperture_time, "time"), "sar.aperture_time_s"),
         ("Aperture length", show(sar.aperture_length, "length"), "sar.aperture_length_m"),
-        *(
-            (f"{FIGURES[name].label}, 1σ", f"{degrees(budget.figure(name).sigma)}°", f"sar.{FIGURES[name].column}")
-            for name in phases
-        ),
         (
             "Response width",
             image("half_power_extent_cells", lambda width: show(width, "length"), sar.cell_length),
@@ -274,14 +270,10 @@ def image_table(budget: Budget, key: str) -> Table:
 
     def equation(name: str) -> str:
         known = sources[name].equation
-        if not budget.post_processed:
-            return known
-        return "[P-5]" if "phase" in name else known.replace("[S-5]", "[P-5]")
+        return known.replace("[S-5]", "[P-5]") if budget.post_processed else known
 
     def origin(name: str) -> str:
         source = sources[name]
-        if budget.post_processed and "phase" in name:
-            return "smoothed"
         stated = name == "sar.aperture_time_s" and budget.design.radar.aperture_time is not None
         return "stated in the design" if stated else ", ".join(filter(None, (source.method, source.note)))
 

@@ -16,7 +16,7 @@ from nav_model.design.processing import REAL_TIME
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 _BEFORE = 12  # times there
 _TIME = "time since the last fix [s]"
-_YAW = " Yaw is unobservable on a straight path: only its growth [T-5] is shown."
+_YAW = " Heading cannot be observed on a straight path: only its growth [T-5] is shown."
 DEGREES = 180 / math.pi
 """Of a radian."""
 

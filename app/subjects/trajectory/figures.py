@@ -26,9 +26,9 @@ class Figure:
     dimension: str
     spread: str
 
-    def show(self, value: float, *, given: bool = False) -> str:
-        """A value with its unit; `given` as a person gave it."""
-        return show(value, self.dimension, given=given)
+    def show(self, value: float, *, given: bool = False, like: float | None = None) -> str:
+        """A value with its unit; `given` as a person gave it, ``like`` in the unit of this one."""
+        return show(value, self.dimension, given=given, like=like)
 
     @property
     def in_sentence(self) -> str:

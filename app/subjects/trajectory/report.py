@@ -41,12 +41,12 @@ def sections(study: Followed, key: str) -> tuple[Section, ...]:
     return (
         Section(
             f"{key}-trajectory",
-            "Trajectory: the figures along the planned flight",
+            "Flight: the lines and their limits",
             (verdict(study, name), Text(printable(study.flight)), lines, Text(_HOW)),
         ),
         Section(
             f"{key}-trajectory-charts",
-            "Trajectory: along the flight",
+            "Flight: errors along the plan",
             tuple(chart_block(chart, key) for chart in drawn),
         ),
     )

@@ -53,7 +53,7 @@ def _elsewhere(result: TrajectoryResult) -> tuple[str, ...]:
         return ()
     failing = [figure_in_sentence(check.name) for check in checks if not check.met]
     names = ", ".join(failing or [figure_in_sentence(check.name) for check in checks])
-    return (f"As on Budget, the same on every flight, {'not met' if failing else 'met'}: {names}.",)
+    return (f"{'Not met' if failing else 'Met'} on every flight, as on Budget: {names}.",)
 
 
 def failure(line: LineResult) -> str:
@@ -79,7 +79,7 @@ def line_list(followed: Followed, name: str) -> Table:
         why = line.reason or line.because
         texts = (
             f"{why[:1].upper()}{why[1:]}" or figure.label,
-            NONE if worst is None else figure.show(worst),
+            NONE if worst is None else figure.show(worst, like=limit),
             NONE if limit is None else figure.show(limit, given=True),
         )
         rows.append((label, Cell(sign, tone=tone), *texts, *([length or NONE] if any(lengths) else [])))
@@ -116,7 +116,8 @@ def line_table(followed: Followed, name: str) -> Table:
                 limit = figure.show(line.limits[figure.name], given=True)
                 limited = limit, Cell(percent(within), sign, tone)
             values = (part.get(figure.name) for part in (line.first, line.mean, line.worst))
-            texts = (NONE if value is None else figure.show(value) for value in values)
+            like = line.limits.get(figure.name)
+            texts = (NONE if value is None else figure.show(value, like=like) for value in values)
             rows.append((figure.label, *texts, *limited))
     return table(
         "trajectory-lines",

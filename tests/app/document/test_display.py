@@ -55,7 +55,7 @@ def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     session = Session(first_design())
     page = BudgetPage(session)
     said = page._strip._text.object
-    assert "40.4 cm" in page._tiles.object
+    assert "0.404 m" in page._tiles.object
     session.display = "2s.si"
     page.show(session.budget)
     assert "0.808 m" in page._tiles.object  # twice 0.4039 m

@@ -168,7 +168,8 @@ def test_a_report_of_a_design_processed_afterwards_has_its_phases_everywhere(mem
     assert sum(float(row[1].text) ** 2 for row in sources) == pytest.approx(70.63**2, rel=1e-2)
     assert "post-processed" in table(report, "d-phase-table").caption
     values = {row[0].text: row[1].text for row in table(report, "d-image").rows}
-    assert [values[f"{name} phase, 1σ"] for name in ("Quadratic", "Cubic", "Detrended")] == [
+    both = {row[0].text: row[2].text for row in table(report, "d-both-processings").rows}
+    assert [both[f"{name} phase"].split()[0] for name in ("Quadratic", "Cubic", "Detrended")] == [
         "70.6°",
         "33.2°",
         "21.9°",
