@@ -44,6 +44,7 @@ _AIDS: Mapping[str, Mapping[str, float]] = {
 _OF_THE_NOISE = (1 / 3, 1 / 10, 1 / 30)
 """Parts of the gyro noise that another IMU has at most."""
 _NO_BETTER = 0.98
+_MOST_NAMED = 3
 _PREFERRED = ("manoeuvre", "aid", "imu")
 Way = Callable[[Plan, int], Plan]
 """A plan and the number of a waypoint where a line begins -> the plan with a manoeuvre there."""
@@ -63,16 +64,18 @@ class Limited(NamedTuple):
 class Option:
     """What one change makes of the lines in question.
 
-    kind: "manoeuvre", "aid" for further fixes, or "imu". lines: in front of which it is flown, or in which; none for
-    what is not flown. before_s: how long before the end of such a line it is over [s]. costs_s: what it adds to the
-    flight [s]. closes: whether the lines in question meet their limits, and all that did before. useless: no figure
-    is nearer to its limit than without. lost_s: time beyond the bank at which fixes are lost that it adds [s].
+    kind: "manoeuvre", "aid" for further fixes, or "imu". lines: where it is flown, in words `where`: "before line 1",
+    "of line 1" for turns within it; empty for what is not flown. before_s: how long before the end of such a line it
+    is over [s]. costs_s: what it adds to the flight [s]. closes: whether the lines in question meet their limits, and
+    all that did before. useless: no nearer to the limits than without. lost_s: time beyond the bank at which fixes
+    are lost that it adds [s].
     changes, written: as `Design.replace` takes them.
     """
 
     name: str
     kind: str
     lines: tuple[str, ...]
+    where: str
     before_s: float
     costs_s: float
     closes: bool
@@ -109,6 +112,7 @@ class _Candidate(NamedTuple):
     kind: str
     apply: Callable[[_Plan], _Plan]
     lines: tuple[str, ...] = ()
+    where: str = ""
     written: Mapping[str, str] = {}
 
 
@@ -203,6 +207,7 @@ def _option(question: _Question, candidate: _Candidate) -> Option:
         candidate.name,
         candidate.kind,
         candidate.lines,
+        candidate.where,
         max((line.stop_s - line.start_s for line in _named(flown, candidate.lines)), default=0.0),
         changed.flight.duration - flight.duration,
         all(line.closes for line in flown if line.name in closed),
@@ -212,6 +217,17 @@ def _option(question: _Question, candidate: _Candidate) -> Option:
         {key: value for key, value in changed.design.items() if value != design[key]},
         candidate.written,
     )
+
+
+def lines_in_words(names: Sequence[str]) -> str:
+    """Names of lines in a sentence; of many their number.
+
+    >>> lines_in_words(["line 1", "line 4"]), lines_in_words(["a"] * 5)
+    ('line 1 and line 4', '5 lines')
+    """
+    if len(names) > _MOST_NAMED:
+        return f"{len(names)} lines"
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _named(lines: Iterable[LineResult], names: Sequence[str]) -> list[LineResult]:
@@ -305,7 +321,7 @@ def _better_imus(design: Design) -> Iterator[_Candidate]:
             names[max(below, key=below.__getitem__)] = None
     for name in names:
         changes, written = preset_fill("imu", name)
-        yield _Candidate(f"IMU {name}", "imu", partial(_changed, changes), (), written)
+        yield _Candidate(f"IMU {name}", "imu", partial(_changed, changes), written=written)
 
 
 def _candidate(
@@ -321,7 +337,9 @@ def _candidate(
                 plan = min(_inserted(plan, number, ways, parts), key=lambda changed: changed.flight.duration)
         return plan
 
-    return _Candidate(name, "manoeuvre", apply, tuple(dict.fromkeys(lines[n].name for n in place)))
+    names = tuple(dict.fromkeys(lines[n].name for n in place))
+    where = f"{'of' if any(parts > 1 for _, parts in steps) else 'before'} {lines_in_words(names)}"
+    return _Candidate(name, "manoeuvre", apply, names, where)
 
 
 def _inserted(plan: _Plan, number: int, ways: Sequence[Way], parts: int) -> list[_Plan]:

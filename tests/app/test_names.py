@@ -23,7 +23,7 @@ _SECOND_NAMES = {
     "formula": r"(?i)\bclosed[ -]form",
     "IMU": r"(?i)\binertial units?\b",
     "before a fix, after a fix": r"\((prior|closed|posterior)[;)]|(?i:prior to posterior|fix cycle)",
-    "value, quantity": r"^Figures? (to|side|stated|of|as)\b|^Figures?$|Where figures",
+    "value, quantity": r"^Figures? (to|side|stated|of(?! eight)|as)\b|^Figures?$|Where figures",
 }
 """What a text must not call each of these."""
 

@@ -1,10 +1,14 @@
 """The Trajectory page as a person uses it."""
 
+import math
 import re
 from pathlib import Path
 
 from on_page import COLUMNS, Check, Visit
 from playwright.sync_api import Page, expect
+
+from nav_model.design import Design
+from nav_model.design.link import to_query
 
 _PLAN = """<gpx><rte><rtept lat="47" lon="8"><ele>3000</ele><name>first</name></rtept>
 <rtept lat="47.08" lon="8"><ele>3000</ele></rtept><rtept lat="47.08" lon="8.1"><ele>3000</ele></rtept></rte></gpx>"""
@@ -70,4 +74,29 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     expect(answer).to_contain_text("of 3 lines within the limits")
     expect(page.get_by_label("Height [m]: row 2", exact=True)).to_have_value("3000")
     assert said == []
+    fits(page, 390)
+
+
+def test_an_option_that_closes_the_flight_is_taken_into_the_plan_and_undone(
+    visit: Visit, page: Page, accessible: Check, fits: Check
+) -> None:
+    design = Design(
+        {
+            "imu.angle_random_walk": 4e-5, "imu.velocity_random_walk": 1e-3, "gnss.position_noise": 1.0,
+            "flight.speed": 90.0, "radar.aperture_time": 5.0, "requirements.heading": math.radians(0.08),
+            "trajectory.flight": "lines", "trajectory.lines": 2.0,
+        }
+    )  # fmt: skip
+    visit(f"/?{to_query(design)}#flight")
+    page.keyboard.press("Escape")
+    answer = page.get_by_role("status").first
+    expect(answer).to_contain_text("1 of 2 lines within the limits")
+    page.get_by_role("button", name="What would close it", exact=True).click()
+    expect(page.get_by_role("heading", name="options for line 1")).to_be_visible()
+    accessible(page)
+    page.get_by_role("button", name=re.compile("^(S-turn|90° turn) before line 1$")).first.click()
+    expect(answer).to_contain_text("2 of 2 lines within the limits")
+    expect(page.get_by_text("is in the design now. You can undo.")).to_be_visible()
+    page.get_by_role("button", name="Undo").first.click()
+    expect(answer).to_contain_text("1 of 2 lines within the limits")
     fits(page, 390)

@@ -27,7 +27,7 @@ from nav_model.explore.trade_map import trade_map
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 from nav_model.explore.vendor_table import invert
 
-_OPTION = ("name", "kind", "before_s", "costs_s", "closes", "useless", "lost_s")
+_OPTION = ("name", "kind", "where", "before_s", "costs_s", "closes", "useless", "lost_s")
 _CANDIDATE = ("imu", "gnss", "closes", "margin", "tightest", "dominant", "share")
 Rows = Iterable[Mapping[str, Any]]
 

@@ -4,7 +4,8 @@ import asyncio
 import importlib
 import json
 import math
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -22,6 +23,7 @@ from app.subjects.trajectory.charts import map_chart, shares_chart, simulated, t
 from app.subjects.trajectory.fields import PlanFields
 from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.kml import as_kml
+from app.subjects.trajectory.manoeuvres import ManoeuvreBlock
 from app.subjects.trajectory.plan_file import as_plan
 from app.subjects.trajectory.run import (
     File,
@@ -48,9 +50,13 @@ from app.work.run import Run
 from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
+from nav_model.design import Design
 from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import AIDING, FLIGHT_FILES, LINES, MOST_WAYPOINTS, WAYPOINTS, Rows, row_of
 from nav_model.simulation.specification import FILTER_STATES
+
+if TYPE_CHECKING:
+    from nav_model.explore.manoeuvre import Manoeuvres
 
 _FILE = "file"
 _NAMED = {f"{label[:1].upper()}{label[1:]}": name for name, label in Trajectory.param["flight"].options.items()}
@@ -87,6 +93,7 @@ class TrajectoryPage(StudyPage[Followed]):
         super().__init__(session, flight=session.design.trajectory.flight)
         self._file: File | None = None
         self._on_disk = UploadedFile()
+        self._manoeuvres: ManoeuvreBlock | None = None
         self._plan = PlanFields(session, self._typed)
         of_flight = self._of_result
         # The flight is followed whenever something changes; how long lines may be takes many flights.
@@ -115,6 +122,7 @@ class TrajectoryPage(StudyPage[Followed]):
             self._body,
             Folded(
                 (
+                    ("What would close it", self._what_would_close),
                     ("Shares by source", lambda: of_flight.later(self._share_chart)),
                     ("Table by line", lambda: of_flight.text(lambda flown: html_of(line_table(flown, self.figure)))),
                     ("Exports", lambda: of_flight.later(self._exports)),
@@ -129,6 +137,8 @@ class TrajectoryPage(StudyPage[Followed]):
     def show(self, _: Budget) -> None:
         """Follow the budget's design, also back from one that was refused."""
         self._follow_plan()
+        if self._manoeuvres is not None:
+            self._manoeuvres.follow()
         if (self._result is None or self._outdated(self._result) or self.run.message) and not self._recall():
             self.begin(_SETTLE_SECONDS)
 
@@ -263,6 +273,17 @@ class TrajectoryPage(StudyPage[Followed]):
         self._bar.start.visible = any(line.limits for line in lines) and all(line.longest_s is None for line in lines)
         if not self.run.running:
             self._of_result.follow()
+
+    def _what_would_close(self) -> ManoeuvreBlock:
+        """The options of the plan, flown when this is first opened."""
+
+        def share(design: Design, options: "Manoeuvres") -> None:
+            if self._result is not None and self._result.design == design and not self._result.file:
+                self._session.keep(self.kind, replace(self._result, options=options))
+
+        self._manoeuvres = ManoeuvreBlock(self._session, lambda: self.states, share)
+        self._manoeuvres.begin()
+        return self._manoeuvres
 
     def _share_chart(self) -> pn.Column:
         """Stacked shares: a chart for each set of sources, as their names are its structure."""

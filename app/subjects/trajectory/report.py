@@ -3,11 +3,12 @@
 import argparse
 from dataclasses import replace
 
-from app.document.blocks import Section, Text, chart_block
+from app.document.blocks import Block, Section, Text, chart_block
 from app.document.wording import identified, printable
 from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
 from app.subjects.trajectory.figures import main_figure
-from app.subjects.trajectory.run import Followed, follow
+from app.subjects.trajectory.options import options_answer, options_table
+from app.subjects.trajectory.run import Followed, closing_options, follow
 from app.subjects.trajectory.tables import line_table, verdict
 from nav_model.design import Design
 
@@ -24,7 +25,10 @@ def study(design: Design, options: argparse.Namespace) -> Followed:
         For a key of the design that cannot be flown.
     """
     del options  # those of runs
-    return follow(design, _STATES, lengths=True)
+    followed = follow(design, _STATES, lengths=True)
+    if all(line.closes for line in followed.result.lines):
+        return followed
+    return replace(followed, options=closing_options(design, _STATES, progress=lambda share, what: None))
 
 
 def another_design(study: Followed, design: Design) -> str:
@@ -42,7 +46,7 @@ def sections(study: Followed, key: str) -> tuple[Section, ...]:
         Section(
             f"{key}-trajectory",
             "Flight: the lines and their limits",
-            (verdict(study, name), Text(printable(study.flight)), lines, Text(_HOW)),
+            (verdict(study, name), Text(printable(study.flight)), lines, *_what_would_close(study, key), Text(_HOW)),
         ),
         Section(
             f"{key}-trajectory-charts",
@@ -50,3 +54,10 @@ def sections(study: Followed, key: str) -> tuple[Section, ...]:
             tuple(chart_block(chart, key) for chart in drawn),
         ),
     )
+
+
+def _what_would_close(study: Followed, key: str) -> tuple[Block, ...]:
+    """The options, where the flight needs any and they are known."""
+    if study.options is None or study.options.closes:
+        return ()
+    return options_answer(study.options), options_table(study.options, f"{key}-options")

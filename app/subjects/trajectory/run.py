@@ -17,6 +17,7 @@ from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import Rows
 
 if TYPE_CHECKING:
+    from nav_model.explore.manoeuvre import Manoeuvres
     from nav_model.trajectory.result import TrajectoryResult
 
 _MOST_STEPS = 30_000  # seconds of work, and memory, of one person
@@ -34,13 +35,15 @@ class File:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """The covariance along the flight, its path [m] north and east of the start, and the file it is of, if any."""
+    """The covariance along the flight, its path [m] north and east of the start, the file it is of, if any, and what
+    would close it, once that is known."""
 
     design: Design
     result: TrajectoryResult
     north: NDArray[np.float64]
     east: NDArray[np.float64]
     file: str = ""
+    options: Manoeuvres | None = None
 
     @property
     def flight(self) -> str:
@@ -121,6 +124,13 @@ def follow_if_short(design: Design, states: int) -> Followed | None:
     from nav_model.trajectory.design_study import planned
 
     return follow(design, states) if planned(design).duration <= _SHORT * design.gnss.interval else None
+
+
+def closing_options(design: Design, states: int, *, progress: Callable[[float, str], None]) -> Manoeuvres:
+    """What would close the flight of a design's plan; for a process of its own. Raises InputError as `manoeuvres`."""
+    from nav_model.explore.manoeuvre import manoeuvres
+
+    return manoeuvres(design, states=states, progress=progress)
 
 
 def waypoints_in(content: bytes, name: str, design: Design) -> tuple[Rows, str]:

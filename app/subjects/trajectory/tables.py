@@ -38,7 +38,7 @@ def verdict(followed: Followed, name: str) -> Answer:
     if failing:
         worst = max(failing, key=lambda line: (bool(line.reason), line.excess[1]))
         first = failure(worst)
-        sentences = (f"{first[0].upper()}{first[1:]}.", "See Close it for what would.")
+        sentences = (f"{first[0].upper()}{first[1:]}.", "What would close it is below the charts.")
     return Answer(
         f"{'✓' if result.closes else '✗'} {word} {SAID[processing]}",
         "good" if result.closes else "bad",

@@ -1,0 +1,121 @@
+"""What would close a flight as blocks: the answer in a sentence, and a table of what each option buys and costs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from app.document.blocks import Answer, Cell, Row, Table, numbers, table
+from app.document.numbers import NONE, percent
+from app.subjects.trajectory.figures import FIGURES
+from nav_model.design.declaration import in_sentence
+
+_SAME = 0.005
+
+if TYPE_CHECKING:
+    from nav_model.explore.manoeuvre import Limited, Manoeuvres, Option
+
+
+def options_answer(answer: Manoeuvres) -> Answer:
+    """The options that close, or that none does."""
+    from nav_model.explore.manoeuvre import lines_in_words
+
+    if answer.closes:
+        return Answer("✓ Every line keeps its limits", "good", ("No manoeuvre is needed.",))
+    closing = [option for option in answer.options if option.closes]
+    if not closing:
+        word = f"✗ None of these closes {lines_in_words(answer.lines)}"
+        return Answer(word, "bad", ("The table has what each of them buys.",))
+    shortest, bought = closing[0], [option for option in closing[1:] if option.kind != "manoeuvre"]
+    ways = "; or ".join(map(_in_words, (shortest, *bought)))
+    word = f"✓ {len(closing)} option{'' if len(closing) == 1 else 's'} for {lines_in_words(answer.lines)}"
+    return Answer(word, "good", (f"{ways[:1].upper()}{ways[1:]}.",))
+
+
+def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> Table:
+    """Each option, the shortest that closes first; the value of a row is the option's name."""
+    from nav_model.explore.manoeuvre import lines_in_words
+
+    rows: list[Row] = []
+    name = max(answer.figures, key=lambda figure: _ratio(answer.figures[figure]))
+    for option in answer.options:
+        decides = max(option.figures, key=lambda figure: _ratio(option.figures[figure]))
+        value = option.figures[decides]
+        sign, tone = ("✓ closes", "good") if option.closes else ("✗ fails", "bad")
+        rows.append(
+            (
+                Cell(option_label(option), value=option.name),
+                Cell(sign, tone=tone),
+                FIGURES[decides].label,
+                NONE if math.isinf(value.worst) else FIGURES[decides].show(value.worst),
+                FIGURES[decides].show(value.limit, given=True),
+                _change(value, answer.figures[name]),
+                _longer(option.costs_s),
+                _note(option),
+            )
+        )
+    figure, planned = FIGURES[name], answer.figures[name]
+    worst = "no value" if math.isinf(planned.worst) else figure.show(planned.worst)
+    return table(
+        key,
+        f"Options for {lines_in_words(answer.lines)}; as planned {figure.in_sentence} is {worst} at worst",
+        (
+            ("Option", 1.6),
+            "Limits",
+            "Decides",
+            *numbers("Worst", "Limit (1σ)", "Change", "Flight"),
+            ("Note", 1.6),
+        ),
+        rows,
+        "Each is flown through the covariance of the plan, as it would be taken. An IMU keeps the design's residual "
+        "biases and vibration factor.",
+    )  # fmt: skip
+
+
+def option_label(option: Option) -> str:
+    """An option with where it is flown: "90° turn before line 3"."""
+    return f"{option.name} {option.where}".rstrip()
+
+
+def _in_words(option: Option) -> str:
+    from nav_model.trajectory.lines import time_in_words
+
+    label = in_sentence(option_label(option))
+    if not option.lines:
+        return label
+    if option.where.startswith("before"):
+        ends = "the line ends" if len(option.lines) == 1 else "a line ends"
+        label += f", over not more than {time_in_words(option.before_s)} before {ends}"
+    return f"{label} ({_longer(option.costs_s)})"
+
+
+def _longer(seconds: float) -> str:
+    from nav_model.trajectory.lines import time_in_words
+
+    if abs(seconds) < 0.5:
+        return "as long"
+    return f"{time_in_words(abs(seconds))} {'longer' if seconds > 0.0 else 'shorter'}"
+
+
+def _note(option: Option) -> str:
+    from nav_model.trajectory.lines import time_in_words
+
+    notes = []
+    if option.lost_s >= 1.0:
+        notes.append(f"its bank loses fixes for {time_in_words(option.lost_s)}")
+    if option.useless:
+        notes.append("costs more than it buys" if option.costs_s > 0.5 else "buys nothing")
+    note = ", and ".join(notes)
+    return f"{note[:1].upper()}{note[1:]}"
+
+
+def _change(figure: Limited, planned: Limited) -> str:
+    """How much nearer to its limit a figure is than what decided as planned."""
+    change = _ratio(figure) / _ratio(planned) - 1.0
+    if not math.isfinite(change):
+        return NONE
+    return "the same" if abs(change) < _SAME else f"{percent(abs(change))} {'more' if change > 0.0 else 'less'}"
+
+
+def _ratio(figure: Limited) -> float:
+    return figure.worst / figure.limit
