@@ -35,6 +35,8 @@ _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
 """Sheet of what stands only where the sidebar is a drawer over the page."""
 _OF_ITS_OWN = {"allocate", "close", "flight", "simulate", "image", "suborbital"}
+_APART = {"sensors", "review", "theory", "suborbital"}
+"""Pages on which the design on the left changes nothing: it is folded there."""
 _SAID_OTHERWISE = "This page shows {} in the units of data sheets. Budget and report show {}."
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
@@ -167,7 +169,10 @@ class Frame(pn.viewable.Viewer):
         """Show the page's empty place at once and fill it in the next turn of the event loop."""
         if leave := getattr(self._pages.get(event.old), "leave", None):
             leave()
+        apart, before = (TABS[index].address in _APART for index in (event.new, event.old))
         with pn.io.hold():
+            if apart != before and not self._opening.narrow:
+                self._shell.sidebar_open = not apart
             if not self._addressed:  # what was said while the page was loaded stays
                 self._clear_message()
             self._say_width()
@@ -256,7 +261,7 @@ class Frame(pn.viewable.Viewer):
                 )
             ],
             dark_theme=dark,
-            sidebar_open=not narrow,
+            sidebar_open=not narrow and TABS[self._opening.page].address not in _APART,
             sidebar_width=300,
             sidebar_resizable=False,
             theme_config={"light": LIGHT, "dark": DARK},

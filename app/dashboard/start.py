@@ -9,27 +9,24 @@ from app.upstream.plain_script import PlainScript
 
 
 class Start(NamedTuple):
-    """A task of the user: the page with its answer, one sentence of instruction, and its inputs."""
+    """A task of the user: the page with its answer, one sentence of instruction, and the sections of its inputs."""
 
     address: str
     says: str
-    keys: tuple[str, ...] = ()
+    sections: tuple[str, ...] = ()
 
 
 STARTS = {
     "My radar": Start(
         "close-sensors",
         "Type your radar, flight and receiver. The list ranks the IMUs that pass with this receiver.",
-        ("radar.frequency", "radar.azimuth_resolution", "radar.slant_range", "radar.grazing_angle", "radar.window",
-         "flight.speed", "gnss.position_noise", "gnss.vertical_position_noise", "gnss.velocity_noise",
-         "gnss.interval"),
+        ("Radar", "Flight", "GNSS"),
     ),
     "My IMU": Start(
         "budget",
         "Choose your IMU, type the values of its data sheet, or paste its rows under Sensors, IMUs. The verdict "
         "follows every change.",
-        ("imu.preset", "imu.angle_random_walk", "imu.velocity_random_walk", "imu.gyro_bias",
-         "imu.accelerometer_bias"),
+        ("IMU",),
     ),
     "My log": Start("sensors-log", "Choose a log of your IMU. One press puts its noise into the design."),
 }  # fmt: skip

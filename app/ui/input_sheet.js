@@ -196,7 +196,7 @@ export function render({ model }) {
       title.setAttribute("aria-expanded", open)
     }
     title.onclick = () => fold(inside.hidden)
-    folds.push(fold)
+    folds.push([group.title, fold, title])
     fold(group.open)
     return make("section", {}, make("h3", {}, title), inside)
   }
@@ -222,6 +222,9 @@ export function render({ model }) {
     if (answered) answered.shown = null  // what was told may be what there was, in other words
     showAll()
   })
-  model.on("msg:custom", () => folds.forEach((fold) => fold(false)))
+  model.on("msg:custom", ({ open }) => {
+    for (const [title, fold] of folds) fold(open.includes(title))
+    folds.find(([title]) => title === open[0])?.[2].scrollIntoView({ block: "nearest" })
+  })
   return place
 }

@@ -145,9 +145,9 @@ class InputSheet(PlainScript):
             each.error = ""
         self.follow()
 
-    def fold(self) -> None:
-        """Close every group."""
-        self._send_msg({"do": "fold"})
+    def unfold(self, *titles: str) -> None:
+        """Open these groups, close every other, and go to the first."""
+        self._send_msg({"open": titles})
 
     def enter(self, key: str, text: str) -> None:
         """A person has typed or chosen something."""

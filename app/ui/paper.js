@@ -1,5 +1,5 @@
 const style = document.createElement("style")
-style.textContent = `@media print { @page { margin: 12mm } html, body { height: auto !important } }
+style.textContent = `@media print { @page { size: portrait; margin: 12mm } html, body { height: auto !important } }
   .imprint { display: none; margin: 0 0 6px; font: 12px Roboto, sans-serif; color: #000; background: #fff }
   @media print { .imprint { display: block } }`
 document.head.append(style)

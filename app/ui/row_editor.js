@@ -77,7 +77,7 @@ export function render({ model }) {
       })
     })
     nameAll()
-    table.hidden = !rows.length
+    table.tHead.hidden = !rows.length
     const box = [...table.querySelectorAll("input, select")].find(({ dataset }) => dataset.place === focused)
     box?.focus({ preventScroll: true })
     if (box && from != null) box.setSelectionRange?.(from, from)

@@ -107,6 +107,6 @@ def ready_made(name: str, texts: Sequence[str], design: Design) -> Contributor:
         parts.append(f"{box.label.lower()} {text.strip()}")
     taken = {contributor.name for contributor in design.contributors}
     unused = next(each for n in range(1, len(taken) + 2) if (each := name if n == 1 else f"{name} {n}") not in taken)
-    value = float(f"{made.of(design, *values):.6g}")
+    value = float(f"{made.of(design, *values):.4g}")  # what is shown is what counts
     source = f"{made.formula}: {', '.join(parts)} [P-16]"
     return Contributor(unused, value, made.enters, made.dimension, made.kind, source=source, unit=made.unit)

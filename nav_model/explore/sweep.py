@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
 from nav_model.base.csv_text import csv_text
@@ -308,6 +309,34 @@ def sweep_ratios(columns: Mapping[str, Column]) -> Array:
     return worst(
         {name: 1 - np.asarray(column, float) for name, column in columns.items() if name.endswith("_margin")}
     )
+
+
+def least_demanding(plan: Plan, columns: Mapping[str, Column]) -> NDArray[np.bool_]:
+    """The Pareto front of a grid, for each row: it passes, and none that passes is as easy in every input and easier
+    in one. A number is easier towards the side on which most designs come nearer to their limits; names are not
+    compared."""
+    if plan.together:
+        return np.zeros(plan.rows, bool)
+    ratios = sweep_ratios(columns).reshape([len(axis.values) for axis in plan.axes])
+    passing, orders = ratios <= 1, {}
+    for place, axis in enumerate(plan.axes):
+        if len(axis.values) > 1 and all(isinstance(value, float) for value in axis.values):
+            order = np.argsort(np.array(axis.values, float))
+            rise = np.diff(np.take(ratios, order[[0, -1]], place), axis=place)
+            orders[place] = order if np.median(np.sign(rise)) >= 0 else order[::-1]
+    sides = np.ix_(*(orders.get(place, np.arange(length)) for place, length in enumerate(ratios.shape)))
+    easier = passing[sides]  # each input from demanding to easy
+    front = easier.copy()
+    for place in orders:
+        flipped = np.flip(easier, place)
+        easier = np.flip(np.maximum.accumulate(flipped, place), place)  # here or further on, some design passes
+    for place in orders:
+        beyond = np.roll(easier, -1, place)
+        np.moveaxis(beyond, place, 0)[-1] = False
+        front &= ~beyond
+    result = np.empty_like(front)
+    result[sides] = front
+    return result.ravel()
 
 
 def to_csv(columns: Mapping[str, Column]) -> bytes:

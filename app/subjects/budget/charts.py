@@ -45,6 +45,7 @@ def phase_chart(budget: Budget) -> BarChart:
     )
 
     def bar(label: str, quadratic: float, detrended: float, source: str) -> Bar:
+        quadratic, detrended = quadratic or math.nan, detrended or math.nan  # what does not enter has no bar
         first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
         limited, parts = label in (TOTAL, ALONG_TRACK), tilt if label == "initial tilt" else ()
         return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source, limited, parts)

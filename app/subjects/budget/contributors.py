@@ -64,12 +64,12 @@ class Contributors(View):
         )
         self._made = pmui.Select(label="Typical contributors", options=list(READY_MADE), **_BOX)
         self._boxes = [pmui.TextInput(max_length=50, **_BOX | {"width": 330}) for _ in range(2)]
-        make = pmui.Button(label="Add", variant="outlined", margin=(16, 10))
+        make = pmui.Button(label="Add", variant="outlined", margin=(10, 10))
         make.on_click(lambda _: self._make())
         self._made_said = html_pane("")
         self._made.param.watch(lambda _: self._ask(), "value")
         self._ask()
-        ready = pn.FlexBox(self._made, *self._boxes, make, margin=(16, 0, 0, 0), stylesheets=[PRINT_NOTHING])
+        ready = pn.FlexBox(self._made, *self._boxes, make, margin=(6, 0, 0, 0), stylesheets=[PRINT_NOTHING])
         self._limits = RowEditor(
             _limit_fields(()), lambda rows: self._enter("limits", rows), noun="requirement",
             caption="More requirements",
@@ -86,7 +86,7 @@ class Contributors(View):
             choice.param.watch(lambda _: self._plan(), "value")
         choices = pn.FlexBox(self._requirement, self._split, self._reserve, stylesheets=[PRINT_NOTHING])
         self._view = pn.Column(
-            ready, self._made_said, self._contributors, html_pane(html_of(Text(CONTRIBUTORS_ENTER))), self._limits,
+            self._contributors, ready, self._made_said, html_pane(html_of(Text(CONTRIBUTORS_ENTER))), self._limits,
             choices, self._entries, self._outcome,
         )  # fmt: skip
 
@@ -133,7 +133,7 @@ class Contributors(View):
         made = READY_MADE[self._made.value]
         for box, asked in zip_longest(self._boxes, made.boxes):
             if asked:
-                box.param.update(label=asked.label, placeholder=asked.example, value="")
+                box.param.update(label=asked.label, helper_text=f"for example {asked.example}", value="")
             box.visible = asked is not None
         text = f"{made.formula}, enters {figure_in_sentence(made.enters)} [P-16]."
         self._made_said.say(html_of(Text(text[:1].upper() + text[1:])))

@@ -86,7 +86,8 @@ class SearchPanel(Question):
         self._table = SortableTable(self._take, margin=(0, 14), stylesheets=[WHOLE])
         self._file = upload(
             "Add your own sensors (TOML)", ".toml", MAX_BYTES, self._opened,
-            lambda reason: self._say(f"Not opened: {reason}."), icon=None, variant="text", margin=(6, 8),
+            lambda reason: self._say(f"Not opened: {reason}.", wrong=True), icon=None, variant="text", margin=(6, 8),
+            uploaded_label="Add your own sensors (TOML)",
         )  # fmt: skip
         self._settings = StudySettings(session, "search", self, ("own", "biases"), lambda: None)
 
@@ -187,7 +188,8 @@ class SearchPanel(Question):
                 changes[f"{kind}.preset"] = None
         problem = self.session.change(changes, row.written)
         what = row.imu if self.own else row.pair
-        self._say(f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo.")
+        said = f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo."
+        self._say(said, wrong=problem is not None)
 
     async def _opened(self, name: str, content: bytes) -> None:
         self._keep.disabled = True
@@ -196,9 +198,9 @@ class SearchPanel(Question):
             self._add(await run_in_pool(read_offers, text))
             self._opened_file, self._keep.disabled = (name, text), False
         except UnicodeDecodeError as error:
-            self._say(f"Not opened. Save the file as UTF-8 text: byte {error.start} is not UTF-8.")
+            self._say(f"Not opened. Save the file as UTF-8 text: byte {error.start} is not UTF-8.", wrong=True)
         except InputError as error:
-            self._say(f"Not opened. {error}")
+            self._say(f"Not opened. {error}", wrong=True)
 
     def _add(self, offers: Offers) -> None:
         """Rank these units, too; one of the same name takes the place of the one before."""
@@ -218,7 +220,7 @@ class SearchPanel(Question):
             await asyncio.to_thread(lambda: keep_offers(library(), name, text))
             self._say(f"{name} is kept in the library.")
         except InputError as error:
-            self._say(f"Not kept. {error}")
+            self._say(f"Not kept. {error}", wrong=True)
 
     async def _load(self, _: Any) -> None:
         """Rank what the library holds."""
@@ -231,7 +233,7 @@ class SearchPanel(Question):
             elif not damaged:
                 self._say("The library holds no offers yet. Open a file and keep it.")
         except InputError as error:
-            self._say(f"Not opened. {error}")
+            self._say(f"Not opened. {error}", wrong=True)
             return
         if damaged:
             self._say(f"Left out, as they are damaged: {_listed(damaged)}. Remove these files, or keep them again.")
@@ -246,15 +248,16 @@ class SearchPanel(Question):
             self._list(await asyncio.to_thread(lambda: kept_files(library())))
             self._say(f"{name} was removed from the library. Its units stay on this page until it is loaded again.")
         except InputError as error:
-            self._say(f"Not removed. {error}")
+            self._say(f"Not removed. {error}", wrong=True)
 
     def _list(self, files: Sequence[tuple[str, str]]) -> None:
         """Offer the library's files for removal."""
         names = [name for name, _ in files]
         self._of_library.param.update(options=names, value=names[-1] if names else None, visible=bool(names))
 
-    def _say(self, text: str) -> None:
-        self._said.object = f'<p role="status">{escape(text)}</p>'
+    def _say(self, text: str, *, wrong: bool = False) -> None:
+        kind = 'role="alert" class="tone bad"' if wrong else 'role="status"'
+        self._said.object = f"<p {kind}>{escape(text)}</p>"
 
     def _csv(self) -> str:
         return csv_of(candidate(row, offers=True) for row in self._ranking.rows)

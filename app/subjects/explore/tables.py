@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from nav_model.explore.search import Biases, Candidate
 from nav_model.explore.solve import Answer as Solved
 from nav_model.explore.solve import Solution, remedies, resolution_for, rounded_offer
 from nav_model.explore.sweep import Column as Swept
-from nav_model.explore.sweep import sweep_ratios
+from nav_model.explore.sweep import least_demanding, sweep_ratios
 from nav_model.explore.sweep_plan import Plan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
@@ -184,9 +185,13 @@ def _price(row: Candidate) -> str:
     return f"{number(row.price or 0.0, 4, given=True)} {row.currency}"
 
 
+def _amount(value: float, unit: str, thousandth: str) -> str:
+    return f"{number(value)} {unit}" if value >= 1 else f"{number(1000 * value)} {thousandth}"
+
+
 def _candidate(row: Candidate, yours: bool, offers: bool) -> Row:
     receiver = () if yours else (row.gnss,)
-    texts = (_price(row), f"{number(row.mass or 0.0, 3)} kg", f"{number(row.power or 0.0, 3)} W")
+    texts = (_price(row), _amount(row.mass or 0.0, "kg", "g"), _amount(row.power or 0.0, "W", "mW"))
     values = (row.price, row.mass, row.power)
     offered = [
         Cell("not given", tone="quiet", sort="") if value is None else Cell(text, sort=value)
@@ -225,19 +230,19 @@ def uncertain_table(verdict: UncertainVerdict) -> Table:
 def _probability(p: Probability) -> str:
     if p.value in (0.0, 1.0):
         return f"less than {number(100 * p.high, 1)} %" if p.value == 0 else f"more than {number(100 * p.low, 4)} %"
-    return f"{number(100 * p.value)} % ± {number(50 * (p.high - p.low), 2)}"
+    return f"{100 * p.value:.1f} % ± {math.ceil(500 * (p.high - p.low)) / 10:.1f} %"
 
 
 _SWEPT = 200  # rows of a sweep's table on the page
 
 
-def sweep_order(columns: Mapping[str, Swept]) -> NDArray[np.intp]:
-    """Rows of a sweep: those that pass, the least margin first, as sensors no better than needed cost least; then
-    those that fail, the nearest first. In their order where there is no requirement."""
+def sweep_order(plan: Plan, columns: Mapping[str, Swept]) -> NDArray[np.intp]:
+    """Rows of a sweep: the `least_demanding`, the others that pass, those that fail; each the nearest to its limits
+    first. In their order where there is no requirement."""
     if columns["closes"][0] is None:
         return np.arange(len(columns["row"]))
     ratios = sweep_ratios(columns)
-    return np.argsort(np.where(ratios <= 1, -ratios, ratios), kind="stable")
+    return np.lexsort((np.where(ratios <= 1, -ratios, ratios), ~least_demanding(plan, columns), ratios > 1))
 
 
 def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answer:
@@ -246,33 +251,37 @@ def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answe
     if columns["closes"][0] is None:
         return Answer(f"{plan.rows:,} designs", "open", (*old, "No requirement is set, so no design is judged."))
     good = int(np.sum(np.asarray(columns["closes"], bool)))
-    first = int(sweep_order(columns)[0])
+    first = int(sweep_order(plan, columns)[0])
     margin = margin_in_sentence(float(1 - sweep_ratios(columns)[first]))
     word = f"{good:,} of {plan.rows:,} designs meet all requirements"
+    front = int(np.sum(least_demanding(plan, columns)))
     which = "Smallest margin that passes" if good else "Nearest"
     sentence = f"{which}: {', '.join(_swept_values(plan, first))}; {margin}."
+    if front:
+        old = (*old, f"{front:,} of them are least demanding: relaxing any input would fail.")
     return Answer(word, "warn" if stale else "good" if good else "bad", (*old, sentence))
 
 
 def sweep_table(plan: Plan, columns: Mapping[str, Swept]) -> Table:
     """The first designs of a sweep in `sweep_order`; each can be taken into the design."""
-    rows = sweep_order(columns)[:_SWEPT]
+    rows = sweep_order(plan, columns)[:_SWEPT]
     judged = columns["closes"][0] is not None
     count = f"{len(rows)} rows of {plan.rows:,}" if len(rows) < plan.rows else f"{plan.rows:,} designs"
-    order = ", those that pass with the least margin first" if judged else ""
+    order = ", the least demanding that pass first (●)" if judged else ""
     ratios = sweep_ratios(columns) if judged else np.full(plan.rows, np.nan)
+    front = least_demanding(plan, columns) if judged else np.zeros(plan.rows, bool)
+    names = [_swept_name(axis.key) for axis in plan.axes]
     return table(
         "sweep",
         f"{count}{order}. Click one to apply it to the design.",
         (
-            Column("Design", sortable=True),
-            *numbers(*(_swept_name(axis.key) for axis in plan.axes), sortable=True),
+            Column(names[0], sortable=True),
+            *numbers(*names[1:], sortable=True),
             *((Column("Margin", numeric=True, sortable=True),) if judged else ()),
         ),
         (
             (
-                Cell(f"{row + 1}", sort=int(row), value=str(row)),
-                *(Cell(text, sort=sort) for text, sort in _swept_cells(plan, int(row))),
+                *_swept_row(plan, int(row), "●" if front[row] else ""),
                 *((_margin(float(1 - ratios[row])),) if judged else ()),
             )
             for row in rows
@@ -296,6 +305,12 @@ def _swept_cells(plan: Plan, row: int) -> list[tuple[str, float | str]]:
         text = input_in_words(plan.design, axis.key, value) if isinstance(value, float) else str(value)
         cells.append((text, value if isinstance(value, float) else text))
     return cells
+
+
+def _swept_row(plan: Plan, row: int, mark: str) -> list[Cell]:
+    """The inputs of a row; the first is pressed to apply them all."""
+    first, *others = (Cell(text, sort=sort) for text, sort in _swept_cells(plan, row))
+    return [replace(first, mark=mark, value=str(row)), *others]
 
 
 def _swept_values(plan: Plan, row: int) -> list[str]:

@@ -106,15 +106,14 @@ class UncertaintyPanel(Question):
         self._table = self._found.text(lambda verdict: html_of(uncertain_table(verdict)), (4, 14))
 
     def __panel__(self) -> pn.Column:
-        assume = pmui.Button(
-            label=f"Assume ×/÷ {_ASSUMED} (1σ) on every noise", variant="outlined", margin=(8, 8),
-            on_click=lambda _: self.assume(),
+        example = pmui.Button(
+            label=f"Every noise typical ×/÷ {_ASSUMED} (1σ)", variant="outlined", margin=(8, 8),
+            on_click=lambda _: self._set({}),
         )  # fmt: skip
-        clear = pmui.Button(label="Clear", variant="text", margin=(8, 8), on_click=lambda _: self._set({}))
         fills = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
         scrolls = {**fills, "styles": {"overflow": "auto"}}
         return first_screen(
-            left=[pn.Column(pn.FlexBox(assume, clear), self.rows, **scrolls)],
+            left=[pn.Column(pn.FlexBox(example), self.rows, **scrolls)],
             right=[
                 self._found.later(lambda: self._found.chart(margin_chart), **fills),
                 pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls),
@@ -123,8 +122,11 @@ class UncertaintyPanel(Question):
         )  # fmt: skip
 
     def show(self, budget: Budget) -> None:
-        """Ask again for the current design."""
-        self._name(self.rows.rows)
+        """Ask again for the current design, whose values the example follows."""
+        if self.ranges or self.rows.refused:
+            self._name(self.rows.rows)
+        else:
+            self._recall()
         self._ask()
 
     def _name(self, rows: Rows) -> None:
@@ -139,8 +141,8 @@ class UncertaintyPanel(Question):
         return dict(parse_qsl(self.ranges))
 
     def _recall(self) -> None:
-        """Show the ranges in force."""
-        texts = self._texts()
+        """Show the ranges in force: without any, those of the example."""
+        texts = self._texts() or self._assumed()
         self._name([row_of(texts[key]) if key in texts else {} for key in _INPUTS])
         self.rows.refused = ""
 
@@ -172,10 +174,6 @@ class UncertaintyPanel(Question):
         """Every noise as typical, with the usual factor."""
         keys = (key for key in _INPUTS if key.endswith(("random_walk", "position_noise")))
         return {key: f"{_as_text(self.session.design, key)} */ {_ASSUMED}" for key in keys}
-
-    def assume(self) -> None:
-        """Take every noise as typical, with the usual factor."""
-        self._set(self._texts() | self._assumed())
 
     def _ask(self) -> None:
         """Have the newest question answered in a worker; one under way is dropped. Without a range an example is."""

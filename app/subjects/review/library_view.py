@@ -34,7 +34,7 @@ _HINT = '<p class="quiet">Tick designs above to select them, then compare, open,
 _OPENING = '<p class="quiet">Opening the library …</p>'
 _HEADS = (("Design", 1.4), ("Verdict", 1.6), "By", "Saved", ("Tags, note", 1.2), "Revisions")
 _EMPTY = (
-    "No design saved yet. Enter your name, then press “Save as new design”. It saves the design on the left with its "
+    "No design saved yet. Enter your name, then press “Save as new design”. It saves the current design with its "
     "verdict. Each later save is a revision that can be compared and reviewed. For an example, load one from “Open, "
     "Examples” and save it as well."
 )

@@ -223,10 +223,7 @@ class LogPanel(pn.viewable.Viewer):
             problem = self.session.change(adoption.changes, adoption.written, adoption.origins, entries)
         except InputError as error:
             problem = error
-        if problem:
-            self._say(f"Not used. {problem}")
-        else:
-            self._say("Values and source copied to the design. You can undo.", "success")
+        self._say(f"Not used. {problem}" if problem else "")  # the strip has the new values and their source
 
 
 class StaticResult(View):

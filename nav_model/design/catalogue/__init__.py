@@ -166,9 +166,11 @@ def _offered(key: str, text: str, where: str) -> Parsed:
     units = OFFERED[key]
     match = _AMOUNT.fullmatch(text)
     number, unit = match.groups() if match else ("", "")
-    if match and (unit in units if units else re.fullmatch("[A-Z]{3}", unit)):
-        return Parsed(float(number) * units.get(unit, 1.0), unit)
-    choice = ", ".join(units) or "the three letters of a currency, as in 4200 EUR"
+    if not units and (price := re.fullmatch("([kM]?)([A-Z]{3})", unit)):
+        return Parsed(float(number) * {"": 1.0, "k": 1e3, "M": 1e6}[price[1]], price[2])
+    if unit in units:
+        return Parsed(float(number) * units[unit], unit)
+    choice = ", ".join(units) or "the three letters of a currency, as in 4200 EUR or 4.2 kEUR"
     raise InputError(where, f"{quoted(text)} is not a {key}. Write a number and a unit: {choice}.", text)
 
 

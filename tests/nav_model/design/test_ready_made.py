@@ -26,7 +26,7 @@ _CASES = {
 def test_each_is_its_formula_and_an_ordinary_contributor(name: str) -> None:
     texts, expected = _CASES[name]
     one = ready_made(name, texts, _DESIGN)
-    assert one.value == pytest.approx(expected, rel=1e-5)
+    assert one.value == pytest.approx(expected, rel=5e-4)  # as it is shown
     assert (one.name, one.enters) == (name, READY_MADE[name].enters)
     assert all(text in one.source for text in texts)
     assert "[P-16]" in one.source

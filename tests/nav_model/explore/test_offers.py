@@ -28,7 +28,7 @@ def test_the_cheapest_that_passes_is_first_and_a_cheap_failure_is_not() -> None:
     design = read_design("examples/tactical_x_band.toml")
     imus = {
         **offer("best", 0.001, said("price", "90000 EUR"), said("mass", "2 kg")),
-        **offer("good", 0.01, said("price", "8000 EUR"), said("mass", "300 g"), said("power", "900 mW")),
+        **offer("good", 0.01, said("price", "8 kEUR"), said("mass", "300 g"), said("power", "900 mW")),
         **offer("no price", 0.005),
         **offer("bad", 5.0, said("price", "10 EUR")),
     }

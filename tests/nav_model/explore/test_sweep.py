@@ -7,9 +7,10 @@ import pytest
 
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
+from nav_model.design.file import format_design
 from nav_model.design.presets import preset_fill
 from nav_model.explore import sweep
-from nav_model.explore.sweep import run_sweep
+from nav_model.explore.sweep import least_demanding, run_sweep, sweep_ratios, whole_sweep
 from nav_model.explore.sweep_plan import parse_plan, read_plan
 
 pytestmark = pytest.mark.long
@@ -270,3 +271,36 @@ def test_refused_outputs_and_schedulers(plan_file, tmp_path):
         run_sweep(plan, tmp_path / "out.xls")
     with pytest.raises(InputError, match="cannot be written"):
         run_sweep(plan, tmp_path / "no" / "out.csv")
+
+
+def test_the_least_demanding_are_those_that_no_easier_design_passes(open_design):
+    """By comparing every pair of designs; an easier design has noisier sensors, of the same radar window."""
+    changes = {"requirements.quadratic_phase": 1.5, "requirements.horizontal_position": 0.5}
+    text = format_design(open_design.replace(changes))
+    plan = parse_plan(
+        f"""
+[design]
+{text.replace("[", "[design.")}
+[vary]
+gnss.position_noise = ["3 m", "2 cm", "50 cm", "1 m"]
+radar.window = ["uniform", "taylor"]
+imu.angle_random_walk = {{ from = "0.001 °/√h", to = "1 °/√h", points = 12, spacing = "log" }}
+""".encode()
+    )
+    columns = whole_sweep(plan)
+    places = list(zip(*plan.indices(0, plan.rows), strict=True))
+    noises = [(axis.values[place] for axis, place in zip(plan.axes, row, strict=True)) for row in places]
+    rows = [dict(zip((axis.key for axis in plan.axes), values, strict=True)) for values in noises]
+    passes = sweep_ratios(columns) <= 1
+
+    def easier(one, other):
+        keys = ("gnss.position_noise", "imu.angle_random_walk")
+        alike = one["radar.window"] == other["radar.window"]
+        return one != other and alike and all(one[key] >= other[key] for key in keys)
+
+    expected = [
+        bool(met) and not any(passes[i] and easier(one, row) for i, one in enumerate(rows))
+        for row, met in zip(rows, passes, strict=True)
+    ]
+    assert list(least_demanding(plan, columns)) == expected
+    assert 1 < sum(expected) < sum(passes) < plan.rows

@@ -335,10 +335,12 @@ async def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> No
     sure = _ask(explore, "Probability")
     await soon(lambda: "An example" in " ".join(sure.answer.sentences), "the example of an empty page")
     _vary(sure, "imu.angle_random_walk", "uniform", "0.02", "0.06")
-    await soon(lambda: "of closing: 40.1" in sure.answer.word, "the probability")
-    found = uncertain_verdict(first_design(), {"imu.angle_random_walk": read_uncertain(
-        "imu.angle_random_walk", "0.02 °/√h .. 0.06 °/√h")})  # fmt: skip
-    assert sure.run.result.closes == found.closes
+    texts = {  # the rows of the example that are still there
+        "imu.angle_random_walk": "0.02 °/√h .. 0.06 °/√h", "imu.velocity_random_walk": "0.06 m/s/√h */ 1.3",
+        "gnss.position_noise": "1 m */ 1.3",
+    }  # fmt: skip
+    found = uncertain_verdict(first_design(), {key: read_uncertain(key, text) for key, text in texts.items()})
+    await soon(lambda: sure.run.result.closes == found.closes, "the probability")
     (bars,) = sure.__panel__().select(pn.pane.Bokeh)  # the bins right of zero hold the probability
     assert bars.object.yaxis[0].axis_label == "designs in a bin [%]"
     edges, shares = found.histogram
@@ -359,7 +361,8 @@ async def test_question_ranges_and_choices_come_back_with_the_link(explore: Expl
     page = ExplorePage(again)
     assert page.views.chosen == "Probability"
     assert [list(row.values())[:3] for row in page.question.rows.rows if row.get("kind")] == [
-        ["log-uniform", "1.0", "8.0"], ["typical", "1 m", "1.5"]
+        ["typical", "0.15 °/√h", "1.3"], ["typical", "0.06 m/s/√h", "1.3"], ["log-uniform", "1.0", "8.0"],
+        ["typical", "1 m", "1.5"],
     ]  # fmt: skip
     page.question.run.cancel()
     assert _search(page).biases == "zero"
