@@ -255,7 +255,7 @@ class BudgetPage(View):
         def sicd() -> bytes:
             return sicd_xml(error_statistics(now().design))
 
-        takes = [take for describe in charts.BUDGET_CHARTS for take in download_buttons(describe, now)]
+        takes = [take for describe in charts.FIRST_SCREEN for take in download_buttons(describe, now)]
         takes.append(download("Image location errors: SICD XML", "error-statistics.xml", sicd))
         return pn.FlexBox(*takes, stylesheets=[PRINT_NOTHING])
 

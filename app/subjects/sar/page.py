@@ -22,7 +22,6 @@ from app.subjects.sar.charts import (
     POINT_TITLE,
     RUN_CHARTS,
     STRATEGY_CHARTS,
-    WINNER_CHARTS,
     arw_winner_chart,
     gnss_winner_chart,
     point_picture,
@@ -212,8 +211,7 @@ class SarPage(StudyPage[SarResult]):
         self._of_result.add(lambda _: setattr(points, "chart", self._points))
         draws = [
             *map(of_strategies, STRATEGY_CHARTS),
-            *((lambda _, draw=draw: draw(self._session.budget)) for draw in WINNER_CHARTS),
-            *map(_of_study, RUN_CHARTS),
+            lambda _: gnss_winner_chart(self._session.budget),
         ]
         return exports(
             [download("All of the study (JSON)", "sar-study.json", self._json), points.links], draws, result_of

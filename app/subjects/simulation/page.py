@@ -19,7 +19,6 @@ from app.document.numbers import number as text_of
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.simulation.charts import (
-    CHARTS,
     CONSISTENCY,
     TIMELINES,
     designed_attitude_chart,
@@ -207,7 +206,7 @@ class SimulatePage(StudyPage[Flown]):
         def file(kind: str) -> Any:
             return download(names[kind], f"simulation{kind}", lambda: FILES[kind](study().study))
 
-        return exports([*map(file, names)], [_of_study(draw) for draw in CHARTS], study)
+        return exports([*map(file, names)], [_of_study(draw) for draw in (*TIMELINES, *CONSISTENCY)], study)
 
     # --- the run --------------------------------------------------------------------------------------
 
