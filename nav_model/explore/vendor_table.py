@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError, under
+from nav_model.base.errors import InputError, quoted, under
 from nav_model.base.units import parse_quantity
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.navigation import smoothed_outage
@@ -171,20 +171,25 @@ class Inversion:
     contradictions : tuple of Contradiction
         Empty where the rows agree. Otherwise every entry that contradicts the rest alone; if there is none, since
         several are wrong at once, the two that the noise misses most, each with what it gives.
+    several : bool
+        Whether it is those two.
     """
 
     entries: tuple[Given, ...]
     agree: bool
     implied: tuple[Implied, ...]
     contradictions: tuple[Contradiction, ...]
+    several: bool
 
     def changes(self, design: Design) -> tuple[dict[str, float], dict[str, str], dict[str, str]]:
         """Values, units and origins that `Design.replace` takes."""
         labels = "; ".join(entry.label for entry in self.entries)
-        origin = f"implied by the vendor's table: {labels}"
-        values = {item.key: rounded_offer(design, item.key, item.value).value for item in self.implied}
-        written = {key: design.unit(key) for key in values}
-        return values, written, dict.fromkeys(values, origin if len(origin) <= _ORIGIN else f"{origin[:_ORIGIN]}…")
+        values, origins = {}, {}
+        for item in self.implied:
+            values[item.key] = rounded_offer(design, item.key, item.value).value
+            origin = f"implied by the vendor's table{'' if item.determined else ', one of many that fit'}: {labels}"
+            origins[item.key] = origin if len(origin) <= _ORIGIN else f"{origin[:_ORIGIN]}…"
+        return values, {key: design.unit(key) for key in values}, origins
 
 
 _UNKNOWNS = ("imu.angle_random_walk", "imu.velocity_random_walk", "imu.gyro_bias", "imu.accelerometer_bias")
@@ -193,16 +198,20 @@ _LEAST_ROUNDING, _MOST_ROUNDING = 0.01, 0.1
 _STARTS, _FITS, _EVALUATIONS = 2048, 3, 40
 _EXACT = 1e-4  # sum of squares, of roundings, from which no other start is tried
 _STEP = 1e-20
-_NAMES = {"roll/pitch": "roll and pitch", "roll": "roll and pitch", "pitch": "roll and pitch"} | {
-    f"{axis} position": axis for axis in ("horizontal", "vertical")
+_NAMES = {
+    **dict.fromkeys(("roll/pitch", "roll / pitch", "roll & pitch", "roll", "pitch"), "roll and pitch"),
+    **dict.fromkeys(("true heading", "yaw"), "heading"),
+    **{f"{axis} position": axis for axis in ("horizontal", "vertical")},
+    "horizontal velocity": "velocity",
 }
-_ENTRY = re.compile(r"\s*([a-z][a-z /]*?)\s*[:=]?\s+(?=[±<≤~\d.])(.+?)\s*", re.I)
+_ENTRY = re.compile(r"\s*([a-z][a-z /&]*?)\s*[:=]?\s+(?=[±<≤~\d.])(.+?)\s*", re.I)
 
 
-def read_row(text: str) -> tuple[Given, ...]:
+def read_row(text: str, baseline: float | None = None) -> tuple[Given, ...]:
     """A row such as "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°".
 
-    The time may also be "no outage". Values are one sigma per axis, or say what they are: "0.10 m CEP".
+    The time may also be "no outage". Values are one sigma per axis, or say what they are: "0.10 m CEP", and
+    "1 cm + 1 ppm" at the base line [m].
 
     Raises
     ------
@@ -213,9 +222,14 @@ def read_row(text: str) -> tuple[Given, ...]:
     if not colon or len(text) > _LONGEST:
         example = 'Write for example "60 s: horizontal 0.10 m, heading 0.010°".'
         raise InputError("row", f"{text[:80]!r} is not a row of a table. {example}", text)
-    with under("row"):
-        settled = time.strip().lower() in {"no outage", "0"}
-        outage = 0.0 if settled else parse_quantity(time, "time").value
+    settled = time.strip().lower() in {"no outage", "0"}
+    try:
+        outage = 0.0 if settled else parse_quantity(re.sub(r"(?i)\b(after|outage)\b", "", time).strip(), "time").value
+    except InputError as error:
+        reason = (
+            f"{quoted(time.strip())} is not the time of an outage. Write 60 s or no outage, for rows in real time."
+        )
+        raise InputError("row", reason, text) from error
     _, longest = cast("tuple[float, float]", _quantity("coast.duration").bounds)
     if not 0 <= outage <= longest:
         raise InputError("row", f"{time.strip()} is not allowed. Give from 0 s to {longest:g} s.", text)
@@ -225,9 +239,10 @@ def read_row(text: str) -> tuple[Given, ...]:
         name = " ".join(match[1].lower().split()) if match else ""
         column = _NAMES.get(name, name)
         if match is None or column not in COLUMNS:
-            raise InputError("row", f"{part[:80]!r} is none of {', '.join(COLUMNS)} with a value.", text)
+            reason = f"{part[:80]!r} is none of {', '.join(COLUMNS)} with a value. Leave other columns out."
+            raise InputError("row", reason, text)
         with under("row"):
-            value = _quantity(COLUMNS[column].reads).read(match[2]).value
+            value = _quantity(COLUMNS[column].reads).read(match[2], baseline=baseline).value
         entries.append(Given(outage, column, value, match[2], _rounding(match[2])))
     return tuple(entries)
 
@@ -252,7 +267,7 @@ def invert(design: Design, rows: Iterable[str]) -> Inversion:
         If a row cannot be read, or an entry is there twice.
     """
     texts = tuple(rows)
-    entries = tuple(entry for text in texts[: _MOST_ROWS + 1] for entry in read_row(text))
+    entries = tuple(entry for text in texts[: _MOST_ROWS + 1] for entry in read_row(text, design.baseline))
     if not entries or len(texts) > _MOST_ROWS:
         raise InputError("row", f"Give from one to {_MOST_ROWS} rows.")
     if len({(entry.outage, entry.column) for entry in entries}) < len(entries):
@@ -264,7 +279,9 @@ def invert(design: Design, rows: Iterable[str]) -> Inversion:
         # Values that agree to their digits cost at most one each, so more is a proof that none do.
         agree = bool(cost <= len(entries))
         implied = tuple(map(Implied, _UNKNOWNS, np.exp(point[:4]).tolist(), fit.factors(point)))
-        return Inversion(entries, agree, implied, () if agree else fit.contradictions(point))
+        contradictions = () if agree else fit.contradictions(point)
+        several = not agree and not contradictions
+        return Inversion(entries, agree, implied, fit.missed(point) if several else contradictions, several)
 
 
 class _Fit:
@@ -339,18 +356,20 @@ class _Fit:
         return [math.exp(value) if value < 20 else math.inf for value in 2 * spread[:4]]
 
     def contradictions(self, point: Array) -> tuple[Contradiction, ...]:
-        """Each entry without which the others agree; without one, the two that are missed most."""
+        """Each entry without which the others agree."""
         contradictions = []
         for index, entry in enumerate(self.entries):
             others = np.arange(len(self.entries)) != index
             rest, cost = self.best(others, point)
             if cost <= others.sum():
                 contradictions.append(Contradiction(entry, float(self.model(rest[:, None])[index, 0])))
-        if not contradictions:
-            values, misses = self.model(point[:, None])[:, 0], self.residuals(point[:, None])[:, 0]
-            pair = int(misses.argmin()), int(misses.argmax())
-            contradictions = [Contradiction(self.entries[i], float(values[i])) for i in pair]
         return tuple(contradictions)
+
+    def missed(self, point: Array) -> tuple[Contradiction, ...]:
+        """The two entries that the noise misses most, to either side."""
+        values, misses = self.model(point[:, None])[:, 0], self.residuals(point[:, None])[:, 0]
+        pair = int(misses.argmin()), int(misses.argmax())
+        return tuple(Contradiction(self.entries[i], float(values[i])) for i in pair)
 
 
 def _quantity(key: str) -> BaseQuantity[float]:

@@ -79,4 +79,5 @@ def _against_catalogue(design: Design, key: str) -> tuple[str, str]:
         return ("?", f"Not on {entry.name}'s sheet: your value.") if missing else ("", "")
     if design[key] != item.value:
         return "≠", f"≠ {entry.name}: {item.text}"
-    return ("", f"{item.source}.") if item.confirmed else ("⚠", f"⚠ {item.status} source: {item.source}.")
+    doubt = f"⚠ {item.status}{' source' if item.status == 'secondary' else ''}: "
+    return ("", f"{item.source}.") if item.confirmed else ("⚠", f"{doubt}{item.source}.")

@@ -32,6 +32,11 @@ _NOTE = (
     "shows it [T-5]."
 )
 
+_CAUSES = (
+    "A sheet may round up, be post-processed, of a car with an odometer, of two antennas or of another receiver. "
+    "Where it prints a horizontal rms of both axes, write 0.5 m DRMS."
+)
+
 
 def vendor_block(design: Design, key: str, unit: str = "") -> Table:
     """The table of the design, or with another IMU of the catalogue."""
@@ -52,18 +57,21 @@ def implied_blocks(design: Design, inversion: Inversion) -> list[Block]:
     """What rows imply, and what contradicts what."""
     blocks: list[Block] = []
     if inversion.contradictions:
+        others = "the closest noise gives" if inversion.several else "the others imply"
         contradictions = tuple(
-            f"{item.entry.label} is {number(max(item.factor, 1 / item.factor))} times too "
-            f"{'large' if item.factor > 1 else 'small'}: the other entries imply "
+            f"{item.entry.label} is a factor of {number(max(item.factor, 1 / item.factor))} "
+            f"{'above' if item.factor > 1 else 'below'} what {others}, "
             f"{show(item.implied, FIGURES[COLUMNS[item.entry.column].outage].dimension)}."
             for item in inversion.contradictions
         )
-        blocks.append(Bullets(contradictions, "The entries contradict each other in real time with this receiver"))
+        title = "The entries contradict each other in real time with this receiver"
+        blocks.append(Bullets(contradictions, f"{title}{', several at once' if inversion.several else ''}"))
+        blocks.append(Text(_CAUSES))
     rows = (
         (
             str(declaration_of(item.key).label),
             input_in_words(design, item.key, item.value, given=False),
-            f"a factor of {number(item.factor)}" if item.determined else "not determined by these entries",
+            f"a factor of {number(item.factor)}" if item.determined else "not determined: one of many that fit",
         )
         for item in inversion.implied
     )

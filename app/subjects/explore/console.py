@@ -173,7 +173,16 @@ def inverted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
          "implied": item.implied, "factor": item.factor}
         for item in inversion.contradictions
     ]  # fmt: skip
-    whole = {"processing": {"mode": REAL_TIME}, "agree": inversion.agree, "implied": rows}
+    if options.csv and contradictions:
+        print(
+            "navbudget: the rows contradict each other; without --csv the answer names the entries", file=sys.stderr
+        )
+    whole = {
+        "processing": {"mode": REAL_TIME},
+        "agree": inversion.agree,
+        "several": inversion.several,
+        "implied": rows,
+    }
     return {**whole, "contradictions": contradictions}, [{**row, "agree": inversion.agree} for row in rows]
 
 

@@ -9,6 +9,7 @@ from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design import Design
+from nav_model.design.file import parse_design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.explore.vendor_table import COLUMNS, Row, invert, read_row, vendor_table, with_unit
 
@@ -132,7 +133,9 @@ def test_bare_bones_of_a_row() -> None:
         (["horizontal 1 m"], "is not a row of a table"),
         (["60 s: depth 1 m"], "'depth 1 m' is none of horizontal"),
         (["60 s: horizontal 1 kg"], "length"),
-        (["60 m: horizontal 1 m"], "time"),
+        (["60 m: horizontal 1 m"], "'60 m' is not the time of an outage. Write 60 s or no outage"),
+        (["PPK 60 s: horizontal 1 m"], "'PPK 60 s' is not the time of an outage"),
+        (["60 s: vertical velocity 1 m/s"], "'vertical velocity 1 m/s' is none of .* Leave other columns out"),
         (["1e9 s: horizontal 1 m"], "is not allowed"),
         (["60 s: horizontal 1 m", "60 s: horizontal 2 m"], "twice"),
         ([], "from one to 10 rows"),
@@ -145,13 +148,35 @@ def test_bad_rows_are_refused(rows: list[str], said: str) -> None:
         invert(Design(), rows)
 
 
+def test_rows_as_a_manual_prints_them() -> None:
+    """SBG Apogee hardware manual 1.5, 2.3.3, RTK: a car with an odometer, which no free INS is after 60 s."""
+    rows = [
+        "No outage: horizontal position 0.01 m + 1 ppm, vertical position 0.02 m + 1 ppm, roll/pitch 0.008°",
+        "10 s: horizontal 5 cm, vertical 5 cm, horizontal velocity 0.02 m/s, roll & pitch 8e-3°, true heading 0.03°",
+        "after 60 s: horizontal 0.5 m, vertical 0.3 m, velocity 0.02 m/s, roll/pitch 0.012°, yaw 0.06°",
+    ]
+    with pytest.raises(InputError, match=r"grows with the base line\. Give gnss\.baseline"):
+        invert(Design(), rows)
+    design = parse_design('[gnss]\npreset = "RTK"\nbaseline = "1 km"')
+    inversion = invert(design, rows)
+    assert [entry.outage for entry in inversion.entries] == 3 * [0.0] + 5 * [10.0] + 5 * [60.0]
+    assert inversion.entries[0].value == pytest.approx(0.011)
+    assert inversion.several
+    worst = min(inversion.contradictions, key=lambda item: item.factor)
+    assert (worst.entry.outage, worst.entry.column) == (60.0, "horizontal")
+    one_wrong = invert(design, ["10 s: horizontal 0.05 m, velocity 0.9 m/s, heading 0.03°"])
+    assert (one_wrong.agree, one_wrong.several) == (False, False)
+
+
 def test_answer_enters_the_design_with_its_origin() -> None:
     design = random_unit(np.random.default_rng(5))
     inversion = invert(
         Design().replace({"gnss.position_noise": design.gnss.position_noise}), map(printed, real_time(design))
     )
     new = design.replace(*inversion.changes(design))
-    assert all(new.origins[item.key].startswith("implied by the vendor's table: ") for item in inversion.implied)
+    for item in inversion.implied:
+        start = "implied by the vendor's table" + (":" if item.determined else ", one of many that fit:")
+        assert new.origins[item.key].startswith(start)
     assert new.imu.angle_random_walk == pytest.approx(inversion.implied[0].value, rel=0.01)
 
 
