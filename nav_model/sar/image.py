@@ -19,6 +19,8 @@ from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
 
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20
+_MOST_LINES = 20_000  # frequencies, and pulses: half a minute for a picture
+_PROFILE_BINS = 2**20  # of the pulses that are projected at a time: 16 MB and some copies
 
 _ComplexArray = NDArray[np.complex128]
 
@@ -70,6 +72,8 @@ def read_phase_history(name: str, data: bytes) -> PhaseHistory:
             f"{name}: fp has {fields['fp'].size} samples; "
             f"at most {MOST_UNPACKED_BYTES // np.dtype(complex).itemsize} are taken"
         )
+    if max(fields["fp"].shape) > _MOST_LINES:
+        raise ValueError(f"{name}: fp has shape {fields['fp'].shape}; at most {_MOST_LINES} of each are taken")
     sizes = dict(zip("KP", fields["fp"].shape, strict=True))
     for key, dimensions in _FILE_FIELDS.items():
         if key not in fields:
@@ -129,24 +133,29 @@ def back_project(
     samples, pulses = history.samples.shape
     in_frequency = weights_of(window, aperture_positions(samples))
     in_pulses = weights_of(window, aperture_positions(pulses))
-    weighted = history.samples * np.outer(in_frequency / in_frequency.sum(), in_pulses / in_pulses.sum())
+    weights = np.outer(in_frequency / in_frequency.sum(), in_pulses / in_pulses.sum())
     bins = 1 << int(np.ceil(np.log2(samples * RANGE_PADDING)))
     # Band about zero, so that the profile varies slowly from bin to bin; the middle's phase is added exactly.
     middle = samples // 2
-    padded = np.zeros((pulses, bins), complex)
-    padded[:, : samples - middle] = weighted[middle:].T
-    padded[:, bins - middle :] = weighted[:middle].T
-    profiles = np.fft.fftshift(np.fft.ifft(padded, axis=1), axes=1) * bins
-    image = project_pulses(
-        profiles,
-        np.ascontiguousarray(history.position, float),
-        history.reference_range - np.broadcast_to(np.asarray(range_error, float), (pulses,)),
-        history.unambiguous_range / bins,
-        4 * np.pi * float(history.frequency[middle]) / SPEED_OF_LIGHT,
-        np.ascontiguousarray(x, float),
-        np.ascontiguousarray(y, float),
-    )
-    return np.asarray(image)
+    axes = np.ascontiguousarray(x, float), np.ascontiguousarray(y, float)
+    position = np.ascontiguousarray(history.position, float)
+    reference = history.reference_range - np.broadcast_to(np.asarray(range_error, float), (pulses,))
+    image = np.zeros((len(axes[1]), len(axes[0])), complex)
+    # A few pulses at a time: their padded profiles are many times the samples.
+    for block in np.array_split(np.arange(pulses), -(-pulses * bins // _PROFILE_BINS)):
+        weighted = history.samples[:, block] * weights[:, block]
+        padded = np.zeros((len(block), bins), complex)
+        padded[:, : samples - middle] = weighted[middle:].T
+        padded[:, bins - middle :] = weighted[:middle].T
+        image += project_pulses(
+            np.fft.fftshift(np.fft.ifft(padded, axis=1), axes=1) * bins,
+            position[block],
+            reference[block],
+            history.unambiguous_range / bins,
+            4 * np.pi * float(history.frequency[middle]) / SPEED_OF_LIGHT,
+            *axes,
+        )
+    return image
 
 
 def point_target_image(

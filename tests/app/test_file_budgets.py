@@ -16,6 +16,7 @@ from nav_model.allan.log_content import Limits, LogOptions
 from nav_model.allan.log_file import read_log
 from nav_model.base.errors import InputError
 from nav_model.sar.image import read_phase_history
+from nav_model.sar.pictures import uploaded_pictures
 resource.setrlimit(resource.RLIMIT_CPU, (120, 120))
 
 def packed(**members):
@@ -36,6 +37,16 @@ def log(content):
 def history(content):
     read_phase_history("file", content)
 
+def picture(content):
+    uploaded_pictures("file", content, np.linspace(0, 1, 9), np.zeros(9), 5.0)
+
+def ones(frequencies, pulses):
+    lines = {name: np.ones(pulses) for name in ("x", "y", "z", "r0")}
+    data = io.BytesIO()
+    samples, band = np.ones((frequencies, pulses), complex), np.linspace(1e10, 1.001e10, frequencies)
+    np.savez_compressed(data, fp=samples, freq=band, **lines)
+    return data.getvalue()
+
 def library(content):
     _listed(_unpack(content))
 
@@ -46,7 +57,7 @@ content = eval(sys.argv[2])
 before = held("VmRSS")
 open("/proc/self/clear_refs", "w").write("5")  # the peak from here on
 try:
-    {"log": log, "history": history, "library": library}[sys.argv[1]](content)
+    {"log": log, "history": history, "picture": picture, "library": library}[sys.argv[1]](content)
     said = "read"
 except ValueError as error:
     said = str(error)
@@ -67,6 +78,9 @@ print(held("VmHWM") - before, said)
         ("log", "packed(gyro__npy=npy(10**8, '|u1', b'0' * 10**8))", 20, "unpacks to 100 MB"),
         ("history", "packed(fp__npy=npy(10**12, '<c16'))", 20, "declares 16000000000000 bytes"),
         ("history", "packed(fp__npy=npy(3 * 10**8, '|u1', b'0' * 3 * 10**8))", 20, "unpacks to 300 MB"),
+        ("picture", "ones(4096, 256)", 250, "read"),
+        ("picture", "ones(2, 200_000)", 100, "at most 20000 of each are taken"),
+        ("picture", "ones(200_000, 2)", 100, "at most 20000 of each are taken"),
         ("library", "packed(a__toml=b'#' * 10**8)", 20, "unpacks to more than 1000000 bytes"),
         ("library", "packed(**{f'a{i}__toml': b'' for i in range(2001)})", 20, "2001 files; at most 2000"),
         ("library", "packed(library__json=b'[' * 19_000_000)", 220, "has more than 100000 parts"),
