@@ -138,7 +138,7 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: design.trajectory.flight in (LINES, WAYPOINTS),
         "The design has a flight plan, which has no effect on this verdict. Its lines are judged by `navbudget "
-        "trajectory` and on the Trajectory page.",
+        "trajectory` and on the page Flight.",
     ),
     (
         lambda design: design.radar.squint_angle != 0,

@@ -78,7 +78,7 @@ class Trajectory(Part):
         },
         short="tfl",
         label="Flight",
-        doc="The flight of the Trajectory page, at the design's speed. It has no effect on the budget.",
+        doc="The flight of the page Flight, at the design's speed. It has no effect on the budget.",
         since="0.1.0",
     )
     duration = _number(

@@ -1,4 +1,4 @@
-"""The Trajectory page: the covariance along the flight that is planned, and the figures of its lines."""
+"""The page Flight: the covariance along the flight that is planned, and the figures of its lines."""
 
 import asyncio
 import importlib
