@@ -108,10 +108,11 @@ def _allowed(key: str, largest: float) -> float:
     return min(largest, declaration.limits[1])
 
 
-def frozen(design: Design) -> UserEntries:
+def frozen(design: Design, day: str = "") -> UserEntries:
     """What a design adds, with the required values of every sheet frozen as they are; unchanged where no sheet is.
 
     Required values follow the design's own, so a log whose values enter the design would move what it is judged by.
+    `day` is noted beside the hash of the design.
     """
     plan = design.allocation or Allotment()
     if plan.required:
@@ -122,8 +123,14 @@ def frozen(design: Design) -> UserEntries:
             values += [(line.key, line.value, design.unit(line.key)) for line in required(design, unit)]
     if not values:
         return design.entries
-    plan = replace(plan, required=tuple(values), frozen=design.content_hash[:12])
-    return replace(design.entries, allocation=plan)
+    note = ", ".join(filter(None, (design.content_hash[:12], day)))
+    return replace(design.entries, allocation=replace(plan, required=tuple(values), frozen=note))
+
+
+def released(design: Design) -> UserEntries:
+    """What a design adds, without frozen values: those of its sheets follow it again."""
+    plan = replace(design.allocation or Allotment(), required=(), frozen="")
+    return replace(design.entries, allocation=None if plan == Allotment() else plan)
 
 
 def _noises(design: Design, *units: Unit) -> dict[str, float]:

@@ -10,6 +10,7 @@ from app.declared import required
 from app.document.allocation import SPLIT_WORDS, entry_texts, outcome
 from app.document.blocks import Text
 from app.document.pane import html_of
+from app.library.texts import counted
 from app.session import Session
 from app.subjects.budget.tables import CONTRIBUTORS_ENTER
 from app.ui.html_pane import html_pane
@@ -23,6 +24,7 @@ from nav_model.design.contributors import KINDS, PROCESSINGS
 from nav_model.design.figures import FIGURES, figure_in_sentence
 from nav_model.design.ready_made import READY_MADE, ready_made
 from nav_model.design.user_entries import Allotment, read_entries
+from nav_model.explore.supplier import released
 
 _FIGURES = tuple((name, figure.label) for name, figure in FIGURES.items())
 _CONTRIBUTOR = (
@@ -50,6 +52,12 @@ def _limit_fields(entries: tuple[tuple[str, str], ...]) -> tuple[Field, ...]:
         Field("at", "After the last fix", "end of outage"),
         Field("confidence", "Sigmas", "as the design"),
     )
+
+
+def _frozen_in_words(plan: Allotment) -> str:
+    values = counted(len(plan.required), "value")
+    origin = f" with the design {plan.frozen}" if plan.frozen else ""
+    return f"The suppliers' sheets require {values} that were frozen{origin}, and do not follow this design."
 
 
 class Contributors(View):
@@ -85,9 +93,13 @@ class Contributors(View):
         for choice in (self._split, self._reserve):
             choice.param.watch(lambda _: self._plan(), "value")
         choices = pn.FlexBox(self._requirement, self._split, self._reserve, stylesheets=[PRINT_NOTHING])
+        self._frozen = html_pane("")
+        self._release = pmui.Button(label="Release required values", variant="outlined", margin=(4, 10))
+        self._release.on_click(lambda _: self.session.change({}, entries=released(self.session.design)))
+        sheets = pn.Column(self._frozen, self._release, stylesheets=[PRINT_NOTHING])
         self._view = pn.Column(
             self._contributors, ready, self._made_said, html_pane(html_of(Text(CONTRIBUTORS_ENTER))), self._limits,
-            choices, self._entries, self._outcome,
+            choices, self._entries, self._outcome, sheets,
         )  # fmt: skip
 
     def show(self, budget: Budget) -> None:
@@ -107,6 +119,8 @@ class Contributors(View):
             chosen = budget.verdict.tightest.name if budget.verdict.tightest else None
         self._requirement.param.update(options=options, value=chosen)
         self._split.value, self._reserve.value = plan.split, str(plan.record()["reserve"])
+        self._release.visible = bool(plan.required)
+        self._frozen.say(html_of(Text(_frozen_in_words(plan))) if plan.required else "")
         self._following = False
         self._allocate()
 
@@ -171,7 +185,8 @@ class Contributors(View):
         by_requirement = dict(plan.record().get("locks", {}))
         if locks is not None:
             by_requirement[self._requirement.value] = locks
-        table = {"split": self._split.value, "reserve": self._reserve.value, "locks": by_requirement}
+        chosen = {"split": self._split.value, "reserve": self._reserve.value, "locks": by_requirement}
+        table = plan.record() | chosen  # with what is frozen
         refused = self._enter("allocation", table)
         refused = refused and refused.under(refused.key.split(".", 3)[-1])  # allocation.locks.requirement.source
         if locks is None and refused:

@@ -2,6 +2,7 @@
 
 import html
 from collections.abc import Callable, Iterator
+from datetime import date
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -219,7 +220,8 @@ class LogPanel(pn.viewable.Viewer):
     def _adopt(self, offer: Callable[[], Adoption]) -> None:
         try:
             adoption = offer()
-            entries = frozen(self.session.design)  # so that a log does not move what it is judged by
+            # So that a log does not move what it is judged by.
+            entries = frozen(self.session.design, date.today().isoformat())
             problem = self.session.change(adoption.changes, adoption.written, adoption.origins, entries)
         except InputError as error:
             problem = error

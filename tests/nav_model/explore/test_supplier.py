@@ -12,8 +12,8 @@ from nav_model.base.errors import InputError
 from nav_model.budget.allocation import allocate
 from nav_model.design.figures import REQUIRED
 from nav_model.design.file import format_design, parse_design
-from nav_model.design.user_entries import UserEntries, read_entries
-from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, frozen, judge_log, required
+from nav_model.design.user_entries import Allotment, UserEntries, read_entries
+from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, frozen, judge_log, released, required
 
 DESIGN = read_design("examples/tactical_x_band.toml")
 _NO_LIMITS = {f"requirements.{key}": None for key in set(REQUIRED.values())}
@@ -40,6 +40,10 @@ def test_frozen_values_do_not_move_with_the_design_and_go_through_its_file() -> 
         assert [line.value for line in required(again, unit)] == [line.value for line in lines]
     assert required(better.replace({}, entries=UserEntries()), "imu")[1].value != before["imu"][1].value
     assert frozen(better) == better.entries  # once
+    assert frozen(DESIGN, "2026-11-26").allocation.frozen == f"{DESIGN.content_hash[:12]}, 2026-11-26"
+    assert DESIGN.replace({}, entries=released(kept)) == DESIGN
+    planned = DESIGN.replace({}, entries=UserEntries(allocation=Allotment("equal")))
+    assert released(planned.replace({}, entries=frozen(planned))) == planned.entries
     with pytest.raises(InputError, match=r"allocation.required.radar.slant_range"):
         read_entries({"allocation": {"required": {"radar.slant_range": "7 km"}}})
 

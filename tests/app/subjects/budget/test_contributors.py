@@ -14,6 +14,7 @@ from nav_model import Design, analyse
 from nav_model.budget.allocation import allocate
 from nav_model.design.contributors import read_contributors
 from nav_model.design.user_entries import UserEntries, read_allocation, read_limits
+from nav_model.explore.supplier import frozen
 
 _ROW = {"name": "lever <arm>", "value": "1 mm", "enters": "detrended_phase", "owner": "mechanics"}
 _LIMIT = {"name": "heading", "on": "coast_heading", "limit": "1°", "at": "30 s"}
@@ -98,6 +99,27 @@ def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> N
     assert "does not fit Detrended phase" in part._entries.refused
     part.session.change({"gnss.position_noise": 3.0})  # the boxes have other rows now
     assert not part._entries.refused
+
+
+def test_frozen_values_stay_with_a_changed_plan_and_are_released_by_a_button(part: Contributors) -> None:
+    session = part.session
+    assert not part._release.visible
+    session.change({}, entries=frozen(session.design, "2026-11-26"))
+    values = session.design.allocation.required
+    assert part._release.visible
+    assert f"{len(values)} values that were frozen with the design {_DESIGN.content_hash[:12]}, 2026-11-26" in (
+        part._frozen.object
+    )
+    part._reserve.value = "30 %"
+    assert (session.design.allocation.reserve, session.design.allocation.required) == (0.3, values)
+    part._release.clicks += 1
+    assert session.design.allocation.required == ()
+    assert session.design.allocation.reserve == 0.3
+    assert not part._release.visible
+    assert not part._frozen.object
+    session.undo()
+    assert session.design.allocation.required == values
+    assert part._release.visible
 
 
 def test_the_report_has_an_allocation_of_each_requirement() -> None:
