@@ -353,11 +353,11 @@ def test_noise_for_another_filter_is_shared(plain: Page) -> None:
     expect(plain.get_by_text("kalibr gets no file. imu.gyro_bias: kalibr needs")).to_be_visible()
 
 
-def test_a_vendors_table_is_taken_into_the_design(plain: Page) -> None:
-    plain.get_by_role("button", name="Errors as data sheets print them").click()
-    expect(plain.get_by_role("cell", name="6.59 m")).to_be_visible()
-    rows = plain.get_by_label("A vendor's table in real time, a row a line")
+def test_a_vendors_table_is_taken_into_the_design(desk: Page) -> None:
+    desk.get_by_role("button", name="Errors as data sheets print them").click()
+    expect(desk.get_by_role("cell", name="6.59 m")).to_be_visible()
+    rows = desk.get_by_label("A vendor's table in real time, a row a line")
     rows.fill("60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.0233°")
-    plain.get_by_role("button", name="Which noise does it imply?").click()
-    plain.get_by_role("button", name="Take into the design").click()
-    expect(plain.get_by_text("The design has the implied noise, with its origin.")).to_be_visible()
+    desk.get_by_role("button", name="Which noise does it imply?").click()
+    desk.get_by_role("button", name="Take into the design").click()
+    expect(desk.get_by_text("The design has the implied noise, with its origin.")).to_be_visible()
