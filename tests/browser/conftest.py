@@ -80,7 +80,7 @@ def _window(opener: Page) -> Page:
 
 @pytest.fixture
 def page(_opener: Page) -> Iterator[Page]:
-    """A window in a browser that nobody used before: without its opener's process, opening a page costs twice as much."""
+    """A window in a browser that nobody used before."""
     _opener.context.clear_cookies()
     _opener.context.clear_permissions()
     _opener.evaluate("() => localStorage.clear()")
