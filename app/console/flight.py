@@ -94,7 +94,7 @@ def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
         flight = read_file(options.trajectory, height, ground).flown(plan_like(design))
     except OSError as error:
         known = ", ".join((PLAN, *NAMED_TRAJECTORIES))
-        reason = f"{options.trajectory!r} is no file that can be read. Name a {KINDS} file, or {known}."
+        reason = f"{options.trajectory!r} is not a file that can be read. Name a {KINDS} file, or {known}."
         raise InputError("--trajectory", reason) from error
     except ValueError as error:
         raise InputError("--trajectory", str(error)) from error

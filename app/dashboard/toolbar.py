@@ -113,7 +113,7 @@ class Toolbar(View):
         try:
             self.bar.give(FILTERS[name].file_name, noise_for(self.session.design, name).encode("utf-8"))
         except InputError as error:
-            self._say(f"{FILTERS[name].label} gets no file. {error}")
+            self._say(f"{FILTERS[name].label}: no file. {error}")
 
     def _show_examples(self) -> None:
         """Open or close the examples, which are made when first asked for."""

@@ -115,7 +115,7 @@ def verdict_of(budget: Budget) -> Answer:
 def _elsewhere(verdict: Verdict) -> str:
     """Which requirements are judged along a flight alone."""
     names = ", ".join(map(figure_in_sentence, verdict.elsewhere))
-    return f"Judged along a flight only, on the page Flight: {names}."
+    return f"Judged along a flight only, on the Flight page: {names}."
 
 
 def _through(check: Check) -> str:

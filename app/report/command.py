@@ -47,13 +47,13 @@ def _report(options: argparse.Namespace) -> int:
     designs = [read_design(path, options.changes) for path in paths]
     kind, wanted = kind_of(options.output), _wanted(options.studies)
     if (kind == SPREADSHEET or options.supplier) and (len(designs) > 1 or wanted or options.show):
-        what = "a supplier's sheet" if options.supplier else "a spreadsheet"
+        what = "a requirement sheet" if options.supplier else "a spreadsheet"
         raise InputError("-o", f"{what} is of one design, without --with and --show")
     if options.supplier:
         from app.report.supplier import supplier_report
 
         if kind == SPREADSHEET:
-            raise InputError("-o", "a supplier's sheet is a page: FILE.html or FILE.pdf")
+            raise InputError("-o", "a requirement sheet is a page: FILE.html or FILE.pdf")
         sheet = supplier_report(designs[0], options.supplier)
     budgets = [analyse(design) for design in designs]
     with whole_file(options.output) as file:  # refused now, not after the studies

@@ -103,7 +103,7 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float)
     if design.allocation and (others := [printable(c.name) for c in design.limits if c.on in RESPONSE]):
         note += f" Not allocated, so not in these values: limits on the impulse response ({', '.join(others)})."
     if bounded := [in_sentence(declaration_of(line.key).label) for line in lines if line.bounded]:
-        note += f" The most that a design may have, as no limit asks for less: {', '.join(bounded)}."
+        note += f" At the bound of the input, as no limit asks for less: {', '.join(bounded)}."
     rows = (
         (
             str(declaration_of(line.key).label),
@@ -123,7 +123,7 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float)
 def _meaning(plan: Allotment | None) -> str:
     """What the required values are."""
     if plan is not None and plan.required:
-        return f"Largest values of all units at once, frozen with the design {plan.frozen}"
+        return f"Largest values of all units together, frozen with design {plan.frozen}"
     if plan is not None:
         return "Largest values within the design's allocation: all at once meet each allocated limit less its reserve"
     return "Largest values that together meet every limit, if every other input stays as assumed"
@@ -185,7 +185,7 @@ def acceptance_blocks(
     """Whether a log shows what is required of the inertial unit, and why, by axis; `reading`: how it was read."""
     failed = [axis_label(row.name) for row in rows if not row.passes]
     text = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"All {len(rows)} axes pass."
-    answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Supplier's sheet. {text}",))
+    answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Requirement sheet. {text}",))
     body: Iterable[Row] = (
         (
             axis_label(row.name),
@@ -201,7 +201,7 @@ def acceptance_blocks(
         note += f" The log was read as: {'; '.join(reading)}."
     return answer, table(
         "acceptance",
-        "This log against the supplier's sheet",
+        "This log against the requirement sheet",
         ("Axis", "Quantity", *numbers("Reading", "Accepted reading", "Required", "Degrees of freedom"), "Result"),
         body,
         note,

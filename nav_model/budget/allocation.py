@@ -100,7 +100,7 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
     if check.on in RESPONSE:
         raise InputError(
             "requirement",
-            f"{quoted(check.name)} limits a measure of the impulse response, which is no sum of its sources. "
+            f"{quoted(check.name)} limits a measure of the impulse response, which is not a sum over sources. "
             "Allocate a limit on the quadratic phase instead.",
             check.name,
         )

@@ -111,8 +111,8 @@ def cautions(budget: Budget) -> tuple[str, ...]:
     growth = budget.sar.along_track_growth
     if not budget.post_processed and growth > 1 + _GROWTH_SAID:
         sentences.append(
-            "In real time the along-track quadratic phase takes the velocity error at the aperture's start [S-2]. "
-            f"With that in mid-aperture it is {growth:.3g} times as large; the verdict does not count that."
+            "In real time the along-track quadratic phase uses the velocity error at the aperture's start [S-2]. "
+            f"At mid-aperture it is {growth:.3g} times as large; the verdict does not include this."
         )
     if budget.post_processed:
         change = budget.beside("turn_of_quadratic")
@@ -137,29 +137,29 @@ def cautions(budget: Budget) -> tuple[str, ...]:
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: design.trajectory.flight in (LINES, WAYPOINTS),
-        "The design has a flight plan, which has no effect on this verdict. Its lines are judged by `navbudget "
-        "trajectory` and on the page Flight.",
+        "The design has a plan, which has no effect on this verdict. Its lines are judged by `navbudget "
+        "trajectory` and on the Flight page.",
     ),
     (
         lambda design: design.radar.squint_angle != 0,
         "Squint lengthens the aperture by 1/cos [S-3] and multiplies the along-track quadratic phase by cos² "
-        "[S-2]. The line-of-sight weights [S-1] stay, since both horizontal axes have the same errors. The SAR "
+        "[S-2]. The line-of-sight weights [S-1] stay, since both horizontal axes have the same errors. The Image "
         "page has the effect of the turning line of sight on velocity errors of the other axes.",
     ),
     (
         lambda design: _rounded(design),
         "Neither fix interval is a whole multiple of the other. Post-processed figures take the nearest whole number "
-        "of fixes, with the noise that keeps their density.",
+        "of fixes, with the noise scaled to the same density.",
     ),
     (
         lambda design: design.coast.before_aperture > 0,
-        "Post-processed position, velocity and tilt are those in the middle of the aperture, after the time without "
-        "fixes before it. In real time they are those with fixes throughout.",
+        "Post-processed position, velocity and tilt are those at mid-aperture, after any outage before it. "
+        "Real-time values assume fixes throughout.",
     ),
     (
         lambda design: not _fix_after(design),
-        "No fix comes in the time after the aperture: post-processed figures rest on the fixes before and in it "
-        "alone. They take a constant sensor bias for absorbed, which then it is not.",
+        "No fix falls in the time after the aperture, so post-processed figures rest on the fixes before and in "
+        "it. They assume that a constant sensor bias is absorbed, which is then not so.",
     ),
     (
         lambda design: not _LOWEST < _ground(design) < _HIGHEST,
@@ -169,7 +169,7 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     ),
     (
         lambda design: design.radar.grazing_angle > math.radians(89.5),
-        "At this grazing angle the range says next to nothing about the ground range: CE90 has no meaning.",
+        "At this grazing angle slant range barely determines ground range, so CE90 has no meaning.",
     ),
     (
         lambda design: design.imu.vibration_factor == 1,

@@ -29,8 +29,10 @@ class Processing(Part):
         bounds=(0.0, 1e5),
         softbounds=(1.0, 1000.0),
         label="Fixes after aperture",
-        doc="How long the smoother waits for fixes after the aperture. At 0 it has those up to the aperture's end. "
-        "Before the aperture the filter has settled.",
+        doc=(
+            "Time after the aperture whose fixes the smoother uses; 0: fixes up to the aperture's end. Before the "
+            "aperture the filter has settled."
+        ),
         datasheet="From the flight plan.",
         typical="60 to 600 s",
         since="0.1.0",

@@ -52,10 +52,11 @@ class Imu(Part):
         softbounds=(1e-4 * MILLI_G, 100 * MILLI_G),
         label="Residual accelerometer bias",
         doc=(
-            "1σ of the constant bias, per axis. In steady state it is a tilt of b/g, which cancels it on a straight "
-            "line; phase, shift and outage take it whole, as after a turn of 60°. A smoother leaves only the tilt."
+            "1σ of the constant bias, per axis. On a straight line it settles as a tilt of b/g, which cancels it. "
+            "Phase, image shift and outage count the full bias, as after a turn of 60°. After smoothing only the "
+            "tilt remains."
         ),
-        datasheet="Not printed as such: at most the in-run bias stability, or what is left of the turn-on bias.",
+        datasheet="Not on data sheets. At most the in-run bias stability, or the residual turn-on bias.",
         typical="tactical in-run 0.05, MEMS in-run 0.003 to 0.1 mg",
         slider=True,
         source="accelerometer bias",
@@ -69,10 +70,10 @@ class Imu(Part):
         softbounds=(1e-4 * DEGREE_PER_HOUR, 1e3 * DEGREE_PER_HOUR),
         label="Residual gyro bias",
         doc=(
-            "1σ of the constant bias, per axis. The steady state has none of it, as fixes show it. "
-            "Phase, shift and outage take it whole, as after a turn of 60°."
+            "1σ of the constant bias, per axis. It adds nothing in steady state, where fixes reveal it. Phase, "
+            "image shift and outage count the full bias, as after a turn of 60°."
         ),
-        datasheet="Not printed as such: at most the in-run bias stability of the gyro table.",
+        datasheet="Not on data sheets. At most the in-run bias stability of the gyro table.",
         typical="navigation 0.003, tactical 0.5, MEMS 1 to 10 °/h",
         slider=True,
         source="gyro bias",
@@ -207,8 +208,10 @@ class Gnss(Part):
         bounds=(1e-3, 3600.0),
         softbounds=(0.02, 10.0),
         label="Velocity interval",
-        doc="Time between velocity fixes, if it differs from the fix interval. In real time, velocity is taken with "
-        "the position fixes, with its noise scaled to the same density.",
+        doc=(
+            "Time between velocity fixes, if it differs from the fix interval. Real-time figures use velocity at "
+            "each position fix, with its noise scaled to the same density."
+        ),
         datasheet='"Velocity update rate": 10 Hz is 0.1 s.',
         typical="as the fix interval",
         when_empty="with each fix",

@@ -78,34 +78,35 @@ class Trajectory(Part):
         },
         short="tfl",
         label="Flight",
-        doc="The flight of the page Flight, at the design's speed. It has no effect on the budget.",
+        doc="The plan that is flown on the Flight page, at the design's speed. It has no effect on the budget.",
         since="0.1.0",
     )
     duration = _number(
         500.0, "s", "time", (1.0, 360_000.0), "tdu", "Flight time",
-        "How long a flight without lines or waypoints takes.", "300 to 3600 s",
+        "Length of a flight without lines or waypoints.", "300 to 3600 s",
     )  # fmt: skip
     lines = _number(
         4.0, "", "", (1.0, 100.0), "tn", "Lines",
-        "How many parallel lines are flown. The first begins at the first waypoint, or at the flight's latitude.",
+        "Number of parallel lines. The first starts at the first waypoint, or at the flight's latitude.",
         "1 to 20",
     )  # fmt: skip
     length = _number(5000.0, "km", "length", (1.0, 1e6), "tle", "Line length", "Of the parallel lines.", "2 to 50 km")
     spacing = _number(
         1000.0, "km", "length", (-1e6, 1e6), "tsp", "Line spacing",
-        "From one parallel line to the next, to the right of the first; to the left if it is negative.",
+        "Spacing of parallel lines, to the right of the first; negative: to the left.",
         "0.5 to 5 km",
     )  # fmt: skip
     bank = _number(
         25 * DEGREE, "°", "angle", (1 * DEGREE, 80 * DEGREE), "tba", "Bank", "Bank angle of the turns.", "10° to 30°"
     )
     climb_rate = _number(
-        5.0, "m/s", "speed", (0.01, 500.0), "tcl", "Climb rate", "The fastest climb and descent between waypoints.",
+        5.0, "m/s", "speed", (0.01, 500.0), "tcl", "Climb rate",
+        "Highest rate of climb and descent between waypoints.",
         "2 to 10 m/s",
     )  # fmt: skip
     ground = _number(
         0.0, "m", "length", _HEIGHT, "tgr", "Ground height",
-        "The highest ground below the flight, above the ellipsoid. Every waypoint is above it.", "0 to 3000 m",
+        "Highest terrain under the flight, above the ellipsoid. Every waypoint must be above it.", "0 to 3000 m",
     )  # fmt: skip
     waypoints = Table(
         columns={
@@ -127,7 +128,7 @@ class Trajectory(Part):
         short="tou",
         example="200, 260; 400, 430",
         label="Outages",
-        doc="Start and stop of times without fixes, in seconds of the flight.",
+        doc="Start and stop of each outage, in seconds of the flight.",
         since="0.1.0",
     )
     limits = Table(
@@ -135,7 +136,7 @@ class Trajectory(Part):
         short="tli",
         example="line 1, detrended_phase=10°; line 2, ce90=2 m, tilt=0.01°",
         label="Limits of lines",
-        doc="Limits that hold for one line in place of the requirements, at the same confidence.",
+        doc="Limits for one line that replace the requirements, at the same confidence.",
         since="0.1.0",
     )
     bank_limit = _number(
@@ -151,34 +152,36 @@ class Trajectory(Part):
         short="tal",
         example="10, 1.5; 30, 0.3",
         label="After each loss",
-        doc="Duration [s] and position noise [m] of the solutions that follow a loss of fixes in turn, as code, then "
-        "float, until fixed ambiguities return.",
+        doc=(
+            "Duration [s] and position noise [m] of each solution after an outage, such as code, then float, "
+            "until fixed ambiguities return."
+        ),
         since="0.1.0",
     )
     heading_noise = _number(
         None, "°", "angle", (1e-5 * DEGREE, 90 * DEGREE), "thn", "Heading of two antennas",
-        "1σ of one heading, with each fix: √2 times the carrier phase's noise over the baseline.",
+        "1σ of the two-antenna heading at each fix: √2 times the carrier-phase noise over the baseline.",
         "0.3° at 1 m, 0.1° at 3 m",
         (0.01 * DEGREE, 1 * DEGREE), 'Receiver table: "heading accuracy".',
     )  # fmt: skip
     barometer_noise = _number(
         None, "m", "length", (1e-3, 1e4), "tbn", "Barometer",
-        "1σ of one height, at each fix; it stays when fixes are lost.", "1 to 10 m", (0.1, 100.0),
+        "1σ of the barometric height at each fix; it is available in an outage.", "1 to 10 m", (0.1, 100.0),
         "Noise of the air data, as height.",
     )  # fmt: skip
     lever_arm_error = _number(
         0.0, "cm", "length", (0.0, 100.0), "tla", "Lever arm error",
-        "1σ per axis of the antenna's place, constant through the flight; the filter does not estimate it.",
+        "1σ per axis of the lever arm's error, constant through the flight; the filter does not estimate it.",
         "0.5 to 5 cm", datasheet=_INSTALLED,
     )  # fmt: skip
     time_offset = _number(
         0.0, "ms", "time", (0.0, 10.0), "tto", "Time offset",
-        "1σ of the fixes against the IMU, constant through the flight; the filter does not estimate it.",
+        "1σ of the fixes' time offset against the IMU, constant through the flight; the filter does not estimate it.",
         "0.01 to 10 ms", datasheet=_INSTALLED,
     )  # fmt: skip
     radar_time_offset = _number(
         0.0, "ms", "time", (0.0, 10.0), "trt", "Radar time offset",
-        "1σ of the radar against the IMU, constant through the flight: motion compensation takes the navigation of a "
-        "wrong time.",
+        "1σ of the radar's time offset against the IMU, constant through the flight: motion compensation uses "
+        "navigation of the wrong time.",
         "0.01 to 10 ms", datasheet=_INSTALLED,
     )  # fmt: skip

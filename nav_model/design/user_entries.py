@@ -79,7 +79,7 @@ class Limit(OneSigma):
         figure = FIGURES.get(self.on)
         if self.at is not None and (figure is None or figure.kind != "outage"):
             raise InputError(
-                f"{self.where}.at", f"{label_of(self.on)} is no value of the outage, so it has no time.", self.at
+                f"{self.where}.at", f"{label_of(self.on)} is not an outage figure, so it takes no time.", self.at
             )
         if self.confidence is not None and figure and not figure.scaled:
             raise InputError(f"{self.where}.confidence", f"does not multiply {label_of(self.on)}. Leave it out.")
@@ -150,7 +150,7 @@ def _quantity(key: str) -> BaseQuantity[Any]:
     declaration = INPUTS.get(section, {}).get(name)
     if not isinstance(declaration, BaseQuantity) or not declaration.source:
         raise InputError(
-            f"allocation.required.{key}", "is no noise of a sensor. Write for example imu.angle_random_walk"
+            f"allocation.required.{key}", "is not a sensor noise. Write for example imu.angle_random_walk"
         )
     return declaration
 
@@ -221,8 +221,8 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
         if on not in dimensions:
             raise InputError(
                 f"{where}.on",
-                f"The requirement {quoted(texts['name'])} limits {quoted(on)}, which is no contributor and no value "
-                "of the budget. Remove that requirement first, or let it limit another value.",
+                f"The requirement {quoted(texts['name'])} limits {quoted(on)}, which is neither a contributor nor "
+                "a figure of the budget. Remove that requirement first, or change what it limits.",
                 on,
             )
         size = read_size(f"{where}.limit", texts["limit"], on, (dimensions[on],))
@@ -257,7 +257,8 @@ def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
             raise InputError("allocation.locks", "must be sections, [allocation.locks.REQUIREMENT]", entries)
         if requirement not in fitting:
             reason = (
-                f"{quoted(requirement)} is no requirement, but sources of it are locked. Remove these locks first."
+                f"{quoted(requirement)} is not a requirement, but some of its sources are locked. Remove these "
+                "locks first."
             )
             raise InputError("allocation.locks", reason, requirement)
         for source, text in entries.items():

@@ -163,7 +163,7 @@ def sentence(item: Sensitivity, figure_label: str) -> str:
     name = in_sentence(item.label) + (", which makes the image coarser," if item.coarser else "")
     subject = in_sentence(figure_label)
     if np.isnan(change):
-        return f"{verb} the {name} is out of reach; one percent of it moves the {subject} by {abs(item.slope):.2g} %."
+        return f"{verb} the {name} is not possible; 1 % of it changes the {subject} by {abs(item.slope):.2g} %."
     if abs(change) < 5e-4:
         return f"{verb} the {name} changes the {subject} by less than 0.05 %."
     effect = "cuts" if change < 0 else "raises"

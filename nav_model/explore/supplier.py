@@ -149,9 +149,9 @@ def _alike(design: Design, unit: Unit) -> dict[str, float]:
 
     low, high = math.log(1 / _LARGEST), math.log(_LARGEST)
     if not closes(math.exp(low)):
-        raise InputError(unit, "no noise is low enough: other inputs alone exceed a limit")
+        raise InputError(unit, "the other inputs alone exceed a limit, whatever its noise")
     if closes(math.exp(high)):
-        raise InputError(unit, "no limit depends on its noise: every unit meets the limits or none does")
+        raise InputError(unit, "no limit depends on its noise")
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if closes(math.exp(middle)) else (low, middle)
@@ -175,7 +175,7 @@ def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str
         for entry in allocation.entries:
             factors[entry.source] = min(factors.get(entry.source, math.inf), entry.allocated / entry.estimated)
     if not any(quantity(key).source in factors for key in now):
-        raise InputError(unit, "no limit that is allocated depends on its noise")
+        raise InputError(unit, "no allocated limit depends on its noise")
     return {key: factors.get(quantity(key).source, 1.0) for key in now}
 
 

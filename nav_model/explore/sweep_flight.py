@@ -124,7 +124,7 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
         known = ", ".join(NAMED_TRAJECTORIES)
         raise InputError(
             "simulate.trajectory",
-            f"{value!r} is no file that can be read. Name a CSV or SBET file, or choose {known}.",
+            f"{value!r} is not a file that can be read. Name a CSV or SBET file, or choose {known}.",
             value,
         ) from error
     except ValueError as error:

@@ -54,7 +54,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
     declared = [Trajectory.param[name] for name in AIDING]
     given = [in_sentence(q.label) for q in declared if getattr(design.trajectory, str(q.name)) != q.default]
     if given:
-        sentences.append(f"The runs have what the flight plan says of {', '.join(given)}; the formulas do not.")
+        sentences.append(f"From the plan, the runs include {', '.join(given)}; the formulas do not.")
     sentences += _of_the_filter(spec)
     sentences.append(
         "Errors start at the formula's steady-state sigmas "

@@ -89,7 +89,7 @@ def _judged(
     if start >= duration:
         reason = f"is not flown, as the flight ends at {duration:.0f} s"
     elif stop - start < aperture or not worst.keys() >= set(failing):
-        reason = f"has no room for an aperture of {aperture:.3g} s"
+        reason = f"is too short for an aperture of {aperture:.3g} s"
     fails_at = None
     if beyond:
         fails_at, _, fails_by, output = min(beyond)

@@ -331,7 +331,7 @@ def _flown(
         problem = f"the leg from {_named(numbers[n], point)}"
         if straight[n] < 0.0:
             problem += f" is {legs[n]:.0f} m long, and its turns need {needed[n]:.0f} m"
-            named = "; without a name it is no line, and the turn swings out" if point.line else ""
+            named = "; remove its name to let the turn swing out" if point.line else ""
             raise InputError("waypoints", f"{problem} at a bank of {math.degrees(plan.bank):.3g}°{named}")
         if abs(rises[n]) > steepest * (straight[n] - ramps[n]):
             problem += f" has {straight[n]:.0f} s for {rises[n]:+.0f} m"

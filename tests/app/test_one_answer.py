@@ -131,7 +131,7 @@ def test_pages_report_and_command_give_one_verdict() -> None:
             assert (told["name"], told["met"], told["margin"]) == (check.name, check.met, check.margin)
             texts = [cell.text for cell in row]
             assert texts[1:5] == [words.value, words.limit, words.margin, "✓ met" if check.met else "✗ not met"]
-            assert line.startswith(f"d: {'met    ' if check.met else 'NOT MET'} {check.name} ")
+            assert line.startswith(f"  {'met    ' if check.met else 'NOT MET'} {check.label} ")
             plain = [text.replace("−", "-") for text in (words.value, words.limit, margin_in_sentence(check.margin))]
             assert "{} (limit {}, {};".format(*plain) in line.replace("−", "-")
             assert 1 - float(explored[check.name]) == pytest.approx(check.margin, rel=1e-9, abs=1e-9)

@@ -350,7 +350,7 @@ def test_noise_for_another_filter_is_shared(plain: Page) -> None:
         plain.get_by_role("button", name="KF-GINS: imunoise").click()
     assert content(waiting.value).decode() == noise_for(example("mems_x_band"), "kf-gins")
     plain.get_by_role("button", name="kalibr: imu.yaml").click()
-    expect(plain.get_by_text("kalibr gets no file. imu.gyro_bias: kalibr needs")).to_be_visible()
+    expect(plain.get_by_text("kalibr: no file. imu.gyro_bias: kalibr needs")).to_be_visible()
 
 
 def test_a_vendors_table_is_taken_into_the_design(desk: Page) -> None:
@@ -359,5 +359,5 @@ def test_a_vendors_table_is_taken_into_the_design(desk: Page) -> None:
     rows = desk.get_by_label("A vendor's table in real time, a row a line")
     rows.fill("60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.0233°")
     desk.get_by_role("button", name="Which noise does it imply?").click()
-    desk.get_by_role("button", name="Take into the design").click()
-    expect(desk.get_by_text("The design has the implied noise, with its origin.")).to_be_visible()
+    desk.get_by_role("button", name="Use in the design").click()
+    expect(desk.get_by_text("Implied noise and its source copied to the design.")).to_be_visible()

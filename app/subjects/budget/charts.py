@@ -134,7 +134,7 @@ def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
         )
     rule = (
         "gyro noise limits the horizontal channel" if kappa > 10 else
-        "accelerometer noise limits it, the gyro hardly matters to position" if kappa < 0.1 else
+        "accelerometer noise limits it; gyro noise has little effect on position" if kappa < 0.1 else
         "both matter"
     )  # fmt: skip
     off = percent(abs(float(regime.asymptote_error(kappa))))

@@ -18,7 +18,7 @@ from nav_model.budget.json import allocation_json, to_json
 from nav_model.budget.provenance import cautions
 from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
-from nav_model.design.figures import FIGURES
+from nav_model.design.figures import FIGURES, figure_in_sentence, label_of
 from nav_model.design.other_filters import FILTERS, noise_for
 from nav_model.design.user_entries import SPLITS, Allotment, read_allocation
 from nav_model.explore.vendor_table import COLUMNS, vendor_table, with_unit
@@ -114,30 +114,35 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """What `navbudget check` prints of a design: a line per requirement and caution, then both verdicts.
+    """What `navbudget check` prints of a design: a line per requirement and caution, then both verdicts, the last line
+    with the file's name.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
     verdict, tightest = budget.verdict, budget.verdict.tightest
-    elsewhere = [f"{path}: NOT JUDGED {name}: a flight tells it, navbudget trajectory" for name in verdict.elsewhere]
+    lines = [
+        f"  NOT JUDGED {label_of(name)}: only along a flight, by navbudget trajectory" for name in verdict.elsewhere
+    ]
     if tightest is None:
-        return elsewhere or [f"{path}: closes (the design has no requirement, so nothing was checked)"]
-    lines = elsewhere
+        none = (
+            "judged on a flight alone" if lines else "closes (the design has no requirement, so nothing was checked)"
+        )
+        return [*lines, f"{path}: {none}"]
     for check in verdict.checks:
         words = check_words(budget.design, check)
         lines.append(
-            f"{path}: {'met    ' if check.met else 'NOT MET'} {check.name} {words.value} (limit {words.limit}, "
+            f"  {'met    ' if check.met else 'NOT MET'} {check.label} {words.value} (limit {words.limit}, "
             f"{margin_in_sentence(check.margin)}; main error source {check.sensor}, {words.share}; {words.figure})"
         )
     word = "closes" if verdict.closes else "DOES NOT CLOSE"
     other = budget.other_verdict
     assert other.tightest is not None  # it has the same requirements
     would = "would close" if other.closes else "would not close"
-    lines += [f"{path}: caution: {caution}" for caution in cautions(budget)]
+    lines += [f"  caution: {caution}" for caution in cautions(budget)]
     lines += [
-        f"{path}: {SAID[other.processing]} it {would}; tightest {other.tightest.name}, "
+        f"  {SAID[other.processing]} it {would}; tightest {figure_in_sentence(other.tightest.name)}, "
         f"{margin_in_sentence(other.tightest.margin)}",
-        f"{path}: {word} at {verdict.confidence:g} sigma {SAID[verdict.processing]}; tightest {tightest.name}, "
+        f"{path}: {word} at {verdict.confidence:g}σ {SAID[verdict.processing]}; tightest {figure_in_sentence(tightest.name)}, "
         f"{margin_in_sentence(tightest.margin)}",
     ]
     return [line.replace("−", "-") for line in lines]

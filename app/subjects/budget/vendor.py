@@ -28,8 +28,8 @@ _EXAMPLE = "60 s: horizontal 17 m, vertical 0.56 m, velocity 0.57 m/s, roll and 
 _NOTE = (
     "1σ per axis; a sheet's horizontal rms over both axes is √2 times as much. IMU and receiver alone, without "
     "contributors. Real time: before a fix, and at the end of the outage [T-17], [T-9]. Post-processed: the "
-    "largest error while a smoother bridges the outage [P-3]. Heading: what it gains; no fix of a straight leg "
-    "shows it [T-5]."
+    "largest error while a smoother bridges the outage [P-3]. Heading: its growth, which fixes of a straight leg "
+    "do not observe [T-5]."
 )
 
 _CAUSES = (
@@ -97,7 +97,7 @@ class VendorPanel(View):
             sizing_mode="stretch_width", margin=(12, 10, 4, 10),
         )  # fmt: skip
         self.ask = pmui.Button(label="Which noise does it imply?", variant="outlined", margin=(4, 10))
-        self.take = pmui.Button(label="Take into the design", variant="contained", visible=False, margin=(4, 10))
+        self.take = pmui.Button(label="Use in the design", variant="contained", visible=False, margin=(4, 10))
         self.answer = html_pane("")
         self._inversion: Inversion | None = None
         self.ask.on_click(self._invert)
@@ -132,7 +132,7 @@ class VendorPanel(View):
         assert self._inversion is not None
         problem = self.session.change(*self._inversion.changes(self.session.design))
         message = (
-            f"Not taken. {problem}" if problem else "The design has the implied noise, with its origin. You can undo."
+            f"Not taken. {problem}" if problem else "Implied noise and its source copied to the design. You can undo."
         )
         self.answer.object = html_of(Text(message))
         self.take.visible = bool(problem)

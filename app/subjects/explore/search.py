@@ -211,16 +211,16 @@ class SearchPanel(Question):
         self._own = brought
         self.show(self.session.budget)
         added = f"Added {_listed(name for entries in offers.values() for name in entries)}."
-        self._say(f"{added} In place of those before: {_listed(replaced)}." if replaced else added)
+        self._say(f"{added} Replaced: {_listed(replaced)}." if replaced else added)
 
     async def _kept(self, _: Any) -> None:
         """Keep the file opened last in the library."""
         name, text = self._opened_file
         try:
             await asyncio.to_thread(lambda: keep_offers(library(), name, text))
-            self._say(f"{name} is kept in the library.")
+            self._say(f"{name} is saved in the library.")
         except InputError as error:
-            self._say(f"Not kept. {error}", wrong=True)
+            self._say(f"Not saved. {error}", wrong=True)
 
     async def _load(self, _: Any) -> None:
         """Rank what the library holds."""
@@ -231,14 +231,14 @@ class SearchPanel(Question):
             if any(offers.values()):
                 self._add(offers)
             elif not damaged:
-                self._say("The library holds no offers yet. Open a file and keep it.")
+                self._say("The library holds no offers yet. Open a file and save it.")
         except InputError as error:
             self._say(f"Not opened. {error}", wrong=True)
             return
         if damaged:
-            self._say(f"Left out, as they are damaged: {_listed(damaged)}. Remove these files, or keep them again.")
+            self._say(f"Left out because damaged: {_listed(damaged)}. Remove these files, or save them again.")
         elif repeated:
-            self._say(f"In several files, of which the one kept last counts: {_listed(repeated)}.")
+            self._say(f"In several files; the one saved last counts: {_listed(repeated)}.")
 
     async def _removed(self, _: Any) -> None:
         """Remove the file that is chosen from the library; what is ranked on this page stays."""

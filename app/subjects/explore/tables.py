@@ -29,8 +29,7 @@ from nav_model.explore.uncertainty import Probability, UncertainVerdict
 _SURE = 0.95  # probability from which a verdict counts as sure
 _EACH = (
     "Solved with the other inputs fixed, rounded down to three digits. “Any”: every value the input may take meets "
-    "the limit. “None”: no realistic value does. Larger values, which may meet a limit "
-    "again, are not claimed."
+    "the limit. “None”: no realistic value does. Larger values that meet a limit again are not listed."
 )
 
 
@@ -42,7 +41,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way])
     wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.sensor), "")
     lever = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
     if lever is None:
-        head = "Every input may go to its bound" if budget.verdict.closes else "No single change closes it"
+        head = "Every input may take any allowed value" if budget.verdict.closes else "No single change closes it"
         return Answer(head, tone, _stuck(budget, solutions))
     ((key, value),) = lever.changes.items()
     now = next(solution.current for solution in solutions if solution.key == key)
@@ -59,7 +58,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way])
 
 def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
     if budget.verdict.closes:
-        return ("No requirement limits any of the inputs within what they may be.",)
+        return ("No requirement limits any input within its allowed range.",)
     sentences = []
     for check in budget.verdict.checks:
         if not check.met:

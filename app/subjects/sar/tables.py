@@ -93,8 +93,8 @@ def judged_along(budget: Budget) -> str:
     """Which phase is judged, and which row is the budget's."""
     return (
         "Requirements are checked along the line of sight of mid-aperture, as on the Budget page; the along-track "
-        f"part has its own check. The formula of {NAMES[judged(budget.design)]} is the Budget page's value. Formulas "
-        "start where the Budget page does, runs just after a fix."
+        f"part has its own check. The formula of {NAMES[judged(budget.design)]} is the Budget page's value. "
+        "Formulas start as on the Budget page; runs start just after a fix."
     )
 
 
@@ -133,7 +133,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
         rows.append((strategy.name, kind_of(strategy), *cells))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     if budget.design.contributors:
-        runs += "Formulas have the contributors given in the design, runs have the navigation's errors alone. "
+        runs += "Formulas include the design's contributors; runs include navigation errors only. "
     return table(
         f"{key}-sar-errors",
         f"Detrended phase by strategy: rms over the aperture {LEFT[budget.sar.autofocus_order]}",

@@ -57,7 +57,7 @@ _FLIGHTS = {
     "Exactly straight": "straight",
     "Turns, then a long leg": "turns",
     "A climb half way": "climb",
-    "The design's flight plan": _PLAN,
+    "The design's plan": _PLAN,
     "From a file": "file",
 }
 _FIELDS = {"duration": "Length", "outage": "Outages"}  # what a specification names -> its field here
@@ -182,7 +182,7 @@ class SimulatePage(StudyPage[Flown]):
 
     def _outdated(self, flown: Flown) -> str:
         same = same_subject(flown.study, self._session.design)
-        return "" if same else "Stale: the instruments or the flight have changed since."
+        return "" if same else "Outdated: the design or the flight has changed."
 
     def _flown(self) -> pn.Column:
         details = self._of_result

@@ -119,7 +119,7 @@ class InputPanel(View):
     def _flight_file(self) -> pn.viewable.Viewable:
         self.trajectory_file = upload(
             "Trajectory from a file", ".csv", BOUNDS.most_bytes, lambda *flown: setattr(self, "trajectory", flown),
-            lambda reason: self.say(f"Trajectory not taken: {reason}."), **_LOOK,
+            lambda reason: self.say(f"Trajectory not used: {reason}."), **_LOOK,
         )  # fmt: skip
         reset = pmui.Button(
             label="Reset to reference flight", visible=self.param.trajectory.rx.is_not(None),
@@ -164,11 +164,11 @@ class InputPanel(View):
 
     def refuse(self, flown: Trajectory, reason: str) -> None:
         """Go back to the trajectory flown before and say why."""
-        self.say(f"Trajectory not taken. {reason}")
+        self.say(f"Trajectory not used. {reason}")
         self.trajectory = flown
 
     @param.depends("trajectory", watch=True)
     def _say_flown(self) -> None:
         flown = self.trajectory
-        flight = f"Flown: {flown[0]}. A link does not hold it: save the study to share it." if flown else ""
+        flight = f"Flown: {flown[0]}. Links do not include it; save the study to share it." if flown else ""
         self._file_said.object = html_of(Text(flight)) if flight else _FILE_HELP

@@ -162,9 +162,9 @@ def gap_table(page: Content) -> NumberTable:
              float(plain.aided_m[k]), float(100 * plain.aided_share[k]))
             for k in rows
         ),
-        "Distance at the end of the flight from the last full simulation, and its share of the error. "
-        f"S p alone [B-4] is {agreement}. The page never shows S p alone: its curves start at the full simulation "
-        "and only move by S.",
+        "Distance at the end of the flight from the last full simulation, and its share of the error. The linear "
+        f"answer alone [B-4] is {agreement}. The page never shows that alone: curves start at the full simulation, "
+        "and the linear part adds the change.",
     )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ def add_to(commands: Any) -> None:
         "trajectory",
         help="follow the covariance of a design along a flight, with the image figures of every line",
         description="Follows the error covariance of the design along a flight, real time and post-processed, with "
-        "the share of every source: what `simulate` gives with endlessly many runs. --set also takes the inputs that "
+        "the share of every source: the limit of `simulate` for many runs. --set also takes the inputs that "
         "`simulate --inputs` lists. The flight is that of the design's section [trajectory], or of a file: plans are "
         "flown at the design's speed with coordinated turns, recordings as they were flown.",
     )

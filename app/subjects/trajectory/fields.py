@@ -1,4 +1,4 @@
-"""The design's flight plan on the page: boxes and tables that follow it and change it."""
+"""The design's plan on the page: boxes and tables that follow it and change it."""
 
 from collections.abc import Callable
 from typing import Any

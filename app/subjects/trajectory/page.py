@@ -185,7 +185,7 @@ class TrajectoryPage(StudyPage[Followed]):
 
     def _outdated(self, followed: Followed) -> str:
         same = followed.design == self._session.design and bool(followed.file) == (self.flight == _FILE)
-        return "" if same else "Of the plan and design before; the new result follows."
+        return "" if same else "Previous plan and design; the new result follows."
 
     def _typed(self) -> None:
         """Follow what was typed; what is refused changes nothing, and the strip says why."""

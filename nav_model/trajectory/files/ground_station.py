@@ -78,7 +78,7 @@ def _mission(content: bytes, heights: Heights) -> dict[str, Any]:
         raise heights.refuse(f"is JSON that cannot be read: {error}") from error
     mission = plan.get("mission") if isinstance(plan, dict) else None
     if not isinstance(mission, dict) or not isinstance(mission.get("items"), list):
-        raise heights.refuse("is JSON, but no plan of QGroundControl with a mission. Give a plan or a KML file.")
+        raise heights.refuse("is JSON, but not a plan of QGroundControl with a mission. Give a plan or a KML file.")
     return mission
 
 
@@ -102,7 +102,7 @@ def _items(items: Iterable[Any], heights: Heights, of: str = "item") -> Iterator
                 command, frame = (int(heights.number(number, where)) for number in (command, frame))
                 yield _Item(where, command, frame, params, item.get("line"))
             case _:
-                raise heights.refuse(f"{where} is no mission item with command, frame and parameters")
+                raise heights.refuse(f"{where} is not a mission item with command, frame and parameters")
 
 
 def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:

@@ -76,7 +76,7 @@ class Heights:
         None or an empty text: no height. Raises InputError for what is no place."""
         latitude, longitude = (self.number(value, where) for value in (north, east))
         if abs(latitude) > 90.0 or abs(longitude) > 360.0:
-            raise self.refuse(f"{where}: {latitude:g}, {longitude:g} is no place on the Earth")
+            raise self.refuse(f"{where}: {latitude:g}, {longitude:g} is not a place on the Earth")
         height = None if up is None or not str(up).strip() else self.number(up, where)
         return latitude, longitude, self.above_ellipsoid(height, reference, where)
 

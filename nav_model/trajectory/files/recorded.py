@@ -153,7 +153,7 @@ def _pieces(segment: Segment, heights: Heights) -> list[Segment]:
         raise heights.refuse(f"{where}: time runs backwards by {-steps[back[0]]:g} s")
     again = np.concatenate([[False], steps == 0.0]) if len(rows) else np.zeros(0, dtype=bool)
     if again.any():
-        heights.note(f"{counted(int(again.sum()), 'place')} with the time of the one before left out")
+        heights.note(f"{counted(int(again.sum()), 'place')} left out, as their time is that of the one before")
     rows = rows[~again]
     if len(rows) < 2:
         return []

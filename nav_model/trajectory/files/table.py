@@ -97,7 +97,7 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     beyond = (np.abs(latitude) > 90.0) | (np.abs(longitude) > 360.0)
     if beyond.any():
         row = int(np.argmax(beyond))
-        raise heights.refuse(f"line {lines[row]}: {latitude[row]:g}, {longitude[row]:g} is no place on the Earth")
+        raise heights.refuse(f"line {lines[row]}: {latitude[row]:g}, {longitude[row]:g} is not a place on the Earth")
     up = values.get("height", np.zeros(len(lines))) + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
     attitude = [np.degrees(values[key]) for key in ("roll", "pitch", "yaw") if key in values]
     heights.note(f"{counted(len(lines), 'recorded row')} of {', '.join(c.header for c in columns.values())}")

@@ -256,10 +256,12 @@ def test_what_is_still_used_is_not_removed_without_a_word() -> None:
     locked = own | {"allocation": {"locks": {"arm": {"lever arm": "1 mm"}}}}
     renamed = {"contributors": [_ARM | {"name": "lever arms"}]}
     first = (
-        "limits[arm].on: The requirement 'arm' limits 'lever arm', which is no contributor and no value of the "
-        "budget. Remove that requirement first, or let it limit another value."
+        "limits[arm].on: The requirement 'arm' limits 'lever arm', which is neither a contributor nor a figure of "
+        "the budget. Remove that requirement first, or change what it limits."
     )
-    then = "allocation.locks: 'arm' is no requirement, but sources of it are locked. Remove these locks first."
+    then = (
+        "allocation.locks: 'arm' is not a requirement, but some of its sources are locked. Remove these locks first."
+    )
     for tables, message in (
         (own | {"contributors": []}, first), (own | renamed, first), (locked | {"limits": []}, then)
     ):  # fmt: skip

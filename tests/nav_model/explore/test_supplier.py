@@ -83,7 +83,7 @@ def test_a_limit_on_the_impulse_response_is_left_out_of_values_from_the_allocati
         for changes, limits in (({}, []), ({}, [width]), (_NO_LIMITS, [width]))
     )
     assert required(limited, "imu") == required(plain, "imu")
-    with pytest.raises(InputError, match="no limit that is allocated depends on its noise"):
+    with pytest.raises(InputError, match="no allocated limit depends on its noise"):
         required(alone, "imu")
 
 

@@ -181,7 +181,7 @@ def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not
     at = np.searchsorted(found.time_s, 40.0)
     for name in ("quadratic_phase", "horizontal_position"):
         assert short.worst[name] == found.chosen.figures[name][at]
-    assert short.reason == f"has no room for an aperture of {float(spec.inputs.aperture):.3g} s"
+    assert short.reason == f"is too short for an aperture of {float(spec.inputs.aperture):.3g} s"
     assert [short.closes, cut.closes, cut.reason, cut.stop_s] == [False, True, "", 120.0]
     for line, (_, start, stop) in zip(others, given[2:], strict=True):
         assert (line.start_s, line.stop_s, line.worst) == (start, stop, {})

@@ -181,17 +181,17 @@ def test_requirements_have_value_limit_margin_and_verdict(mems: Budget) -> None:
 def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget) -> None:
     table = requirement_table(mems)
     *lines, other, verdict = check_lines("a.toml", mems)
-    assert {f"a.toml: caution: {caution}" for caution in cautions(mems)} == {
+    assert {f"  caution: {caution}" for caution in cautions(mems)} == {
         lines.pop() for _ in range(len(lines) - len(table.rows))
     }
     for line, row, check in zip(lines, table.rows, mems.verdict.checks, strict=True):
         value, limit, margin = (cell.text.replace("−", "-") for cell in row[1:4])
         met, margin = "met    " if check.met else "NOT MET", f"margin {margin}" if "%" in margin else margin
-        assert line.startswith(f"a.toml: {met} {check.name} {value} (limit {limit}, {margin}; main ")
+        assert line.startswith(f"  {met} {check.label} {value} (limit {limit}, {margin}; main ")
         assert line.endswith(f"error source {row[6].text}; {row[5].text})")
         assert not re.search("closed|prior|refined", line)
-    assert verdict == "a.toml: DOES NOT CLOSE at 1 sigma in real time; tightest detrended_phase, 2.44 × the limit"
-    assert other == "a.toml: post-processed it would not close; tightest detrended_phase, 1.10 × the limit"
+    assert verdict == "a.toml: DOES NOT CLOSE at 1σ in real time; tightest detrended phase, 2.44 × the limit"
+    assert other == "  post-processed it would not close; tightest detrended phase, 1.10 × the limit"
 
 
 def test_a_design_without_requirement_is_not_checked_anywhere() -> None:

@@ -257,7 +257,7 @@ def test_names_that_would_be_mistaken_are_refused(explore: ExplorePage, name: st
 def test_a_unit_that_is_opened_again_takes_the_place_of_the_one_before_and_that_is_said(explore: ExplorePage) -> None:
     _open(explore, _many(2, 0).encode())
     said = _open(explore, _many(1, 0).replace("0.1 °/√h", "0.2 °/√h").encode())
-    assert "In place of those before: Unit 0." in said
+    assert "Replaced: Unit 0." in said
 
 
 def test_the_librarys_files_are_ranked_kept_and_removed(
@@ -275,7 +275,7 @@ def test_the_librarys_files_are_ranked_kept_and_removed(
     for name, content in (("a.toml", _many(1, 0)), ("b.toml", _many(2, 0))):
         when_done(lambda name=name, content=content: search._opened(name, content.encode()), search.run)
         assert f"{name} is kept in the library" in press(search._kept)
-    assert "In several files, of which the one kept last counts: Unit 0." in press(search._load)
+    assert "In several files; the one saved last counts: Unit 0." in press(search._load)
     assert (search._of_library.options, search._of_library.value) == (["a.toml", "b.toml"], "b.toml")
     assert "b.toml was removed" in press(search._removed)
     assert kept_files(place) == [("a.toml", _many(1, 0))]
