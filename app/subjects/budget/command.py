@@ -114,8 +114,8 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """What `navbudget check` prints of a design: a line per requirement and caution, then both verdicts, the last line
-    with the file's name.
+    """What `navbudget check` prints of a design: a line per requirement and caution, then both verdicts, the design's
+    last and with the file's name.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
@@ -124,10 +124,8 @@ def check_lines(path: str, budget: Budget) -> list[str]:
         f"  NOT JUDGED {label_of(name)}: only along a flight, by navbudget trajectory" for name in verdict.elsewhere
     ]
     if tightest is None:
-        none = (
-            "judged on a flight alone" if lines else "closes (the design has no requirement, so nothing was checked)"
-        )
-        return [*lines, f"{path}: {none}"]
+        none = "closes (the design has no requirement, so nothing was checked)"
+        return [*lines, f"{path}: {'NOT JUDGED' if lines else none}"]
     for check in verdict.checks:
         words = check_words(budget.design, check)
         lines.append(
@@ -142,8 +140,8 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     lines += [
         f"  {SAID[other.processing]} it {would}; tightest {figure_in_sentence(other.tightest.name)}, "
         f"{margin_in_sentence(other.tightest.margin)}",
-        f"{path}: {word} at {verdict.confidence:g}σ {SAID[verdict.processing]}; tightest {figure_in_sentence(tightest.name)}, "
-        f"{margin_in_sentence(tightest.margin)}",
+        f"{path}: {word} at {verdict.confidence:g}σ {SAID[verdict.processing]}; tightest "
+        f"{figure_in_sentence(tightest.name)}, {margin_in_sentence(tightest.margin)}",
     ]
     return [line.replace("−", "-") for line in lines]
 
