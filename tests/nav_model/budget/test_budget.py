@@ -272,7 +272,7 @@ def test_wide_sawtooth_is_flagged():
 )
 def test_an_aperture_without_a_fix_after_it_is_flagged(changes, due):
     said = cautions(analyse(BASE.replace({"gnss.interval": 10.0, **changes})))
-    assert any("No fix comes in the time after the aperture" in sentence for sentence in said) is due
+    assert any("No fix falls in the time after the aperture" in sentence for sentence in said) is due
 
 
 def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refused():

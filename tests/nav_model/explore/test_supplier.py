@@ -88,7 +88,7 @@ def test_a_limit_on_the_impulse_response_is_left_out_of_values_from_the_allocati
 
 
 def test_what_no_unit_meets_and_a_design_without_limits_are_refused() -> None:
-    with pytest.raises(InputError, match="no noise is low enough"):
+    with pytest.raises(InputError, match="whatever its noise"):
         required(DESIGN.replace({"imu.accelerometer_bias": 1.0}), "gnss")
     with pytest.raises(InputError, match="none is given"):
         required(DESIGN.replace(_NO_LIMITS), "imu")

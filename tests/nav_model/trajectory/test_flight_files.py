@@ -244,7 +244,7 @@ def test_columns_of_a_drone_are_read_by_their_names_and_units(rate: float) -> No
         ("time,lat,alt", "{t},47.{t},9", "latitude and longitude are missing"),
         ("lat,lon,alt", "47.{t},8,9", "no column with the time"),
         ("t,lat,lon,alt", "{t},0.0{t},0.2,900", "may be degrees or radians"),
-        ("t,lat,lon,alt", "{t},97,0.2,900", "line 2: 97, 0.2 is no place"),
+        ("t,lat,lon,alt", "{t},97,0.2,900", "line 2: 97, 0.2 is not a place"),
     ],
 )
 def test_columns_that_are_missing_or_have_two_meanings_are_asked_for(head: str, row: str, message: str) -> None:
@@ -396,7 +396,7 @@ def test_sbet_is_held_to_the_bounds_of_columns(column: int, value: float, messag
     ("content", "message"),
     [
         (b"%PDF-1.7 ...", "is a PDF document. Give a KML"),
-        (b'{"type": "FeatureCollection"}', "is JSON, but no plan"),
+        (b'{"type": "FeatureCollection"}', "is JSON, but not a plan"),
         (b"<svg/>", "is XML of the kind 'svg'"),
         (
             np.hstack([np.arange(1e5, 1e5 + 50)[:, None], np.full((50, 9), 0.02)]).tobytes(),

@@ -210,7 +210,7 @@ def test_where_the_aircraft_stands_there_is_no_image() -> None:
     images = [values for name, values in found.chosen.figures.items() if name not in STATE_AXES]
     assert images
     assert np.isnan(images).all()
-    assert found.lines[0].reason.startswith("has no room for an aperture")
+    assert found.lines[0].reason.startswith("is too short for an aperture")
     assert not found.closes
 
 
@@ -273,7 +273,7 @@ def test_a_row_that_is_wrong_is_refused_by_its_number_and_cell(key: str, text: s
     [
         (
             {"bank": "2°", "waypoints": "47, 8, 3000, a; 47.1, 8, 3000, b; 47.1, 8.1, 3000"},
-            "trajectory.waypoints: .*turns need .* at a bank of 2°; without a name it is no line",
+            "trajectory.waypoints: .*turns need .* at a bank of 2°; remove its name",
         ),
         ({"ground": "3010 m"}, "trajectory.waypoints: .*waypoint 1 .* is not above the ground"),
         ({"climb_rate": "0.1 m/s"}, "trajectory.waypoints: .*at most 0.1 m/s"),
@@ -305,5 +305,5 @@ def test_the_commands_fly_the_plan_of_the_design(tmp_path: Path, capsys: pytest.
     assert main(["trajectory", str(path), "--set", "trajectory.outages=90, 60"]) == 2
     assert "navbudget: trajectory.outages: (90.0, 60.0) cannot be simulated" in capsys.readouterr().err
     assert flown["time_s"][-1] == found["time_s"][-1]
-    assert any("have what the flight plan says of barometer" in said for said in flown["conditions"])
+    assert any("the runs include barometer" in said for said in flown["conditions"])
     assert flown["nis"]["states"] > 3  # and more fixes: the height comes in the outage too

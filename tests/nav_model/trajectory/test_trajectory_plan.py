@@ -181,7 +181,7 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
         (".gpx", "<gpx/>", "holds no path, route"),
         (".kml", KML.replace("8,50.2,3000", "8;50.2"), "is not longitude,latitude,height"),
         (".kml", KML.replace("<kml", '<!DOCTYPE a [<!ENTITY b "c">]><kml', 1), "declares entities"),
-        (".kml", KML.replace("8,50,", "8,95,"), "no place on the Earth"),
+        (".kml", KML.replace("8,50,", "8,95,"), "not a place on the Earth"),
     ],
 )
 def test_a_file_that_is_no_plan_is_refused_with_the_place(kind: str, text: str, said: str) -> None:
