@@ -10,10 +10,9 @@ from nav_model.base.units import format_quantity
 from nav_model.design import Design
 from nav_model.design.catalogue import find
 from nav_model.design.declaration import BASE_LINE, BaseQuantity, Choice
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import declaration_of, quantity
 from nav_model.design.presets import deviations, preset_of
 from nav_model.design.table import Table
-from nav_model.explore.margins import quantity
 
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
 """What is removed from the phase before its residual is measured, by the order of the autofocus."""

@@ -9,8 +9,7 @@ from nav_model.allan.vibration import SPECTRUM_KEY
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity, from_si
 from nav_model.design import Design, Value
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import quantity
 
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
 VIBRATION_KEY: Final = "imu.vibration_factor"
@@ -35,12 +34,12 @@ def adopt_random_walks(result: LogAnalysis) -> Adoption:
     """
     quoted: dict[str, str] = {}
     origins: dict[str, str] = {}
-    for quantity, key in WALK_KEYS.items():
-        walk = triad_random_walk(result, quantity)
+    for sensor, key in WALK_KEYS.items():
+        walk = triad_random_walk(result, sensor)
         if walk is None:
             continue
-        unit, _ = UNITS[quantity]["random_walk"]
-        dimension = _quantity(key).dimension
+        unit, _ = UNITS[sensor]["random_walk"]
+        dimension = quantity(key).dimension
         quoted[key] = format_quantity(walk.value, unit, dimension, _DIGITS)
         origins[key] = f"{_in_words(walk, unit, dimension)}, from static log {_log(result.provenance)}"
     return _adoption(quoted, origins)
@@ -53,7 +52,7 @@ def adopt_vibration_factor(design: Design, result: MotionAnalysis) -> Adoption:
     assert factor is not None  # every log has a sensor, and a design both random walks
     low, high = result.band_hz
     walks = " and ".join(
-        format_quantity(walk, design.unit(key), _quantity(key).dimension, _DIGITS)
+        format_quantity(walk, design.unit(key), quantity(key).dimension, _DIGITS)
         for key, walk in zip(WALK_KEYS.values(), (bench.angle_random_walk, bench.velocity_random_walk), strict=True)
         if walk is not None
     )
@@ -84,7 +83,7 @@ def bench_of(design: Design) -> BenchNoise:
 
 
 def _adoption(quoted: dict[str, str], origins: dict[str, str]) -> Adoption:
-    read = {key: _quantity(key).read(text) for key, text in quoted.items()}
+    read = {key: quantity(key).read(text) for key, text in quoted.items()}
     return Adoption(
         changes={key: parsed.value for key, parsed in read.items()},
         written={key: parsed.unit for key, parsed in read.items()},
@@ -100,9 +99,3 @@ def _in_words(walk: Coefficient, unit: str, dimension: str) -> str:
 def _log(provenance: Provenance) -> str:
     name = " ".join(provenance.file_name.split())[:_LONGEST_NAME]
     return f"{name} (sha256 {provenance.sha256[:16]}, {provenance.rate_hz:g} Hz, {provenance.duration_s:.0f} s)"
-
-
-def _quantity(key: str) -> BaseQuantity[float]:
-    declaration = declaration_of(key)
-    assert isinstance(declaration, BaseQuantity)
-    return declaration

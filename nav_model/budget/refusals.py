@@ -3,13 +3,13 @@
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import cast
 
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_bound
 from nav_model.budget.inputs import LONGEST_APERTURE
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import quantity
 
 
 @contextmanager
@@ -34,10 +34,7 @@ _TOGETHER = (
 
 
 def _shown(design: Design, key: str) -> str:
-    declaration, value = declaration_of(key), design[key]
-    assert isinstance(declaration, BaseQuantity)
-    assert isinstance(value, int | float)
-    return declaration.show(value, 3)
+    return quantity(key).show(cast("float", design[key]), 3)
 
 
 def refuse_hidden_target(squint: float, grazing: float) -> None:

@@ -11,7 +11,7 @@ from nav_model.budget.contributors import Composed, Shares
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.figures import FIGURES, label_of, of_kind
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import quantity
 
 
 @dataclass(frozen=True)
@@ -145,9 +145,7 @@ def confidence_of(design: Design, figure: str) -> float:
 
 def limit_on(name: str) -> BaseQuantity[float | None]:
     """The declaration of the requirement that limits a figure."""
-    declaration = declaration_of(f"requirements.{FIGURES[name].required_as}")
-    assert isinstance(declaration, BaseQuantity)
-    return declaration
+    return quantity(f"requirements.{FIGURES[name].required_as}")
 
 
 def judge(

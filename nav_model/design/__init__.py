@@ -15,7 +15,7 @@ from typing import Any, cast
 from nav_model.base.errors import InputError, quoted
 from nav_model.base.frozen import FrozenMapping
 from nav_model.design.contributors import Contributor
-from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE, BaseQuantity
+from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE
 from nav_model.design.parts import (
     INPUTS,
     INPUTS_SINCE,
@@ -36,6 +36,7 @@ from nav_model.design.parts import (
     Trajectory,
     all_keys,
     declaration_of,
+    quantity,
 )
 from nav_model.design.table import Table
 from nav_model.design.user_entries import Allotment, Limit, UserEntries
@@ -213,15 +214,11 @@ class Design:
 
     def uses(self, key: str) -> bool:
         """Whether the number under `key` is given and counts beside the other inputs."""
-        declaration = declaration_of(key)
-        assert isinstance(declaration, BaseQuantity)
-        return declaration.used_in(getattr(self, key.partition(".")[0]))
+        return quantity(key).used_in(getattr(self, key.partition(".")[0]))
 
     def unit(self, key: str) -> str:
         """Unit symbol in which the value under `key` is shown."""
-        declaration = declaration_of(key)
-        assert isinstance(declaration, BaseQuantity)
-        return declaration.plain_unit(self.written.get(key, ""))
+        return quantity(key).plain_unit(self.written.get(key, ""))
 
     def scale(self, key: str) -> str:
         """What follows the number under `key` as a person writes it: its unit, or "m CEP"."""
@@ -239,10 +236,8 @@ class Design:
         for key in ON_BASE_LINE:
             value, written = self[key], self.written.get(key, "")
             if " + " in written:
-                declaration = declaration_of(key)
-                assert isinstance(declaration, BaseQuantity)
-                text = declaration.write(cast("float", value), written, self.baseline)[1]
-                moved[key] = declaration.read(text, baseline=baseline).value
+                text = quantity(key).write(cast("float", value), written, self.baseline)[1]
+                moved[key] = quantity(key).read(text, baseline=baseline).value
         return moved
 
     def __eq__(self, other: object) -> bool:

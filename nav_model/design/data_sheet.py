@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 from nav_model.base.errors import InputError
 from nav_model.base.units import Parsed
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import declaration_of, quantity
 
 _LONGEST = 5000  # characters; a whole table has one or two thousand
 _WALKS = ("imu.angle_random_walk", "imu.velocity_random_walk")
@@ -89,11 +88,9 @@ def _value_of(row: str) -> tuple[str, Parsed | None, str]:
         column = f"{bare} {name.split()[-1].strip('[]():,')}" if name.split() else bare  # "bias [°/h] 0.5"
         before = _ACCURACY.search(name)  # "bias instability (3σ): 0.3 °/h"
         for key in keys:
-            declaration = declaration_of(key)
-            assert isinstance(declaration, BaseQuantity)
             for value in (text, bare, column):
                 try:
-                    return key, declaration.read(f"{value} {before[0]}" if before else value), ""
+                    return key, quantity(key).read(f"{value} {before[0]}" if before else value), ""
                 except InputError as error:
                     reason = reason or error.reason
     return "", None, reason or "not known"

@@ -5,8 +5,10 @@ floats.
 """
 
 import re
+from typing import Any
 
 from nav_model.base.errors import InputError
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.flight import Coast, Flight
 from nav_model.design.motion import Motion, Oscillator
 from nav_model.design.part import Input, Part
@@ -19,7 +21,7 @@ from nav_model.design.trajectory import Trajectory
 __all__ = [
     "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
     "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar", "Requirements", "Trajectory",
-    "all_keys", "declaration_of", "labelled",
+    "all_keys", "declaration_of", "labelled", "quantity",
 ]  # fmt: skip
 
 PARTS: tuple[type[Part], ...] = (
@@ -60,6 +62,23 @@ def declaration_of(key: str) -> Input:
     """
     section, _, name = key.rpartition(".")
     return INPUTS[section][name]
+
+
+def quantity(key: str) -> BaseQuantity[Any]:
+    """The declaration of a numeric input.
+
+    Raises
+    ------
+    InputError
+        If there is no such input or it is not a number.
+    """
+    try:
+        declaration = declaration_of(key)
+    except KeyError as error:
+        raise InputError(key, "unknown key") from error
+    if not isinstance(declaration, BaseQuantity):
+        raise InputError(key, "is a choice or a table, not a number")
+    return declaration
 
 
 def labelled(error: InputError) -> InputError:

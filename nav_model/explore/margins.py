@@ -6,14 +6,12 @@ from typing import cast
 import numpy as np
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError
 from nav_model.budget import verdict
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import Inputs, Replacement, inputs_of
 from nav_model.design import Design, Value
 from nav_model.design import figures as declared
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import quantity
 
 ALL = "all requirements"
 """Name of the result that is the largest value over limit of every requirement given."""
@@ -55,23 +53,6 @@ def worst(by_requirement: Mapping[str, Array]) -> Array:
 def label_of(result: str) -> str:
     """A figure's label, or that of `ALL`."""
     return "All requirements" if result == ALL else declared.label_of(result)
-
-
-def quantity(key: str) -> BaseQuantity[float | None]:
-    """The declaration of a numeric input.
-
-    Raises
-    ------
-    InputError
-        If there is no such input or it is not a number.
-    """
-    try:
-        declaration = declaration_of(key)
-    except KeyError as error:
-        raise InputError(key, "unknown key") from error
-    if not isinstance(declaration, BaseQuantity):
-        raise InputError(key, "is a choice or a table, not a number")
-    return declaration
 
 
 def value_of(values: Mapping[str, Value] | Design, key: str) -> Value:

@@ -22,7 +22,8 @@ from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import FIGURES, OF_BUDGET
-from nav_model.explore.margins import least, quantity, usual_range
+from nav_model.design.parts import quantity
+from nav_model.explore.margins import least, usual_range
 
 _STEP = 1e-20
 RANKED = tuple(name for name in OF_BUDGET if FIGURES[name].kind != "response")

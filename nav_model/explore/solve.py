@@ -23,7 +23,8 @@ from nav_model.base.units import to_si
 from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
-from nav_model.explore.margins import ALL, least, limits, quantity, ratios
+from nav_model.design.parts import quantity
+from nav_model.explore.margins import ALL, least, limits, ratios
 
 SOLVED = (
     "imu.angle_random_walk",

@@ -25,8 +25,9 @@ from nav_model.budget import analyse
 from nav_model.budget.allocation import allocate
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
+from nav_model.design.parts import quantity
 from nav_model.design.user_entries import Allotment, UserEntries
-from nav_model.explore.margins import limits, quantity, ratios, worst
+from nav_model.explore.margins import limits, ratios, worst
 from nav_model.explore.solve import rounded_offer
 
 Unit = Literal["imu", "gnss"]

@@ -32,10 +32,9 @@ from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.figures import OF_BUDGET, REQUIRED
 from nav_model.design.file import parse_design, read_bytes
-from nav_model.design.parts import PRESET_KEYS, declaration_of
+from nav_model.design.parts import PRESET_KEYS, declaration_of, quantity
 from nav_model.design.presets import preset_fill
 from nav_model.design.table import Table
-from nav_model.explore.margins import quantity
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
 
 _MAX_BYTES = 1_000_000

@@ -14,7 +14,8 @@ from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
 from nav_model.design.figures import OF_BUDGET
-from nav_model.explore.margins import ALL, limits, quantity, ratios, usual_range, value_of, worst
+from nav_model.design.parts import quantity
+from nav_model.explore.margins import ALL, limits, ratios, usual_range, value_of, worst
 
 SIZE = 64
 """Points along a side."""

@@ -19,7 +19,8 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design
-from nav_model.explore.margins import limits, quantity, ratios, worst
+from nav_model.design.parts import quantity
+from nav_model.explore.margins import limits, ratios, worst
 
 SCRAMBLINGS = 10
 POINTS = 1024  # of each; a power of two keeps the points balanced

@@ -25,8 +25,7 @@ from nav_model.budget.real_time import RealTime
 from nav_model.budget.refusals import refused
 from nav_model.budget.smoothed import Smoothed
 from nav_model.design import Design
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import quantity
 from nav_model.design.presets import preset_fill
 from nav_model.design.processing import REAL_TIME
 from nav_model.explore.solve import rounded_offer
@@ -107,7 +106,7 @@ def with_unit(design: Design, imu: str) -> Design:
         If the catalogue has no such IMU, or one without both random walks.
     """
     values, written = preset_fill("imu", imu)
-    if missing := [str(_quantity(key).label) for key in _UNKNOWNS[:2] if key not in values]:
+    if missing := [str(quantity(key).label) for key in _UNKNOWNS[:2] if key not in values]:
         raise InputError("imu", f"{imu} has no {' and no '.join(missing).lower()} in the catalogue.", imu)
     return design.replace(values, written)
 
@@ -230,7 +229,7 @@ def read_row(text: str, baseline: float | None = None) -> tuple[Given, ...]:
             f"{quoted(time.strip())} is not the time of an outage. Write 60 s or no outage, for rows in real time."
         )
         raise InputError("row", reason, text) from error
-    _, longest = cast("tuple[float, float]", _quantity("coast.duration").bounds)
+    _, longest = cast("tuple[float, float]", quantity("coast.duration").bounds)
     if not 0 <= outage <= longest:
         raise InputError("row", f"{time.strip()} is not allowed. Give from 0 s to {longest:g} s.", text)
     entries = []
@@ -242,7 +241,7 @@ def read_row(text: str, baseline: float | None = None) -> tuple[Given, ...]:
             reason = f"{part[:80]!r} is none of {', '.join(COLUMNS)} with a value. Leave other columns out."
             raise InputError("row", reason, text)
         with under("row"):
-            value = _quantity(COLUMNS[column].reads).read(match[2], baseline=baseline).value
+            value = quantity(COLUMNS[column].reads).read(match[2], baseline=baseline).value
         entries.append(Given(outage, column, value, match[2], _rounding(match[2])))
     return tuple(entries)
 
@@ -372,13 +371,7 @@ class _Fit:
         return tuple(Contradiction(self.entries[i], float(values[i])) for i in pair)
 
 
-def _quantity(key: str) -> BaseQuantity[float]:
-    declaration = declaration_of(key)
-    assert isinstance(declaration, BaseQuantity)
-    return declaration
-
-
 def _span(key: str) -> tuple[float, float]:
     """Values that are tried: those of a slider and a hundred times more to each side."""
-    low, high = cast("tuple[float, float]", _quantity(key).softbounds)
+    low, high = cast("tuple[float, float]", quantity(key).softbounds)
     return low / 100, high * 100

@@ -45,12 +45,9 @@ def refused(name: str, value: object, allowed: str) -> InputError:
     key = _GIVEN_AS.get(name, name.rpartition(".")[2])
     text = repr(value)
     if "." in key and isinstance(value, float | int):
-        from nav_model.design.declaration import BaseQuantity
-        from nav_model.design.parts import declaration_of
+        from nav_model.design.parts import quantity
 
-        declaration = declaration_of(key)
-        assert isinstance(declaration, BaseQuantity)
-        text = declaration.show(float(value))
+        text = quantity(key).show(float(value))
     return InputError(key, f"{text} cannot be simulated; {allowed}", value)
 
 

@@ -14,7 +14,8 @@ from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
-from nav_model.explore.margins import ALL, label_of, limits, quantity
+from nav_model.design.parts import quantity
+from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import Sensitivity, rank, sentence, silent
 from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma
 from nav_model.explore.sweep_plan import Plan

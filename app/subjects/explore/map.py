@@ -27,7 +27,8 @@ from nav_model.budget import Budget
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
 from nav_model.design.figures import FIGURES
-from nav_model.explore.margins import ALL, label_of, limits, quantity
+from nav_model.design.parts import quantity
+from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.trade_map import RESULTS, changes_at
 
 _INPUTS = input_labels()

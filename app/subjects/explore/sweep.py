@@ -33,8 +33,7 @@ from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.design.parts import labelled
-from nav_model.explore.margins import quantity
+from nav_model.design.parts import labelled, quantity
 from nav_model.explore.sweep import Column, to_csv, to_parquet, whole_sweep
 from nav_model.explore.sweep_plan import Plan, parse_plan
 

@@ -16,10 +16,10 @@ from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import Choice
 from nav_model.design.file import format_design
-from nav_model.design.parts import INPUTS, PARTS, PRESET_KEYS, declaration_of
+from nav_model.design.parts import INPUTS, PARTS, PRESET_KEYS, declaration_of, quantity
 from nav_model.design.presets import kind_of
 from nav_model.design.several import with_unit
-from nav_model.explore.margins import quantity, usual_range
+from nav_model.explore.margins import usual_range
 from nav_model.explore.trade_map import is_log
 
 NONE = "none"

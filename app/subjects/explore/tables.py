@@ -16,8 +16,8 @@ from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
-from nav_model.design.parts import PRESET_KEYS, declaration_of
-from nav_model.explore.margins import label_of, quantity
+from nav_model.design.parts import PRESET_KEYS, declaration_of, quantity
+from nav_model.explore.margins import label_of
 from nav_model.explore.search import Biases, Candidate
 from nav_model.explore.solve import Answer as Solved
 from nav_model.explore.solve import Solution, remedies, resolution_for, rounded_offer

@@ -28,8 +28,8 @@ from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design import Design
+from nav_model.design.parts import quantity
 from nav_model.design.several import with_unit
-from nav_model.explore.margins import quantity
 from nav_model.explore.uncertainty import UncertainVerdict, read_uncertain, uncertain_verdict
 
 _INPUTS = (

@@ -8,8 +8,7 @@ from typing import Any
 from app.console.arguments import put_json, read_design
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
-from nav_model.design.declaration import BaseQuantity
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import quantity
 
 
 def add_to(commands: Any) -> None:
@@ -86,9 +85,8 @@ def _allan(options: argparse.Namespace) -> int:
 def _bench(option: str, key: str, text: str | None) -> float | None:
     if text is None:
         return None
-    declaration = declaration_of(key)
-    assert isinstance(declaration, BaseQuantity)
     try:
-        return declaration.read(text).value
+        value: float = quantity(key).read(text).value
+        return value
     except InputError as error:
         raise InputError(option, error.reason) from error

@@ -12,10 +12,9 @@ from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.design import Design
 from nav_model.design.figures import REQUIRED
-from nav_model.design.parts import declaration_of
+from nav_model.design.parts import declaration_of, quantity
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.design.user_entries import read_entries
-from nav_model.explore.margins import quantity
 from nav_model.explore.rank import SENSORS, log_derivatives, rank, sentence, silent, stated
 
 

@@ -12,7 +12,8 @@ from nav_model.aperture.geometry import aperture_time
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.explore.margins import ALL, quantity, ratios
+from nav_model.design.parts import quantity
+from nav_model.explore.margins import ALL, ratios
 from nav_model.explore.solve import SOLVED, offer, remedies, resolution_for, rounded_offer, solve
 
 
