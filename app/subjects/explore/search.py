@@ -46,7 +46,8 @@ _COMPUTING = Answer("Sensors that pass", "open", ("Computing …",))
 _KNOWLEDGE = (
     "Every row is computed with the formulas of the budget. The main error source has the largest share of the "
     "tightest requirement's variance [T-18]. Every IMU has your design's vibration factor, and the residual biases "
-    "chosen above: your design's, zero, or the in-run biases of its data sheet. Receiver noise is white."
+    "chosen above: your design's, zero, or the in-run biases of its data sheet. Receivers of the catalogue "
+    "count with their slow error."
 )
 
 EXAMPLE = Path(__file__).with_name("sensors.toml").read_text("utf-8")
