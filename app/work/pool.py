@@ -8,7 +8,8 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TypeVar, TypeVarTuple
 
 from app.work.turns import Turns
@@ -72,12 +73,15 @@ def first() -> Callable[[], None] | None:
 
 
 def lower_priority(begin: Callable[[], None] | None) -> None:
-    """Call what is to be called first, and lower this process's priority below the pages'; every worker does it
-    once."""
+    """Call what is to be called first, and lower this process's priority below the pages', of memory too; every
+    worker does it once."""
     if begin is not None:
         begin()
     if hasattr(os, "nice"):  # not on Windows
         os.nice(_NICENESS)
+    if (score := Path("/proc/self/oom_score_adj")).exists():  # where memory ends, work ends before pages do
+        with suppress(OSError):
+            score.write_text("500")
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, SimulationInputs
 
 _LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they are written
+_PER_SAMPLE = 130  # bytes that a process takes for each sample of the instruments
 
 
 def list_inputs() -> int:
@@ -82,6 +83,22 @@ def _specification(
     return spec
 
 
+def _check_memory(spec: SimulationSpec, workers: int) -> None:
+    """Refuse a flight whose samples this machine cannot hold in so many processes and this one."""
+    if not hasattr(os, "sysconf"):  # Windows
+        return
+    processes = 1 if workers == 1 else workers + 1
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    each = _PER_SAMPLE * spec.steps
+    if each * processes > memory:
+        longest = memory / (_PER_SAMPLE * processes * spec.imu.rate)
+        raise InputError(
+            "--duration",
+            f"{spec.steps:,} IMU samples take {each / 1e9:.2g} GB a process, {processes} in all, and this machine "
+            f"has {memory / 1e9:.2g} GB. Give at most {longest:.0f} s, or fewer --workers",
+        )
+
+
 def _run(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> SimulationStudy:
     print(COMPILES, file=sys.stderr, flush=True)
     from nav_model.simulation.cluster import cluster_pool
@@ -96,6 +113,7 @@ def _run(design: Design, spec: SimulationSpec, options: argparse.Namespace) -> S
             else:
                 workers = options.workers or max(1, (os.cpu_count() or 2) - 1)
                 workers = min(workers, len(chunks(spec)))
+                _check_memory(spec, workers)
                 result = simulate(spec, workers=workers, closed_form=compare, progress=progress)
         except InputError as error:
             raise (error if "." in error.key else error.under(f"--{error.key}")) from error

@@ -67,6 +67,7 @@ _MOST_SAMPLES = 1e9  # of the instrument, over all runs: ten minutes and more of
 _LONGEST_RUN = 2e6  # samples of one run: what a worker holds in memory
 _POINTS = 600  # results kept along a run
 _UPLOAD = 20_000_000  # bytes
+_MOST_KEPT = 16_000_000  # bytes of a flight, for as long as the page is open
 _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _KEY = key_html(solid="simulated", dashed="filter", dotted="formula", span="outage")
@@ -281,6 +282,9 @@ class SimulatePage(StudyPage[Flown]):
             heights = design.flight.altitude, design.trajectory.ground or None
             file = await run_in_pool(parse_file, content, name, *heights)
             flight = await run_in_pool(file.flown, plan_like(design))
+            if (size := len(flight.trajectory.samples)) > _MOST_KEPT:
+                message = f"takes {size / 1e6:.0f} MB, at most {_MOST_KEPT // 10**6} here. Give fewer rows"
+                raise InputError(name, f"{message}, or use the command `navbudget simulate`")
         except InputError as error:
             self._refuse(error)
         else:

@@ -66,6 +66,15 @@ def test_the_compose_file_gives_options_the_program_takes(capsys: pytest.Capture
     assert password.startswith("${DATABASE_PASSWORD:?")
     assert "ports" not in services["navbudget"]
     assert compose["networks"]["back"]["internal"]
+    # The limit holds what these options may take, as the table of deploy/README.md says.
+    readme = (ROOT / "deploy" / "README.md").read_text()
+    parts = re.findall(r"^  \| [^|]+ \| (\d+) \| (\d+)(?: \(`(--[a-z-]+)`)?", readme, re.MULTILINE)
+    assert [option for *_, option in parts] == ["", "--processes", "--max-sessions", "--workers", ""]
+    assert all(options[option] == count for _, count, option in parts if option)
+    assert parts[3][1] == parts[4][1]  # long runs have as many processes more
+    assert int(parts[3][1]) >= int(parts[1][1])
+    limit = int(services["navbudget"]["mem_limit"].removesuffix("g")) * 1000
+    assert 0.8 * limit < sum(int(size) * int(count) for size, count, _ in parts) < limit
     assert f"server_name {options['--allow-origin']};" in (ROOT / "deploy" / "nginx.conf").read_text()
 
 

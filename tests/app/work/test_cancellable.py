@@ -27,10 +27,10 @@ def nobody_waits() -> Iterator[None]:
         asyncio.run(cancellable._waiting.pop().end())
 
 
-def _who(_: object = None, *, progress: Any) -> tuple[int, int]:
-    """The process, and how far it steps back behind others."""
+def _who(_: object = None, *, progress: Any) -> tuple[int, int, int]:
+    """The process, how far it steps back behind others, and how soon it ends where memory does."""
     progress(0.5, "looking")
-    return os.getpid(), os.nice(0)
+    return os.getpid(), os.nice(0), int(Path("/proc/self/oom_score_adj").read_text())
 
 
 def _refuse(*, progress: Any) -> None:
@@ -46,9 +46,10 @@ async def test_a_process_that_stayed_small_does_the_next_run_and_steps_back(monk
     assert await run_alone(_who, progress=lambda *_: None) == first
     assert said == ["looking"]
     assert not cancellable._waiting
-    process, niceness = first
+    process, niceness, ends_first = first
     assert process not in [child.pid for child in multiprocessing.active_children()]
     assert niceness == min(os.nice(0) + 10, 19)
+    assert ends_first == 500
 
 
 def _for_an_hour(*, progress: Any) -> None:

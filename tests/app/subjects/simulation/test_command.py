@@ -109,3 +109,10 @@ def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:
     assert _simulate("--trajectory", "turns", "-o", str(target)) == 2
     assert target.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_a_flight_beyond_this_machines_memory_is_refused_before_it_is_flown(capsys, monkeypatch) -> None:
+    monkeypatch.setattr("app.subjects.simulation.console.os.sysconf", lambda _: 1000)  # a megabyte
+    assert main(["simulate", MEMS, "--runs", "2", "--duration", "100", "--workers", "1"]) == 2
+    said = "--duration: 10,000 IMU samples take 0.0013 GB a process, 1 in all, and this machine has 0.001 GB."
+    assert f"{said} Give at most 77 s" in capsys.readouterr().err

@@ -247,6 +247,27 @@ def test_settings_travel_in_the_link_and_the_server_still_has_the_result(
     assert SimulatePage(Session(DESIGN))._result is None
 
 
+def test_the_page_keeps_no_flight_of_more_than_its_share_of_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every page that is open may keep one, which none of them is told of."""
+    rows = "\n".join(f"{t},45,{t * 1e-5},3000,0,0,90" for t in range(60))
+    names = "time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"
+    content = f"{names}\n{rows}".encode()
+
+    async def here(work: Callable[..., Any], *arguments: Any) -> Any:
+        return work(*arguments)
+
+    monkeypatch.setattr("app.subjects.simulation.page.run_in_pool", here)
+    page = SimulatePage(Session(DESIGN))
+    asyncio.run(page._uploaded("flight.csv", content))
+    kept = page._file
+    assert kept is not None
+    monkeypatch.setattr("app.subjects.simulation.page._MOST_KEPT", len(kept.samples) - 1)
+    other = SimulatePage(Session(DESIGN))
+    asyncio.run(other._uploaded("flight.csv", content))
+    assert other._file is None
+    assert "Give fewer rows, or use the command" in other._bar.message
+
+
 def test_everything_folded_opens_and_shows_the_result_that_comes_later(study: SimulationStudy) -> None:
     page = SimulatePage(Session(DESIGN))
     folded = page.__panel__().objects[-1]
