@@ -15,7 +15,7 @@ from nav_model.design.table import Table
 
 LINES, WAYPOINTS = "lines", "waypoints"
 MOST_WAYPOINTS = 200  # more make a link too long
-FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".out", ".sbet")
+FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".pos", ".out", ".sbet")
 """Usual ends of the names of files of flights; what a file is, its content says."""
 
 Rows = tuple[tuple[float, float, float, str], ...]

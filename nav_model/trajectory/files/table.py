@@ -38,6 +38,9 @@ _USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", "roll
 _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
 _NO_UNIT = ("", "360", "180", "local", "utc", "gps", "wgs84", "msl", "agl", "true")
 _FINER = {"ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
+_HIGHEST = 20_000.0  # m
+_FAR_APART = 5.0  # s
+_SLOWEST = 0.02, 1.0  # m/s; slower than the first nothing flies, the second is seldom
 
 
 class _Column(NamedTuple):
@@ -84,8 +87,11 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     if columns["latitude"].by_convention and np.abs(latitude).max() > 1e4:  # as receivers and autopilots have them
         latitude, longitude = 1e-7 * latitude, 1e-7 * longitude
         heights.note("latitude and longitude in 1e-7 degrees")
-        if "height" in columns and columns["height"].by_convention:
-            values["height"] = 1e-3 * values["height"]
+        up = values.get("height", np.zeros(1))
+        if up.any() and columns["height"].by_convention and np.array_equal(up, np.rint(up)):
+            if np.abs(up).max() < _HIGHEST:
+                raise heights.refuse("height may be metres or millimetres. Name it height_m or height_mm.")
+            values["height"] = 1e-3 * up
             heights.note("height in mm, as it is beside them")
     time = values["time"]
     if columns["time"].by_convention:
@@ -134,27 +140,34 @@ def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[s
 def _meaning(cell: str, place: int, heights: Heights) -> tuple[str, _Column] | None:
     """What a column of a flight is, where its name is known."""
     for name, unit, sure in parted(cell.strip()):
-        key, rank = _KEYS.get(re.sub(r"[^a-z]", "", _PREFIX.sub("", name.lower())), ("", 0))
+        plain = re.sub(r"[^a-z]", "", _PREFIX.sub("", name.lower()))
+        key, rank = _KEYS.get(plain, ("", 0))
         if not key:
             continue
         dimension, usual = _USUAL.get(key, ("length", "m"))
         stated = unit.lower() not in _NO_UNIT
-        size = size_of_unit(unit if stated else usual, dimension)
+        size = size_of_unit(unit if stated else "ms" if plain == "itow" else usual, dimension)
         if size is None and sure:
             raise heights.refuse(f"column {cell}: {unit!r} is not a unit of {dimension}. Write for example {usual}.")
         if size is not None:
-            return key, _Column(rank, not stated, place, size, cell)
+            return key, _Column(rank, not stated and plain != "itow", place, size, cell)
     return None
 
 
 def _unit_of_time(time: Array, latitude: Array, longitude: Array, heights: Heights) -> float:
-    """Size of stamps without a unit: a second, unless they are a date in finer units, or whole numbers far apart
-    between which nothing would fly."""
-    east = np.diff(longitude) * np.cos(np.radians(latitude[:1]))
-    way = np.hypot(np.diff(latitude), east).sum() * math.radians(MEAN_RADIUS)
-    speed, step = way / max(time[-1] - time[0], 1e-9), float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    """Size of stamps without a unit: a second, unless a date shows finer ones, or nothing flies in between."""
     for unit, size in _FINER.items():
-        if 1e8 < abs(time[0]) * size < 1e10 or (step >= 5.0 and speed < 1.0 <= speed / size <= 1000.0):
+        if 1e8 < abs(time[0]) * size < 1e10:
             heights.note(f"time taken as {unit}")
             return size
-    return 1.0
+    east = np.diff(longitude) * np.cos(np.radians(latitude[:1]))
+    way = np.hypot(np.diff(latitude), east).sum() * math.radians(MEAN_RADIUS)
+    step, speed = np.median(np.diff(time, append=time[-1:])), way / max(time[-1] - time[0], 1e-9)
+    if step < _FAR_APART or speed > _SLOWEST[1]:
+        return 1.0
+    if speed > _SLOWEST[0]:
+        in_seconds = f"which in seconds is {speed:.2g} m/s"
+        raise heights.refuse(f"time goes up by {step:g} a row, {in_seconds}. Name it time_s or time_ms.")
+    unit, size = next(((u, s) for u, s in _FINER.items() if _SLOWEST[1] < speed / s), ("s", 1.0))
+    heights.note(f"time taken as {unit}")
+    return size

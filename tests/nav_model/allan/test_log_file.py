@@ -316,89 +316,73 @@ def test_a_single_axis_is_a_log():
 # --- what people bring -------------------------------------------------------------------------------------
 
 
-def rows_of(table: np.ndarray, text: str = "") -> list[str]:
-    """Lines of a table, each with `text` in front."""
-    return [text + ",".join(f"{value:.17g}" for value in row) for row in table]
+def rows_of(table: np.ndarray) -> list[str]:
+    """Lines of a table."""
+    return [",".join(f"{value:.17g}" for value in row) for row in table]
 
 
 def said(log: ImuLog) -> str:
     return "; ".join(log.reading)
 
 
+# Columns before the sensors and what stands there in a row, gyro and accelerometer with % for an axis, the axes, and
+# by whose convention their units are, or which they are.
 PROGRAMS = {
     "ROS topic as CSV": (
-        "%time,field.header.seq,field.header.frame_id,field.angular_velocity.x,field.angular_velocity.y,"
-        "field.angular_velocity.z,field.linear_acceleration.x,field.linear_acceleration.y,field.linear_acceleration.z",
-        lambda row: f"{1637290175093370803 + row * 10_000_000},{row},imu_link,", "REP 103",
+        "%time,field.header.seq,field.header.frame_id", lambda row: f"{1637290175093370803 + row * 10**7},{row},imu",
+        "field.angular_velocity.%", "field.linear_acceleration.%", "xyz", "REP 103",
     ),
     "plotting program": (
-        "__time,/robot/imu/data/angular_velocity/x,/robot/imu/data/angular_velocity/y,/robot/imu/data/angular_velocity/z,"
-        "/robot/imu/data/linear_acceleration/x,/robot/imu/data/linear_acceleration/y,/robot/imu/data/linear_acceleration/z",
-        lambda row: f"{1637290175 + row * 0.01:.3f},", "REP 103",
+        "__time", lambda row: f"{1637290175 + row * 0.01:.3f}",
+        "/robot/imu/data/angular_velocity/%", "/robot/imu/data/linear_acceleration/%", "xyz", "REP 103",
     ),
-    "PX4": (
-        "timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],accelerometer_m_s2[0],accelerometer_m_s2[1],accelerometer_m_s2[2]",
-        lambda row: f"{5_000_000 + 10_000 * row},", "PX4",
-    ),
+    "PX4": ("timestamp", lambda row: 10**4 * (500 + row), "gyro_rad[%]", "accelerometer_m_s2[%]", "012", "PX4"),
     "ArduPilot": (
-        "timestamp,T,TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ",
-        lambda row: f"{1.7e9 + 0.01 * row:.6f},41.5,{5_000_000 + 10_000 * row},", "ArduPilot",
+        "timestamp,T,TimeUS", lambda row: f"{1.7e9 + 0.01 * row:.6f},41.5,{10**4 * (500 + row)}",
+        "Gyr%", "Acc%", "XYZ", "ArduPilot",
     ),
     "VectorNav": (
-        "TimeStartup,Temp,AngularRateX,AngularRateY,AngularRateZ,AccelX,AccelY,AccelZ",
-        lambda row: f"{5_000_000_000 + row * 10_000_000},25.1,", "VectorNav",
+        "TimeStartup,Temp", lambda row: f"{10**7 * (500 + row)},25.1", "AngularRate%", "Accel%", "XYZ", "VectorNav",
     ),
-    "MATLAB timetable": (
-        "Time,AngularVelocity_1,AngularVelocity_2,AngularVelocity_3,LinearAcceleration_1,LinearAcceleration_2,"
-        "LinearAcceleration_3",
-        lambda row: f"{0.01 * row:g} sec,", "REP 103",
-    ),
+    "MATLAB": ("Time", lambda row: f"{row / 100} sec", "AngularVelocity_%", "LinearAcceleration_%", "123", "REP 103"),
     "receiver": (
-        "TOW [0.001 s],WN [w],xAngRate [deg/s],yAngRate [deg/s],zAngRate [deg/s],xAccel [mg],yAccel [mg],zAccel [mg]",
-        lambda row: f"{300_000_000 + 10 * row},2250,", "deg mg",
+        "TOW [0.001 s],WNc [w]", lambda row: f"{10 * row},2250", "%AngRate [deg/s]", "%Accel [mg]", "xyz", "deg mg",
     ),
     "evaluation board": (
-        "epoch (ms),XGYRO_OUT (dps),YGYRO_OUT (dps),ZGYRO_OUT (dps),XACCL_OUT (mg),YACCL_OUT (mg),ZACCL_OUT (mg)",
-        lambda row: f"{1_700_000_000_000 + 10 * row},", "deg mg",
+        "epoch (ms)", lambda row: 1_700_000_000_000 + 10 * row, "%GYRO_OUT (dps)", "%ACCL_OUT (mg)", "XYZ", "deg mg",
     ),
     "board with T(°)": (
-        "time,DeviceName,T(°),AsX(°/s),AsY(°/s),AsZ(°/s),AccX(mg),AccY(mg),AccZ(mg)",
-        lambda row: f"2024-05-01 12:00:{0.01 * row + 10:06.3f},W 1,30,", "deg mg",
+        "time,DeviceName,T(°)", lambda row: f"2024-05-01 12:00:{0.01 * row + 10:06.3f},W 1,30",
+        "As%(°/s)", "Acc%(mg)", "XYZ", "deg mg",
     ),
-    "Kalibr": (
-        "timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z",
-        lambda row: f"{1703961685420000000 + row * 10_000_000},", "Kalibr",
-    ),
+    "Kalibr": ("timestamp", lambda row: 10**7 * (170396168542 + row), "omega_%", "alpha_%", "xyz", "Kalibr"),
     "tracker": (
-        "PacketCounter,SampleTimeFine,UTC_Second,Gyr_X,Gyr_Y,Gyr_Z,Acc_X,Acc_Y,Acc_Z",
-        lambda row: f"{51400 + row},{100 * row},NaN,", "MT Manager",
+        "PacketCounter,SampleTimeFine,UTC_Second", lambda row: f"{51400 + row},{100 * row},NaN",
+        "Gyr_%", "Acc_%", "XYZ", "MT Manager",
     ),
     "phone": (
-        '"Time (s)","Gyroscope x (rad/s)","Gyroscope y (rad/s)","Gyroscope z (rad/s)","Acceleration x (m/s^2)",'
-        '"Acceleration y (m/s^2)","Acceleration z (m/s^2)"',
-        lambda row: f"{0.01 * row:.4f},", "",
+        '"Time (s)"', lambda row: f"{0.01 * row:.4f}", '"Gyroscope % (rad/s)"', '"Acceleration % (m/s^2)"', "xyz", "",
     ),
     "dates": (
-        "stamp,gyro_x_deg_per_s,gyro_y_deg_per_s,gyro_z_deg_per_s,acc_x in m/s^2,acc_y in m/s^2,acc_z in m/s^2",
-        lambda row: f"2024-05-01 12:00:{0.01 * row + 10:06.3f},", "deg",
+        "stamp", lambda row: f"2024-05-01 12:00:{0.01 * row + 10:06.3f}",
+        "gyro_%_deg_per_s", "acc_% in m/s^2", "xyz", "deg",
     ),
     "seconds and nanoseconds": (
-        "header.stamp.secs,header.stamp.nsecs,angular_velocity.x,angular_velocity.y,angular_velocity.z,"
-        "linear_acceleration.x,linear_acceleration.y,linear_acceleration.z",
-        lambda row: f"{1637290175 + row // 100},{row % 100 * 10_000_000},", "REP 103",
+        "header.stamp.secs,header.stamp.nsecs", lambda row: f"{1637290175 + row // 100},{row % 100 * 10**7}",
+        "angular_velocity.%", "linear_acceleration.%", "xyz", "REP 103",
     ),
-    "milliseconds without a unit": (
-        "timestamp,wx [rad·s⁻¹],wy [rad·s⁻¹],wz [rad·s⁻¹],ax [mg],ay [mg],az [mg]", lambda row: f"{10 * row},", "mg",
-    ),
+    "milliseconds without a unit": ("timestamp", lambda row: 10 * row, "w% [rad·s⁻¹]", "a% [mg]", "xyz", "mg"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_names_of_programs(program: str):
-    header, stamp, by = PROGRAMS[program]
+    before, stamp, gyro_name, force_name, axes, by = PROGRAMS[program]
+    names = [name.replace("%", axis) for name in (gyro_name, force_name) for axis in axes]
     gyro = np.degrees(GYRO) if "deg" in by else GYRO
     force = FORCE / 9.80665e-3 if "mg" in by else FORCE
-    lines = [stamp(row) + line for row, line in enumerate(rows_of(np.hstack([gyro, force])))]
+    lines = [f"{stamp(row)},{line}" for row, line in enumerate(rows_of(np.hstack([gyro, force])))]
+    header = ",".join([before, *names])
     log = read_log("\n".join([header, *lines]).encode())
     np.testing.assert_allclose(log.gyro, GYRO, rtol=1e-12)
     np.testing.assert_allclose(log.accelerometer, FORCE, rtol=1e-12)
@@ -497,12 +481,12 @@ def test_sensors_without_a_number_are_told():
 
 
 def test_sensors_in_rows_of_their_own_have_their_own_rates():
-    lines = [GOOD[0]]
+    lines, gyro, force = [GOOD[0]], rows_of(GYRO), rows_of(FORCE)
     for row in range(50):
         time = f"{row * 0.01:.3f}"
-        lines.append(time + "," + ",".join(f"{v:.17g}" for v in GYRO[row]) + ",,,")
+        lines.append(f"{time},{gyro[row]},,,")
         if row % 2 == 0:
-            lines.append(f"{row * 0.01 + 0.003:.3f},,,," + ",".join(f"{v:.17g}" for v in FORCE[row]))
+            lines.append(f"{row * 0.01 + 0.003:.3f},,,,{force[row]}")
     log = read_log("\n".join(lines).encode())
     np.testing.assert_allclose(log.gyro, GYRO)
     np.testing.assert_allclose(log.accelerometer, FORCE[::2])

@@ -245,6 +245,8 @@ def test_columns_of_a_drone_are_read_by_their_names_and_units(rate: float) -> No
         ("lat,lon,alt", "47.{t},8,9", "no column with the time"),
         ("t,lat,lon,alt", "{t},0.0{t},0.2,900", "may be degrees or radians"),
         ("t,lat,lon,alt", "{t},97,0.2,900", "line 2: 97, 0.2 is not a place"),
+        ("t,lat,lon,alt", "{t},4700{t}0000,80000000,900", "height may be metres or millimetres"),
+        ("t,lat,lon,alt", "{t}00,47.01{t},8,900", "time goes up by 100 a row"),
     ],
 )
 def test_columns_that_are_missing_or_have_two_meanings_are_asked_for(head: str, row: str, message: str) -> None:
