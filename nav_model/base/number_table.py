@@ -182,7 +182,7 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
     rows = [(mark := _delimiter(line), _fields(line, mark)) for _, line in lines[-5:]]
     shapes = Counter((mark, len(cells)) for mark, cells in rows)
     (delimiter, width), _ = shapes.most_common(1)[0] if shapes else ((None, 0), 0)
-    amounts = [_numeric(cells) for _, cells in rows if len(cells) == width]
+    amounts = [_numeric(cells) for mark, cells in rows if (mark, len(cells)) == (delimiter, width)]
     if not any(amounts):
         reason = f"The first {len(head)} lines hold no numbers" if len(head) > _HEAD_LINES else "No numbers found"
         raise InputError(file_name, f"{reason}. This is not a table.")

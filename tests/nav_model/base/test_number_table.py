@@ -80,6 +80,7 @@ def test_a_recording_that_was_broken_off_loses_its_last_line_alone():
         ("a;b\n1,5;2\n1.5;2\n", r"line 2: a decimal comma, but line 3 has a decimal point"),
         ("a,b\n0,5,1,25\n0,25,1,5\n", "line 2: 4 numbers under 2 names. These are decimal commas between commas"),
         ("a,b\nc,d\n", "No numbers found"),
+        ("x;y\nu;v\n1,2\n", "No numbers found"),
         ("word\n" * 500, "The first 250 lines hold no numbers"),
         (",".join(["1"] * 1001), "1001 columns; a table has at most 1000"),
         ("1" * 200_000, "longer than 100000 characters"),

@@ -47,7 +47,7 @@ TWO_LINES = {
     "trajectory.flight": "lines", "trajectory.lines": 2.0, "trajectory.length": 3000.0,
     "trajectory.outages": ((100.0, 130.0),),
 }  # fmt: skip
-_PLAN = """<gpx><rte><rtept lat="47" lon="8"><ele>3000</ele><name>first</name></rtept>
+_PLAN = """<gpx><rte><rtept lat="47" lon="8"><ele>3900</ele><name>first</name></rtept>
 <rtept lat="47.08" lon="8"></rtept><rtept lat="47.08" lon="8.1"></rtept></rte></gpx>"""
 
 
@@ -204,7 +204,7 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     after(page, lambda: page.show(session.budget))
     rows, before = tables["waypoints"].rows, session.design
     assert [row["line"] for row in rows if row["line"]] == [f"line {n}" for n in range(1, 5)]
-    assert list(rows[0].values()) == ["48", "0", "3000", "line 1"]
+    assert list(rows[0].values()) == ["48", "0", "4000", "line 1"]
     assert max(len(cell) for row in rows for cell in row.values()) <= len("-0.05159620")
     north = math.radians(float(rows[1]["latitude"]) - float(rows[0]["latitude"])) * 6.37e6
     assert north * math.cos(0) == pytest.approx(3000.0, rel=0.01)
@@ -259,7 +259,7 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     opened("plan.gpx", _PLAN.encode())
     assert session.design["trajectory.flight"] == page.flight == "waypoints"
     first, second = session.design["trajectory.waypoints"][:2]
-    assert (first[3], first[2], second[2]) == ("first", 3000.0, session.design.flight.altitude)
+    assert (first[3], first[2], second[2]) == ("first", 3900.0, session.design.flight.altitude)
     with pytest.raises(InputError, match=r"Flight: .* too long for this page"):
         follow(first_design().replace({"trajectory.duration": 1e5}), 9)
     dense = {"trajectory.duration": 7000.0, "radar.aperture_time": 1.0}
