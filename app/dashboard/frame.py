@@ -35,7 +35,7 @@ _SHEET = Path(__file__).with_suffix(".css").read_text("utf-8")
 _NARROW = "@media (min-width: 600px) { :host { display: none !important; } }"
 """Sheet of what stands only where the sidebar is a drawer over the page."""
 _OF_ITS_OWN = {"allocate", "close", "flight", "simulate", "image", "suborbital"}
-_APART = {"sensors", "review", "theory", "suborbital"}
+_APART = {"theory", "suborbital"}
 """Pages on which the design on the left changes nothing: it is folded there."""
 _SAID_OTHERWISE = "This page shows {} in the units of data sheets. Budget and report show {}."
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'

@@ -95,8 +95,8 @@ def test_from_an_empty_start_to_the_imus_that_pass_for_my_radar(visit: Visit) ->
 def test_an_imu_and_a_log_lead_to_their_answers(visit: Visit) -> None:
     page = visit()
     page.get_by_role("button", name="My IMU").click()
-    folded = page.get_by_role("button", name="IMU", exact=True)
-    expect(folded).to_have_attribute("aria-expanded", "false")  # its box has moved up
+    for section, opened in (("IMU", "true"), ("GNSS", "false")):
+        expect(page.get_by_role("button", name=section, exact=True)).to_have_attribute("aria-expanded", opened)
     page.get_by_role("textbox", name="Angle random walk", exact=True).fill("0.01 °/√h")
     page.keyboard.press("Enter")
     expect(page.get_by_role("status").filter(has_text="Closes")).to_be_visible()
