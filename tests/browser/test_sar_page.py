@@ -45,7 +45,7 @@ def test_what_decides_is_on_one_screen_and_runs_go_stale_with_the_design(visit: 
             lambda width=width, height=height: _seen_at_once(page, width, height), f"all of it in {width} x {height}"
         )
         until(lambda: page.evaluate(_OVER_THE_EDGE) <= 1, "a map as high as its card")
-    assert page.get_by_role("rowheader").count() == 9
+    assert page.get_by_role("rowheader").count() == 8
     assert not warnings, warnings
     answer = page.get_by_role("status").filter(has_text=_ANSWER)
     said = answer.inner_text()
