@@ -102,7 +102,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(
         page.get_by_role("button", name="Point target: NPZ").press("Enter")
     waiting.value.save_as(tmp_path / "point.npz")
     with np.load(tmp_path / "point.npz") as packed:
-        assert packed["power_db"].shape == (10, 61, 121)
+        assert packed["power_db"].shape == (9, 61, 121)
     region = page.get_by_role("region", name="Detrended phase by strategy")
     region.focus()
     region.press("ArrowRight")
