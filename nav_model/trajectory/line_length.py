@@ -18,7 +18,7 @@ from nav_model.trajectory.result import STATE_AXES, LineResult, TrajectoryResult
 from nav_model.trajectory.specification import Line
 
 _CLOSE = 0.01  # of its length: how near the solved line is to one that fails
-_MOST_TRIALS = 16  # for a line
+_MOST_TRIALS = 24  # for a line
 _MOST_FIXES = 100_000  # of all lines' flights together: a few minutes
 
 Progress = Callable[[float, str], None]
@@ -59,24 +59,27 @@ def _solved(line: LineResult, result: TrajectoryResult, flown: Callable[[float],
     if line.reason or not line.limits:
         return line
     aperture = float(result.spec.inputs.aperture)
+    shortest = aperture + result.spec.study.every  # has a result with its aperture
     low: LineResult | None = None
     high = line
     if line.closes:
         low, high = line, flown(MOST_RESERVE)
         if high.closes:
             return replace(line, longest_s=high.duration, reserve_s=MOST_RESERVE)
-    for _ in range(_MOST_TRIALS):
-        least = low.duration * (1.0 + _CLOSE) if low else 1.001 * aperture
+    for trial in range(_MOST_TRIALS):
+        least = low.duration * (1.0 + _CLOSE) if low else shortest
         if high.duration <= least * (1.0 + 1e-6):
             break
-        # As long as a line that fails is within its limits from the start, in real time that is the answer.
-        image = high.fails_by not in STATE_AXES
-        length = (high.fails_at_s or 0.0) + (aperture / 2 if image else 0.0)
-        if low and length < least:
-            (x, y), (a, b) = ((low.duration, high.duration), (low.excess[1], high.excess[1]))
-            share = min(max(-math.log(a) / math.log(b / a), 0.0), 1.0)
+        if trial == 0:  # what is within the limits from the start on is, in real time, the answer
+            image = high.fails_by not in STATE_AXES
+            length = (high.fails_at_s or 0.0) + (aperture / 2 if image else 0.0)
+        elif low is None:  # where the end fails at any length, so does the shortest
+            length = least
+        else:  # the excess grows nearly as a power of the length; halved now and then, whatever it does
+            (x, y), (a, b) = (low.duration, high.duration), (low.excess[1], high.excess[1])
+            share = min(max(-math.log(a) / math.log(b / a), 0.0), 1.0) if trial % 3 else 0.5
             length = x * (y / x) ** share
-        trial = flown(min(max(length, least), high.duration / (1.0 + _CLOSE)) - line.duration)
-        low, high = (trial, high) if trial.closes else (low, trial)
+        other = flown(min(max(length, least), high.duration / (1.0 + _CLOSE)) - line.duration)
+        low, high = (other, high) if other.closes else (low, other)
     longest = low.duration if low else 0.0
     return replace(line, longest_s=longest, reserve_s=max(longest - line.duration, 0.0))

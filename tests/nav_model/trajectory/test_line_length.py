@@ -68,6 +68,21 @@ def test_a_line_within_its_limits_fails_at_no_time_and_one_beyond_from_the_start
     ]  # fmt: skip
 
 
+@pytest.mark.long
+def test_a_post_processed_line_with_which_the_flight_ends_has_no_length_that_holds_its_end() -> None:
+    """Nothing later is known there, so a shorter one fails as well; the turn after the first lets it hold."""
+    rows = _waypoints(0.8, 60.0 * np.array([200.0, 70.0j, -200.0]))
+    design = TACTICAL.replace({"trajectory.flight": "waypoints", "trajectory.waypoints": rows})
+    design = design.replace({"processing.mode": "post-processed"})
+    first, last = (line.worst["ce90"] for line in _flown(design).lines)
+    assert last > 1.5 * first
+    design = design.replace({"requirements.ce90": 0.5 * (first + last)})
+    before, after = with_lengths(_flown(design), design).lines
+    assert before.reserve_s == MOST_RESERVE
+    assert 0.9 * after.duration < after.fails_at_s < after.duration
+    assert (after.longest_s, length_in_words(after)) == (0.0, "no length holds")
+
+
 def _flown(design: Design) -> TrajectoryResult:
     return covariance(along_flight(design, planned(design)))
 
@@ -110,7 +125,7 @@ def test_the_longest_line_flown_again_meets_its_limit_and_a_longer_one_fails(see
         assert line.longest_s is not None
         trials = {1.02 * line.longest_s: False, 0.999 * line.longest_s: True}
         if line.longest_s == 0.0:
-            trials = {1.01 * float(result.spec.inputs.aperture): False}
+            trials = {float(result.spec.inputs.aperture) + 1.0: False, line.duration / 2: False}
         elif line.reserve_s == MOST_RESERVE:
             trials = {line.longest_s: True}
         for length, holds in trials.items():
