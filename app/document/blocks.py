@@ -203,7 +203,7 @@ class KeyFigures:
     items: tuple[KeyFigure, ...]
 
 
-Block = Answer | KeyFigures | Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval
+Block = Answer | Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval
 
 
 @dataclass(frozen=True)

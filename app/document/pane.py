@@ -5,8 +5,7 @@ from collections.abc import Callable
 from html import escape
 from itertools import groupby
 
-from app.document.blocks import MARK, UNIT_GAP, Answer, Block, Bullets, Cell, Column, KeyFigures, Table, Text
-from app.document.tiles import tiles_html
+from app.document.blocks import MARK, UNIT_GAP, Answer, Block, Bullets, Cell, Column, Table, Text
 from nav_model.equations import ALL_EQUATIONS
 
 Prose = Callable[[str], str]
@@ -124,7 +123,6 @@ def _bullets(bullets: Bullets, html: Prose) -> str:
 
 _RENDERERS: dict[type, Callable[..., str]] = {
     Answer: _answer,
-    KeyFigures: lambda figures, html: tiles_html(figures, render=html),
     Table: _table,
     Text: lambda text, html: f"<p>{html(text.text)}</p>",
     Bullets: _bullets,

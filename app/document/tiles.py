@@ -1,36 +1,23 @@
-"""Key figures as tiles, each with its limit, its margin as a bar and in words: on a page and in an HTML report.
+"""Key figures as tiles of a page, each with its limit, its margin as a bar and in words.
 
-On a page those that fail come first, then the other limited ones; those without a limit are one line below.
+Those that fail come first, then the other limited ones; those without a limit are one line below.
 """
 
-from collections.abc import Callable
 from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
 from app.document.numbers import margin_in_short
 
 
-def tiles_html(
-    figures: KeyFigures, before: KeyFigures | None = None, render: Callable[[str], str] | None = None
-) -> str:
-    """Tiles as HTML.
-
-    Parameters
-    ----------
-    figures : KeyFigures
-    before : KeyFigures, optional
-        The values before a change, compared by their name: an outline of the bar, and the old value.
-    render : callable, optional
-        How a detail is written, as HTML, under its figure; without it the detail is a tip.
-    """
+def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
+    """Tiles as HTML; values ``before`` a change, found by name, are an outline of the bar and told beside it."""
     old = {figure.label: figure for figure in before.items} if before else {}
     limited = sorted(
         (figure for figure in figures.items if figure.met is not None), key=lambda figure: bool(figure.met)
     )
-    if render or not limited:
-        tiles = "".join(_tile(figure, old.get(figure.label), render) for figure in figures.items)
-        return f'<dl class="{"cards" if render else "tiles"}" aria-label="{escape(figures.caption)}">{tiles}</dl>'
-    tiles = "".join(_tile(figure, old.get(figure.label), None) for figure in limited)
+    tiles = "".join(_tile(figure, old.get(figure.label)) for figure in limited or figures.items)
+    if not limited:
+        return f'<dl class="tiles" aria-label="{escape(figures.caption)}">{tiles}</dl>'
     others = "".join(_other(figure, old.get(figure.label)) for figure in figures.items if figure.met is None)
     return (
         f'<div class="key"><dl class="tiles" aria-label="{escape(figures.caption)}">{tiles}</dl>'
@@ -46,7 +33,7 @@ def _other(figure: KeyFigure, was: KeyFigure | None) -> str:
     )
 
 
-def _tile(figure: KeyFigure, was: KeyFigure | None, render: Callable[[str], str] | None) -> str:
+def _tile(figure: KeyFigure, was: KeyFigure | None) -> str:
     mark = limit = tone = ""
     if figure.met is not None:
         tone = "good" if figure.met else "bad"
@@ -58,12 +45,10 @@ def _tile(figure: KeyFigure, was: KeyFigure | None, render: Callable[[str], str]
         bar += f'<b style="width:{_share(was.used)}%"></b>'
     below = f"<span>{escape(limit or figure.limit or 'no limit')}</span>{_change(figure, was)}"
     label = escape(figure.label)
-    tip = "" if render else f' title="{label}: {escape(figure.detail)}"'
-    detail = f'<dd class="fine quiet">{render(figure.detail)}</dd>' if render else ""
     return (
-        f'<div class="card tile {tone}"{tip}><dt>{label}</dt>'
+        f'<div class="card tile {tone}" title="{label}: {escape(figure.detail)}"><dt>{label}</dt>'
         f'<dd><span class="big num">{escape(figure.value)}</span> {mark}</dd>'
-        f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd>{detail}</div>'
+        f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd></div>'
     )
 
 

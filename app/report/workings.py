@@ -13,11 +13,9 @@ from typing import Any, cast
 import numpy as np
 
 from app.document.wording import MOMENTS
-from nav_model.analytic import coast as growth
-from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
-from nav_model.aperture import geometry, phase
+from nav_model.aperture import phase
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.contributors import Part, composed, contributors_of, random_and_systematic
 from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
@@ -154,9 +152,6 @@ class Traces:
             changes["fast"][source] = replace(fast, **cells)
         return replace(x, **changes)
 
-    def _sum(self, symbol: str, of: Any, label: str, dimension: str, mark: str, *, taken: bool = False) -> None:
-        self.workings.name(symbol, of, label, _SI.get(dimension, dimension), mark, taken=taken)
-
     def _figure(
         self, figure: str, of: Any, mark: str = "", *, taken: bool = False, key: str = "", limit: str = ""
     ) -> None:
@@ -169,7 +164,7 @@ class Traces:
         mark = mark or (FIGURES[figure].mark if figure in FIGURES else "")
         of = self.workings.traced(of, taken=taken)
         whole = self._with(REAL_TIME, figure, of, limit or figure, key, _SI[dimension], mark)
-        self._sum(f"real_time_{key}", whole, label, dimension, mark)
+        self.workings.name(f"real_time_{key}", whole, label, _SI[dimension], mark)
 
     def _with(self, processing: str, on: str, of: Traced, name: str, key: str, unit: str, mark: str) -> Traced:
         """A figure with its contributors, the size of each in a cell, and the root of what is random."""
@@ -206,7 +201,7 @@ class Traces:
 
     def _settled(self) -> None:
         """The filter, its covariances in cells that the model then goes on from."""
-        x, marks, model, plain = self.x, steady_marks(self.design), self.model, self.plain
+        marks, model, plain = steady_marks(self.design), self.model, self.plain
         closed_form = plain.x.slow is None and plain.x.velocity is None
         head = self.workings.head
         head("Steady state, average between fixes [T-3], [T-4], [P-6]")
@@ -230,37 +225,12 @@ class Traces:
             for name in STEADY:
                 mark = "[T-8]" if state != "closed" else marks["vertical" in name]
                 label = f"{label_of(name)}, {when}"
-                self._sum(f"{state}_{name}", then.value(name), label, FIGURES[name].dimension, mark)
-        kappa = steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)
-        self._sum("gyro_dominance", kappa, "Gyro dominance", "", "[T-6]")
-        horizontal, vertical = model.closed
-        products = (
-            steady.lambda_dt(horizontal.p11, x.s, x.interval),
-            steady.lambda_dt(vertical.v11, x.s_vertical, x.interval),
-        )
-        self._sum("lambda_dt", np.maximum(*products), "Filter bandwidth times fix interval", "", "[T-8]")
-        asymptotes = steady.gyro_dominated(x.sigma_w, x.s, x.g)
-        kinds = {"position": "length", "velocity": "speed", "tilt": "angle"}
-        for (part, dimension), variance in zip(kinds.items(), asymptotes, strict=True):
-            self._sum(f"asymptote_{part}", np.sqrt(variance), f"{part.capitalize()}, gyro alone", dimension, "[T-7]")
+                self.workings.name(f"{state}_{name}", then.value(name), label, _SI[FIGURES[name].dimension], mark)
 
     def _outage(self) -> None:
-        x, model, t = self.x, self.model, self.x.duration
         self.workings.head("At the end of the outage")
-        polynomial = model.polynomial_position(t)
-        perfect = growth.perfect_start(x.sigma_a, x.sigma_w, x.g, t)
-        tilted = growth.initial_tilt(model.closed.horizontal.p33, x.g, t)
-        for label, sigma, dimension, mark in (
-            ("Horizontal position, polynomial", np.sqrt(polynomial[0]), "length", "[T-9]"),
-            ("Vertical position, polynomial", np.sqrt(polynomial[1]), "length", "[T-10]"),
-            ("Horizontal position, perfect start", np.sqrt(perfect[0]), "length", "[T-11]"),
-            ("Vertical position, perfect start", np.sqrt(perfect[1]), "length", "[T-11]"),
-            ("Horizontal position from initial tilt", np.sqrt(tilted), "length", "[T-12]"),
-        ):
-            symbol = "end_" + label.lower().replace(", ", "_").replace(" ", "_")
-            self._sum(symbol, sigma, f"{label}, at the end of the outage", dimension, mark)
         for name in of_kind("outage"):
-            self._figure(name, model.value(name))
+            self._figure(name, self.model.value(name))
 
     def _limits(self) -> None:
         """What limits of the user's own limit, where that is no figure of before."""
@@ -290,9 +260,6 @@ class Traces:
         for name in of_kind("phase"):
             if name in REQUIRED:
                 self._figure(name, model.value(name))
-        cell = geometry.cell_length(x.wavelength, x.slant_range, x.speed, x.aperture, x.squint)
-        self._sum("cell_length", cell, "Azimuth cell", "length", "[S-3]")
-        self._sum("aperture_length", x.aperture * x.speed, "Length of the aperture", "length", "[S-3]")
         for name in LEVELS:
             self._figure(name, self.plain.value(name), taken=bool(x.fast))
 

@@ -1,12 +1,9 @@
 """A budget as sections of a design's report: the requirements first, then what explains them."""
 
-from dataclasses import replace
-
 from app.document.allocation import allocation_table
 from app.document.blocks import Section, chart_block
 from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts, timelines
-from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import (
     contributor_table,
     echo_table,
@@ -22,12 +19,10 @@ from nav_model.budget import Budget
 
 
 def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Section, ...]:
-    """Requirements and key figures without a limit, steady state, outage, phase and image, regime.
+    """Requirements, steady state, outage, phase and image, regime.
 
-    Key figures, the table of the steady state, the curves against time and the phases by source are told as chosen.
+    The table of the steady state, the curves against time and the phases by source are told as chosen.
     """
-    key_values = key_figures(budget, display)
-    others = replace(key_values, items=tuple(figure for figure in key_values.items if figure.met is None))
     over_time = (timelines.position_chart, timelines.velocity_chart, timelines.attitude_chart)
     position, velocity, attitude = (chart_block(display.timeline(draw(budget)), key) for draw in over_time)
     phase = chart_block(display.bars(charts.phase_chart(budget)), key)
@@ -42,7 +37,7 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
         Section(
             f"{key}-requirements",
             "Requirements",
-            (requirement_table(budget, key), others, *contributors),
+            (requirement_table(budget, key), *contributors),
         ),
         *split,
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),

@@ -67,7 +67,7 @@ def sections(page: Content, key: str) -> tuple[Section, ...]:
         Section(
             prefix,
             "Suborbital flight: what a star tracker repairs, and what it does not",
-            (*answer(page), Text(explain(page.study)), Text(_sensors(page.settings)),
+            (answer(page)[0], Text(explain(page.study)), Text(_sensors(page.settings)),
              *_paper_tables(page, prefix)),
             REFERENCES,
         ),

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from app.charts.kinds import Dot, DotChart
-from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Column, KeyFigure, KeyFigures, Table, Text, table
+from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Column, Table, Text, table
 from app.document.pane import html_of
 from app.document.ranks_html import ranks_html
 from nav_model.equations import ALL_EQUATIONS
@@ -27,10 +27,8 @@ def text_of(element: ET.Element) -> str:
 def test_what_people_write_is_text_in_every_field_of_every_block() -> None:
     cell = Cell(HOSTILE, mark=HOSTILE, sort=HOSTILE, value=HOSTILE)
     columns = (Column(HOSTILE, group=HOSTILE, sortable=True), Column(HOSTILE, group=HOSTILE))
-    figure = KeyFigure(HOSTILE, HOSTILE, HOSTILE, HOSTILE, met=True, used=0.5)
     blocks = (
         Answer(HOSTILE, "good", (HOSTILE,), HOSTILE),
-        KeyFigures(HOSTILE, (figure,)),
         Table("key", HOSTILE, columns, ((cell, cell), (Cell(HOSTILE),)), HOSTILE, ticks=True),
         Text(HOSTILE),
         Bullets((HOSTILE,), HOSTILE),
