@@ -129,14 +129,14 @@ class Visitor(Tab):
 
     def _hear(self, content: str) -> None:
         """A change of the figures: it ends the wait of its step and of those before."""
-        found = self.kind.said.search(content)
-        if found is not None:
-            self.number = float(found[1])
+        match = self.kind.said.search(content)
+        if match is not None:
+            self.number = float(match[1])
         elif '"attr":"heard"' not in content:  # the answer to a place that shows what was shown
             return
         now = time.monotonic()
-        told = [index for index, (place, _) in enumerate(self.due) if self._is(self.number, place)]
-        for _ in range(told[-1] + 1 if told else 0):
+        due_here = [index for index, (place, _) in enumerate(self.due) if self._is(self.number, place)]
+        for _ in range(due_here[-1] + 1 if due_here else 0):
             self.waits.append(1000 * (now - self.due.popleft()[1]))
         if not self.due:
             self.rested.set()
@@ -252,7 +252,7 @@ async def _phase(name: str, tabs: Sequence[Visitor], server: Server, rate: float
     phase = Phase(name)
     for tab in tabs:
         tab.waits.clear()
-    own, cpu, others = time.process_time(), server.cpu(), server.workers_cpu()
+    own_cpu, cpu, others = time.process_time(), server.cpu(), server.workers_cpu()
     begin = time.monotonic()
     end = begin + seconds
 
@@ -274,7 +274,7 @@ async def _phase(name: str, tabs: Sequence[Visitor], server: Server, rate: float
         each = len(tabs) / rate
         await asyncio.gather(*(scheduled(tab, begin + i / rate, each) for i, tab in enumerate(tabs)))
     phase.seconds = time.monotonic() - begin
-    phase.client_cpu, phase.server_cpu = time.process_time() - own, server.cpu() - cpu
+    phase.client_cpu, phase.server_cpu = time.process_time() - own_cpu, server.cpu() - cpu
     phase.workers_cpu = server.workers_cpu() - others
     for tab in tabs:
         await tab.rest(phase.errors)
@@ -289,7 +289,7 @@ async def _beside_monte_carlo(
     address: str, tabs: Sequence[Visitor], server: Server, rate: float, seconds: float
 ) -> Phase:
     flier, over = await _visit(address, PRODUCT), asyncio.Event()
-    flying = asyncio.create_task(_fly(flier, over))
+    flying = asyncio.create_task(_fly_tab(flier, over))
     given_up = time.monotonic() + 120
     while server.workers_cpu() < 4 and time.monotonic() < given_up:  # the worker is up, its kernels loaded
         await asyncio.sleep(1)
@@ -301,7 +301,7 @@ async def _beside_monte_carlo(
     return phase
 
 
-async def _fly(tab: Tab, over: asyncio.Event) -> None:
+async def _fly_tab(tab: Tab, over: asyncio.Event) -> None:
     """Keep a Monte Carlo under way: press Start again and again, which does nothing while one is flown.
 
     The document is taken once only: to answer that costs the server as much as a page.

@@ -50,9 +50,9 @@ class Tab:
         """The token of a page."""
         known = {"Cookie": cookies} if cookies else {}
         page = await AsyncHTTPClient().fetch(server + "/", headers=known, request_timeout=120)
-        found = _TOKEN.search(page.body.decode())
-        assert found, "no token in the page"
-        return found[1]
+        match = _TOKEN.search(page.body.decode())
+        assert match, "no token in the page"
+        return match[1]
 
     @classmethod
     async def connect(cls, server: str, token: str, cookies: str = "") -> Self:
@@ -144,8 +144,8 @@ class Tab:
         for model in self.objects:
             for group in model["attributes"].get("groups", ()):
                 for row in dict(group["entries"])["rows"]:
-                    if (found := dict(row["entries"]))["key"] == key:
-                        return self._shown_by(model["id"]), found
+                    if (entries := dict(row["entries"]))["key"] == key:
+                        return self._shown_by(model["id"]), entries
         raise LookupError(f"no row {key}")
 
     async def slide(self, key: str, place: float) -> None:
@@ -193,14 +193,14 @@ class Tab:
         They are its first and third frame; the frames of arrays are counted, not looked at.
         """
         frames: list[Any] = []
-        left = 3
-        while left:
+        expected = 3
+        while expected:
             if (frame := await self.connection.read_message()) is None:  # told once: no other may be waited for
                 return None
             if not frames:
-                left += 2 * json.loads(frame).get("num_buffers", 0)
+                expected += 2 * json.loads(frame).get("num_buffers", 0)
             frames.append(frame)
-            left -= 1
+            expected -= 1
         return json.loads(frames[0])["msgtype"], frames[2]
 
     async def _read(self) -> None:

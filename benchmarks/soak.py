@@ -43,25 +43,25 @@ class Left:
 @contextmanager
 def counted_server(folder: Path) -> Iterator[tuple[str, Callable[[], Left]]]:
     """The address of a server, and what is left in its memory once closed pages have been freed."""
-    told = folder / "told"
+    log = folder / "told"
     command = [sys.executable, str(_SERVER), "serve", "--port", "0", "--session-lifetime", "1",
-               "--library", str(folder / "library.db"), str(told)]  # fmt: skip
+               "--library", str(folder / "library.db"), str(log)]  # fmt: skip
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         address = process.stdout.readline().split()[-1]
 
         def look() -> Left:
-            told.unlink(missing_ok=True)
+            log.unlink(missing_ok=True)
             process.send_signal(signal.SIGUSR1)
-            while not told.exists():
+            while not log.exists():
                 time.sleep(0.05)
-            return Left(**json.loads(told.read_text()))
+            return Left(**json.loads(log.read_text()))
 
         def left() -> Left:
             deadline = time.monotonic() + 120
-            while (found := look()).frames and time.monotonic() < deadline:
+            while (counts := look()).frames and time.monotonic() < deadline:
                 time.sleep(0.5)
-            return found
+            return counts
 
         try:
             yield address, left
@@ -144,14 +144,14 @@ def main() -> int:
     options.add_argument("--pages", type=int, default=300)
     pages = options.parse_args().pages
     with tempfile.TemporaryDirectory() as name, counted_server(Path(name)) as (address, left):
-        found = []
+        rows = []
         for _ in range(3):
             asyncio.run(_visits(address, pages // 3))
-            found.append(left())
-            print(f"{pages // 3} pages more: {found[-1].frames} alive, {found[-1].resident:.1f} MB", flush=True)
-    growth = (found[2].resident - found[0].resident) / (2 * (pages // 3))
+            rows.append(left())
+            print(f"{pages // 3} pages more: {rows[-1].frames} alive, {rows[-1].resident:.1f} MB", flush=True)
+    growth = (rows[2].resident - rows[0].resident) / (2 * (pages // 3))
     print(f"{growth:+.3f} MB a page after the first third; goal {GOAL_MB:g}")
-    missed = growth > GOAL_MB or any(look.frames for look in found)
+    missed = growth > GOAL_MB or any(look.frames for look in rows)
     print("MISSED" if missed else "the goal holds")
     return int(missed)
 

@@ -45,19 +45,19 @@ def test_csv_of_the_same_log(benchmark, signal: np.ndarray):
 def plain_oadev(rate_signal: np.ndarray, interval_s: float, tau_s: np.ndarray) -> np.ndarray:
     """The textbook sum on the integrated signal, as the named alternative."""
     phase = np.concatenate([[0.0], np.cumsum(rate_signal - rate_signal.mean())]) * interval_s
-    found = []
+    times = []
     for factor in np.round(tau_s / interval_s).astype(int):
         second = phase[2 * factor :] - 2.0 * phase[factor:-factor] + phase[: -2 * factor]
-        found.append(np.sqrt(second @ second / len(second) / 2.0) / (factor * interval_s))
-    return np.array(found)
+        times.append(np.sqrt(second @ second / len(second) / 2.0) / (factor * interval_s))
+    return np.array(times)
 
 
 def test_overlapping_deviation_of_one_axis(benchmark, signal: np.ndarray):
     axis = np.ascontiguousarray(signal[:, 0])
     taus = averaging_times(SAMPLES, 0.01)
-    found = benchmark.pedantic(overlapping_allan_deviation, args=(axis, 0.01, taus), rounds=3, warmup_rounds=1)
+    deviation = benchmark.pedantic(overlapping_allan_deviation, args=(axis, 0.01, taus), rounds=3, warmup_rounds=1)
     start = time.perf_counter()
     alternative = plain_oadev(axis, 0.01, taus)
     benchmark.extra_info["plain_numpy_s"] = time.perf_counter() - start
     benchmark.extra_info["averaging_times"] = len(taus)
-    np.testing.assert_allclose(found.deviation, alternative, rtol=1e-9)
+    np.testing.assert_allclose(deviation.deviation, alternative, rtol=1e-9)

@@ -12,8 +12,8 @@ def bill(lock: str) -> dict[str, Any]:
     """The bill of a lock file's text."""
     components = []
     for block in re.split(r"(?m)^(?=[A-Za-z0-9])", lock):
-        if found := re.match(r"([A-Za-z0-9._-]+)(?:\\[[^]]*])?==([^ ;\\\n]+)", block):
-            name, number = found.groups()
+        if match := re.match(r"([A-Za-z0-9._-]+)(?:\\[[^]]*])?==([^ ;\\\n]+)", block):
+            name, number = match.groups()
             digests = re.findall(r"--hash=sha256:([0-9a-f]{64})", block)
             components.append(
                 {

@@ -245,8 +245,8 @@ class _Reader:
         breaks = sampling.breaks
         if held := held_values(signal, breaks):
             first, length = held
-            own = f"analysed at its own {rate / length:.6g} Hz"
-            notes.append(f"each value of {role} is held for {length:.4g} rows; {own}")
+            how = f"analysed at its own {rate / length:.6g} Hz"
+            notes.append(f"each value of {role} is held for {length:.4g} rows; {how}")
             signal, rate, rows = signal[first], rate / length, first if rows is None else rows[first]
             breaks = np.unique(np.searchsorted(first, breaks))
         signal *= scale.factor * (rate if scale.per_sample else 1.0)

@@ -130,7 +130,7 @@ def _counted_from_zero(names: Sequence[str]) -> list[str]:
     is gyro[0]."""
     matches = [re.fullmatch(r"(.*?[^\W\d])[\s_.]*[\[(]?([0-3])[\])]?", name.strip(' "')) for name in names]
     digits = {match[1]: [m[2] for m in matches if m and m[1] == match[1]] for match in matches if match}
-    first = {stem: int(found[0]) for stem, found in digits.items() if found in (["0", "1", "2"], ["1", "2", "3"])}
+    first = {stem: int(three[0]) for stem, three in digits.items() if three in (["0", "1", "2"], ["1", "2", "3"])}
     return [
         f"{match[1]}[{int(match[2]) - first[match[1]]}]" if match and match[1] in first else name
         for match, name in zip(matches, names, strict=True)

@@ -236,12 +236,12 @@ def _named(lines: Iterable[LineResult], names: Sequence[str]) -> list[LineResult
 
 def _figures(lines: Iterable[LineResult]) -> Mapping[str, Limited]:
     """The limited figures of some lines, each of the line where it is nearest to its limit or farthest beyond."""
-    found: dict[str, Limited] = {}
+    by_name: dict[str, Limited] = {}
     for line in lines:
         for name, limit in line.limits.items():
             here = Limited(line.worst.get(name, math.inf), line.mean.get(name, math.inf), limit)
-            found[name] = max(found.get(name, here), here, key=_ratio)
-    return found
+            by_name[name] = max(by_name.get(name, here), here, key=_ratio)
+    return by_name
 
 
 def _ratio(figure: Limited) -> float:
@@ -255,19 +255,19 @@ def _excess(figures: Mapping[str, Limited]) -> float:
 def _kinds(question: _Question) -> Iterator[Iterable[_Candidate]]:
     """Candidates by kind: within one, those that cost less come first."""
     design, lines = question.plan.design, question.lines
-    own = design.trajectory
-    if own.flight in (LINES, WAYPOINTS):
+    trajectory = design.trajectory
+    if trajectory.flight in (LINES, WAYPOINTS):
         failing = question.failing
         places = [failing[:1], failing][: len(failing)]
-        lossy = own.bank_limit is not None and own.bank > own.bank_limit
-        for bank in (own.bank, _GENTLER * own.bank_limit) if lossy else (own.bank,):
-            gentle = "" if bank == own.bank else f" at {math.degrees(bank):.3g}° bank"
+        lossy = trajectory.bank_limit is not None and trajectory.bank > trajectory.bank_limit
+        for bank in (trajectory.bank, _GENTLER * trajectory.bank_limit) if lossy else (trajectory.bank,):
+            gentle = "" if bank == trajectory.bank else f" at {math.degrees(bank):.3g}° bank"
             if gentle:
                 yield [_Candidate(f"All turns{gentle}", "manoeuvre", partial(_changed, {"trajectory.bank": bank}))]
             for name, arcs in _TURNS.items():
                 yield [_candidate(name + gentle, lines, place, [(_both_sides(arcs), 1)], bank) for place in places]
         yield [
-            _candidate(f"Run-in of {time / 60:.0f} min", lines, place, [(way, 1)], own.bank)
+            _candidate(f"Run-in of {time / 60:.0f} min", lines, place, [(way, 1)], trajectory.bank)
             for time, way in ((time, [partial(before_line, arcs=(), run_in=time)]) for time in _RUN_INS)
             for place in places
         ]
@@ -283,8 +283,8 @@ def _kinds(question: _Question) -> Iterator[Iterable[_Candidate]]:
 def _in_parts(question: _Question, *, after_turn: bool = False) -> Iterator[_Candidate]:
     """Lines flown in parts, with turns between them, and with one in front of each line too."""
     design, failing, lines = question.plan.design, question.failing, question.lines
-    own = design.trajectory
-    if own.flight not in (LINES, WAYPOINTS):
+    trajectory = design.trajectory
+    if trajectory.flight not in (LINES, WAYPOINTS):
         return
     longest = min(lines[n].stop_s - lines[n].start_s for n in failing) / _SHORTEST_PART
     overlap = (float(inputs_of(design).aperture) + _BEYOND) * design.flight.speed
@@ -294,7 +294,7 @@ def _in_parts(question: _Question, *, after_turn: bool = False) -> Iterator[_Can
             if after_turn:
                 name, arcs = f"S-turn and {in_sentence(name)}", _TURNS["S-turn"]
                 steps.append((_both_sides(arcs), 1))
-            yield _candidate(name, lines, failing, steps, own.bank)
+            yield _candidate(name, lines, failing, steps, trajectory.bank)
 
 
 def _both_sides(arcs: Sequence[float]) -> list[Way]:

@@ -74,8 +74,8 @@ def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: st
 
 def _shown(study: SarStudy, curves: Array, rows: Sequence[int]) -> Array:
     """Curves of the strategies in some rows, NaN where one is not shown: a figure's lines stay the same."""
-    shown = np.array([row in dict(shown_strategies(study.budget)) for row in rows])
-    return np.where(shown[:, None], curves, np.nan)
+    candidates = np.array([row in dict(shown_strategies(study.budget)) for row in rows])
+    return np.where(candidates[:, None], curves, np.nan)
 
 
 def _typical(study: SarStudy) -> str:
