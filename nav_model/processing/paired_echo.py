@@ -87,9 +87,15 @@ def scatter_exponent(
         where = fast_lines(effect, aperture, lobe)
         if density == "near":
             where = where & ~fast_lines(effect, aperture, NEAR_CELLS * lobe)
-        lines = np.log1p(bessel_0_less_1(_held(to_phase[..., None] * effect.amplitude)))
+        lines = _log1p(bessel_0_less_1(_held(to_phase[..., None] * effect.amplitude)))
         total = total - 2 * np.sum(np.where(where, lines, 0), axis=-1)
     return np.asarray(np.where(total.real > _MOST_EXPONENT, _MOST_EXPONENT, total))
+
+
+def _log1p(z: Array) -> Array:
+    """log(1 + z), with a complex step: NumPy's own of a complex number has the digits of 1 + z."""
+    real = np.log1p(z.real)
+    return np.asarray(real + 1j * z.imag / (1 + z.real) if np.iscomplexobj(z) else real)
 
 
 def scattered_ratio(exponent: Array) -> Array:

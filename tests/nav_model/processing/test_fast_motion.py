@@ -298,3 +298,13 @@ def test_the_floor_of_the_response_is_the_mean_of_random_histories(open_design, 
         there = (np.abs(cells) > low) & (np.abs(cells) < high)
         assert 10 * math.log10(mean[there].mean() / floor[there].mean()) == pytest.approx(0.0, abs=0.5)
     assert np.all(floor[np.abs(cells) < 0.9] == 0)
+
+
+@pytest.mark.parametrize("p", [1e-4, 1e-3, 3e-3])
+def test_a_small_line_keeps_its_digits_through_a_complex_step(p: float) -> None:
+    """-2 ln J0(p) by its series, and its slope."""
+    line = Source(np.array([50.0]), np.array([p]))
+    effect = through_aperture(line, np.array(2.0), 1.0).scaled(np.asarray(1 + 1e-20j))
+    exponent = scatter_exponent([effect], np.array(1.0), np.array(2.0), 1.0)
+    assert exponent.real == pytest.approx(p**2 / 2 + p**4 / 32 + p**6 / 288, rel=1e-14, abs=0)
+    assert exponent.imag / 1e-20 == pytest.approx(p**2 + p**4 / 8 + p**6 / 48, rel=1e-13, abs=0)
