@@ -13,11 +13,15 @@ import pytest
 from app.document.display import ONE_SIGMA
 from app.document.numbers import margin_in_sentence, show_in
 from app.document.verdict import check_words, verdict_strip, verdicts_in_short
+from app.library.reviews import open_review
+from app.library.store import Library
 from app.report.comparison import difference_tables
 from app.report.spreadsheet import workbook_bytes
 from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import requirement_table
+from app.subjects.review.report import status_table
+from app.subjects.review.rows import figure_of
 from app.subjects.sar.tables import answer
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
@@ -34,6 +38,7 @@ from nav_model.sar.design_study import closed_forms
 from nav_model.sar.winners import map_of_winners
 
 COUNT = 100
+REVIEWED = 6  # of the designs that are in a library too
 
 
 def some_design(random: np.random.Generator) -> Design:
@@ -158,9 +163,13 @@ def test_pages_report_and_command_give_one_verdict() -> None:
 def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: Path) -> None:
     """With the values of the budget, and a value of every sheet at once within every limit that one of them keeps."""
     random = np.random.default_rng(281)
+    library, keys, reviewed = Library(tmp_path / "library.db"), [], []
     for number in range(25):
         design = some_design(random)
         budget = analyse(design)
+        if number < REVIEWED:
+            keys.append(library.save(budget, "Ann").key)
+            reviewed += [(budget, check) for check in budget.verdict.checks]
         checks = {check.name: check for check in budget.verdict.checks}
         book = openpyxl.load_workbook(io.BytesIO(workbook_bytes(budget)), data_only=True)
         for verdict, sheet in (
@@ -186,3 +195,12 @@ def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: P
             continue
         delivered = analyse(design.replace({line.key: line.value for line in lines})).verdict
         assert all(check.margin > -1e-9 for check in delivered.checks if checks[check.name].margin < 1)
+    review = open_review(library, "All", "Ann", keys)
+    rows = [row for row in status_table(review).rows if len(row) > 1]
+    places = [place for place, item in enumerate(review.revisions, 1) for _ in item.budget().verdict.checks]
+    for (budget, check), row, place in zip(reviewed, rows, places, strict=True):
+        words = check_words(budget.design, check)
+        texts = [cell.text for cell in row]
+        assert texts[1:4] == [words.value, words.limit, "✓ met" if check.met else "✗ not met"]
+        assert figure_of(review, place, check.name).startswith(f"{words.value} against {words.limit} ")
+    library.close()
