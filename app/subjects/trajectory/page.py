@@ -73,6 +73,7 @@ _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 _ADDED = " A double click on the map adds one at the end."
 _NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
 _LENGTHS = "How long may lines be?"
+_UNSOLVED = "Not solved: lines of another length cannot be flown here, or their flights together take too long."
 _NO_FILE = "Open a file: plans (KML, KMZ, GPX, .plan) are flown at the design's speed, recordings as they were."
 
 
@@ -154,6 +155,8 @@ class TrajectoryPage(StudyPage[Followed]):
         ``lengths``: solve how long its lines may be too.
         """
         self._lengths = lengths
+        if self._bar.message == _UNSOLVED:  # of the design before
+            self._say("")
         return super().begin(settle, by_itself=by_itself)
 
     async def _study(self, run: Run) -> Followed:
@@ -168,9 +171,13 @@ class TrajectoryPage(StudyPage[Followed]):
         if file is None and not self._lengths:
             # A short flight is not worth a process that ends with the next step of a slider.
             flown = await run_in_pool(follow_if_short, *asked[:2])
-        return flown or await run_alone(
-            follow, *asked, self._lengths, progress=lambda share, what: run.tell(what, share or None)
-        )
+        if flown is None:
+            flown = await run_alone(
+                follow, *asked, self._lengths, progress=lambda share, what: run.tell(what, share or None)
+            )
+            if self._lengths and all(line.longest_s is None for line in flown.result.lines):
+                self._say(_UNSOLVED)
+        return flown
 
     @property
     def _key(self) -> tuple[str, ...] | None:

@@ -40,6 +40,7 @@ from nav_model.design import Design
 from nav_model.design.file import format_design
 from nav_model.design.trajectory import LIMITED
 from nav_model.simulation.monte_carlo import simulate
+from nav_model.trajectory import line_length
 from nav_model.trajectory.files.reader import parse_file
 
 pytestmark = pytest.mark.long
@@ -95,7 +96,7 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
 
 
 def test_the_page_solves_how_long_lines_may_be_when_asked_and_forgets_it_with_the_next_design(
-    session: Session,
+    session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     page = TrajectoryPage(session)
     session.change(TWO_LINES)
@@ -106,9 +107,16 @@ def test_the_page_solves_how_long_lines_may_be_when_asked_and_forgets_it_with_th
     assert not page._bar.start.visible
     assert [row[-1].text for row in line_list(page.run.result, page.figure).rows] == ["no length holds"] * 2
     assert "no length holds" in html_of(line_table(page.run.result, page.figure))
+    assert page._bar.message == ""
     session.change({"trajectory.length": 3100.0})
     after(page, page.begin)
     assert page._bar.start.visible
+    monkeypatch.setattr(line_length, "_MOST_FIXES", 1000)
+    after(page, lambda: page.begin(by_itself=False, lengths=True))
+    assert page._bar.message.startswith("Not solved: ")
+    assert page._bar.start.visible
+    after(page, page.begin)
+    assert page._bar.message == ""
 
 
 def test_a_design_that_is_good_enough_says_so_and_one_without_limits_too() -> None:
