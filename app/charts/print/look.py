@@ -23,7 +23,7 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _BESIDE = ((5, 0, "left", "center"), (-5, 0, "right", "center"), (0, 5, "center", "bottom"), (0, -5, "center", "top"))
 _NAME_SIZE = 6.5
 _NAME_ROOM = 9.0  # points between the names of two lines
-_BEHIND = {"facecolor": "white", "alpha": 0.65, "edgecolor": "none", "pad": 0.6}
+BEHIND = {"facecolor": "white", "alpha": 0.65, "edgecolor": "none", "pad": 0.6}
 
 
 def pen(style: Style, dash: str = "", width: float = 1.0) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def label_points(figure: Any, axes: Any, groups: Sequence[Points]) -> None:
             for dx, dy, horizontal, vertical in _BESIDE:
                 text = axes.annotate(
                     name, (x, y), (dx, dy), textcoords="offset points", ha=horizontal, va=vertical,
-                    fontsize=_NAME_SIZE, bbox=_BEHIND, zorder=5,
+                    fontsize=_NAME_SIZE, bbox=BEHIND, zorder=5,
                 )  # fmt: skip
                 box = text.get_window_extent().padded(1.0)
                 others = (p for p in places if abs(p[0] - here[0]) + abs(p[1] - here[1]) > 1.0)

@@ -14,7 +14,7 @@ from typing import Any
 
 from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, PictureChart, Points, spread_of
 from app.charts.print.grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
-from app.charts.print.look import LINE_SCALE, MARKERS, label_ends, label_points, log_axis, pen, plain
+from app.charts.print.look import BEHIND, LINE_SCALE, MARKERS, label_ends, label_points, log_axis, pen, plain
 from app.charts.styles import STYLES
 
 WIDTH = 166.0  # mm: the text width of an A4 page
@@ -82,7 +82,8 @@ def _legend_of(axes: Any) -> list[Any]:
 
 def _named_once(points: Sequence[Points]) -> list[Points]:
     """Name the points, as paper has no hover; of groups with the same names only the first."""
-    return [group for i, group in enumerate(points) if group.names not in [other.names for other in points[:i]]]
+    beside = [group for group in points if group.marker != "name"]
+    return [group for i, group in enumerate(beside) if group.names not in [other.names for other in beside[:i]]]
 
 
 @contextmanager
@@ -111,20 +112,21 @@ def _curves(axes: Any, chart: Chart) -> None:
         axes.set_yscale("log")
     for span in chart.spans:
         if not math.isnan(span.start):
-            axes.axvspan(
-                span.start,
-                span.stop,
-                label=span.label,
-                color=STYLES[span.style or "everything"].colour,
-                alpha=0.18,
-                linewidth=0,
-            )
+            colour, label = STYLES[span.style or "everything"].colour, "" if span.style else span.label
+            axes.axvspan(span.start, span.stop, label=label, color=colour, alpha=0.18, linewidth=0)
+            if span.style:  # one of several, each by its own name
+                place = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
+                axes.text((span.start + span.stop) / 2, 1.01, span.label, fontsize=7.5, **place)
     for band in chart.bands:
         pale: dict[str, Any] = {"color": STYLES[band.style].colour, "alpha": 0.25, "linewidth": 0}
         axes.fill_between(band.x, band.low, band.high, label=band.label, **pale)
     for line in chart.lines:
         axes.plot(line.x, line.y, label="" if chart.named_at_ends else line.label, **pen(STYLES[line.style]))
     for points in chart.points:
+        if points.marker == "name":
+            for x, y, name in zip(points.x, points.y, points.names, strict=True):
+                axes.text(x, y, name, ha="center", va="center", fontsize=8, bbox=BEHIND, zorder=5)
+            continue
         mark = {"color": STYLES[points.style].colour, "marker": MARKERS[points.marker]}
         look: dict[str, Any] = {**mark, "linestyle": "none", "markersize": 4.5, "label": points.label}
         if points.sizes is None:  # whole even on the edge of the frame, unless the frame was chosen

@@ -141,7 +141,7 @@ def map_chart(followed: Followed) -> Chart:
                    tuple(str(number + 1) for number in range(len(middles))), "everything", "name"),
         ),
         square=True,
-        knowledge=f"A line is green where it keeps every limit all along, {result.spec.processing}. The radar looks "
+        knowledge=f"A line is green if it meets every limit, {result.spec.processing}. The radar looks "
         "to the right of the flight.",
     )  # fmt: skip
 

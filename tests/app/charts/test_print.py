@@ -25,6 +25,7 @@ from app.charts.kinds import (
 from app.charts.print.look import plain_number, power_of_ten
 from app.charts.print.svg import FONT, WIDTH, to_svg
 from app.charts.styles import STYLES
+from app.document.blocks import chart_block
 from app.subjects.budget.charts import BUDGET_CHARTS
 
 pytestmark = pytest.mark.long
@@ -141,6 +142,26 @@ def test_bands_spans_and_points_are_drawn():
     bare, full = to_svg(plain_chart()), to_svg(chart)
     assert {"band", "aperture", "points"} <= set(texts(full)) - set(texts(bare))
     assert full.count("<use") > bare.count("<use")
+
+
+def test_spans_with_a_verdict_and_numbered_places_are_named_where_they_are():
+    x = np.array([1.0, 10.0])
+    chart = plain_chart(
+        spans=(Span("1", "first line", 1.0, 5.0, "closes"), Span("2", "second line", 50.0, 90.0, "does not close")),
+        points=(Points("p", "place", x, x, ("I", "II"), "everything", "name"),),
+    )
+    words, bare = texts(to_svg(chart)), to_svg(plain_chart())
+    assert [words.count(name) for name in ("first line", "second line", "I", "II")] == [1, 1, 1, 1]
+    assert "place" not in words  # a number needs no mark and no entry in the legend
+    assert to_svg(chart).count("<use") == bare.count("<use")
+
+
+def test_an_empty_group_of_points_is_not_drawn():
+    x = np.array([0.0, 1.0, 2.0])
+    chart = Chart(key="k", title="T", x_label="x [m]", y_label="y [m]", square=True,
+                  lines=(Line("a", "path", x, x, "horizontal"),),
+                  points=(Points("p", "lines", x[:0], x[:0], (), "everything"),))  # fmt: skip
+    assert not chart_block(chart, "k").chart.points
 
 
 def test_log_axes_are_powers_of_ten():
