@@ -13,14 +13,19 @@ from nav_model.design.declaration import Choice
 from nav_model.design.parts import INPUTS, PARTS, PRESET_KEYS
 from nav_model.design.table import Table
 
+_MAIN = ("gnss.preset", "gnss.position_noise", "gnss.interval", "gnss.velocity_noise")
+
 
 def design_groups(session: Session, opened: Iterable[str]) -> list[Group]:
-    """Every input of the design by section, in the order of the design file; which sections are open at first."""
+    """Every input of the design by section, in the order of the design file, the receiver's main ones first; which
+    sections are open at first."""
     groups = []
     for part in PARTS:
         section = part.section
         catalogue = [key for key in PRESET_KEYS if key == f"{section}.preset"]
         keys = [*catalogue, *(f"{section}.{name}" for name in INPUTS[section])]
+        if section == "gnss":
+            keys.sort(key=lambda key: key not in _MAIN)
         inputs = [input_of(session, key) for key in keys]
         if section == "imu":
             first = keys.index("imu.accelerometer_bias")
