@@ -18,10 +18,10 @@ documents = pytest.mark.parametrize("document", WRITTEN, ids=lambda path: path.n
 
 
 def _code() -> list[Path]:
-    found = (
+    result = (
         path for folder in FOLDERS for ending in ("py", "js", "css") for path in (ROOT / folder).rglob(f"*.{ending}")
     )
-    return sorted(path for path in found if path != Path(__file__))
+    return sorted(path for path in result if path != Path(__file__))
 
 
 def test_documents_that_the_code_cites_are_there() -> None:
@@ -37,7 +37,7 @@ def test_documents_that_the_code_cites_are_there() -> None:
 
 def test_sections_that_the_code_cites_are_there() -> None:
     sections = re.compile(r'\b(\w+\.md),? (?:sections? (\d+)(?: and (\d+))?|"([^"\n]+)")')
-    cited = {found for path in _code() for found in sections.findall(path.read_text("utf-8"))}
+    cited = {result for path in _code() for result in sections.findall(path.read_text("utf-8"))}
     assert len(cited) > 3
     for name, *parts in cited:
         text = (DOCS / name).read_text("utf-8")
@@ -77,12 +77,12 @@ def _resolves(name: str) -> bool:
     parts = name.split(".")
     for count in range(len(parts), 0, -1):
         try:
-            found: object = importlib.import_module(".".join(parts[:count]))
+            result: object = importlib.import_module(".".join(parts[:count]))
         except ModuleNotFoundError:
             continue
         for part in parts[count:]:
-            found = getattr(found, part, None)
-        return found is not None
+            result = getattr(result, part, None)
+        return result is not None
     return False
 
 

@@ -26,7 +26,7 @@ def asked(name: str) -> list[Requirement]:
     if name == "installer":
         return [Requirement(text) for text in project["dependency-groups"]["installer"]]
     extras = project["project"]["optional-dependencies"]
-    found = [
+    result = [
         Requirement(text) for text in (*project["project"]["dependencies"], *project["build-system"]["requires"])
     ]
     waiting = list(FILES[name])
@@ -35,8 +35,8 @@ def asked(name: str) -> list[Requirement]:
             if requirement.name == project["project"]["name"]:
                 waiting += requirement.extras
             else:
-                found.append(requirement)
-    return found
+                result.append(requirement)
+    return result
 
 
 @pytest.mark.parametrize("name", [*FILES, "installer"])

@@ -131,11 +131,11 @@ def test_fifty_wishes_in_one_frame_are_one_pass(plain: Page, settled: Callable[[
 
 def test_a_repaint_works_out_no_styles(plain: Page, settled: Callable[[Page], None]) -> None:
     settled(plain)
-    found = plain.evaluate(_REPAINT)
-    assert found["figures"] >= 2
-    assert found["written"] == 0
-    assert found["asked"] < 60  # for a figure; 258 as shipped, and 26 sheets written
-    assert found["changed"] == ":host { color: blue; }"
+    result = plain.evaluate(_REPAINT)
+    assert result["figures"] >= 2
+    assert result["written"] == 0
+    assert result["asked"] < 60  # for a figure; 258 as shipped, and 26 sheets written
+    assert result["changed"] == ":host { color: blue; }"
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ _X, _W = np.polynomial.legendre.leggauss(4)
 def grown(channel, one, two, kind_one, kind_two):
     """Covariance of two errors that grow from nothing: position (kind 0), velocity (1), acceleration by tilt (2)."""
     least = np.minimum(one[:, None], two[None, :])
-    found = np.zeros(least.shape)
+    result = np.zeros(least.shape)
 
     def response(kind, rest):
         gyro = 0.0 if channel.gyro is None else float(channel.gyro) * rest ** (2 - kind) / math.factorial(2 - kind)
@@ -26,8 +26,8 @@ def grown(channel, one, two, kind_one, kind_two):
     for node, weight in zip(_X, _W, strict=True):
         u = least * (node + 1) / 2
         (a, w), (b, v) = response(kind_one, one[:, None] - u), response(kind_two, two[None, :] - u)
-        found += least * weight / 2 * (a * b + w * v)
-    return found
+        result += least * weight / 2 * (a * b + w * v)
+    return result
 
 
 def basis(channel, times, kind):
@@ -53,10 +53,10 @@ def whole_ratio(channel):
 def _events(channel):
     """Both kinds: rows by states, variance, interval."""
     slow = channel.slow is not None
-    found = [(np.array([1.0, 0, 0, slow]), float(channel.fix) ** 2, float(channel.interval))]
+    result = [(np.array([1.0, 0, 0, slow]), float(channel.fix) ** 2, float(channel.interval))]
     if channel.velocity is not None:
-        found.append((np.array([0, 1.0, 0, 0]), float(channel.velocity) ** 2, float(channel.velocity_interval)))
-    return found
+        result.append((np.array([0, 1.0, 0, 0]), float(channel.velocity) ** 2, float(channel.velocity_interval)))
+    return result
 
 
 def transition(channel, step):
@@ -194,8 +194,8 @@ def errors(channel, aperture, after, start):
 
 def smoothed(channel, aperture, after, gap=0.0, start=None):
     """Columns of `nav_model.processing.smoother.smoothed_error` for one channel."""
-    found = errors(channel, aperture, after, begun(channel, gap) if start is None else start)
-    along, now = found[: len(NODES), : len(NODES)], np.diag(found)[len(NODES) :]
+    result = errors(channel, aperture, after, begun(channel, gap) if start is None else start)
+    along, now = result[: len(NODES), : len(NODES)], np.diag(result)[len(NODES) :]
     kernels = {name: kernel[1:-1] * WEIGHTS for name, kernel in KERNELS.items()}
     columns = {name: kernels[one] @ along @ kernels[other] for name, (one, other) in PAIRS.items()}
     columns["whole"] = WEIGHTS @ np.diag(along) / 2

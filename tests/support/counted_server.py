@@ -17,7 +17,7 @@ from app.cli import main
 
 def _look(target: Path) -> None:
     frames = sum(
-        type(found).__name__ == "Frame" and "dashboard" in type(found).__module__ for found in gc.get_objects()
+        type(result).__name__ == "Frame" and "dashboard" in type(result).__module__ for result in gc.get_objects()
     )
     resident = int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
     draft = target.with_suffix(".draft")

@@ -59,5 +59,5 @@ COLUMNS = """(name) => {
 
 def columns(page: Page, name: str) -> dict[str, list[Any]]:
     """What the curves of a chart are drawn from."""
-    found: dict[str, list[Any]] = page.evaluate(COLUMNS, name)
-    return found
+    result: dict[str, list[Any]] = page.evaluate(COLUMNS, name)
+    return result

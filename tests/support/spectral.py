@@ -61,12 +61,12 @@ def filters(x):
     near = x < _OSCILLATING
     wave = np.exp(1j * x[near, None] * NODES) * WEIGHTS
     through = {name: wave @ kernel[1:-1] for name, kernel in KERNELS.items()}
-    found = {"whole": np.ones_like(x)}
+    result = {"whole": np.ones_like(x)}
     for name, (one, other) in PAIRS.items():
         ends = KERNELS[one][0] * KERNELS[other][0] + KERNELS[one][-1] * KERNELS[other][-1]
-        found[name] = ends / x**2  # far above the oscillation only the kernels' ends count
-        found[name][near] = (through[one] * through[other].conj()).real
-    return found
+        result[name] = ends / x**2  # far above the oscillation only the kernels' ends count
+        result[name][near] = (through[one] * through[other].conj()).real
+    return result
 
 
 def densities(channel, w):
@@ -92,9 +92,9 @@ def smoothed(channel, aperture):
     w, weights = x / half, weights / (math.pi * half)
     drift, receiver = densities(channel, w)
     left = weights / (1 / drift + 1 / receiver)
-    found = scaled({name: float(left @ power) for name, power in filters(x).items()}, float(aperture))
-    found |= {"position": left.sum(), "velocity": left @ w**2}
+    result = scaled({name: float(left @ power) for name, power in filters(x).items()}, float(aperture))
+    result |= {"position": left.sum(), "velocity": left @ w**2}
     if channel.gyro is not None:
         own, rest = channel.gyro**2 / w**2, channel.accelerometer**2 + w**4 * receiver
-        found["tilt"] = np.sum(weights / (1 / own + 1 / rest))
-    return found
+        result["tilt"] = np.sum(weights / (1 / own + 1 / rest))
+    return result

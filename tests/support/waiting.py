@@ -17,19 +17,19 @@ works is done long before, and what hangs would hang for ever."""
 def until(holds: Callable[[], T], what: str) -> T:
     """Wait until a function gives something true, and give that; fails with `what` after `PATIENCE`."""
     deadline = time.monotonic() + PATIENCE
-    while not (found := holds()):
+    while not (result := holds()):
         assert time.monotonic() < deadline, f"still waiting: {what}"
         time.sleep(0.02)
-    return found
+    return result
 
 
 async def soon(holds: Callable[[], T], what: str) -> T:
     """`until`, while the event loop goes on."""
     deadline = time.monotonic() + PATIENCE
-    while not (found := holds()):
+    while not (result := holds()):
         assert time.monotonic() < deadline, f"still waiting: {what}"
         await asyncio.sleep(0.005)
-    return found
+    return result
 
 
 @contextmanager

@@ -126,4 +126,4 @@ def test_a_persons_own_key_is_made_once_for_their_eyes(monkeypatch: pytest.Monke
     assert seal.doubt_about("a" * 64, first) == ""
     path = tmp_path / "navbudget" / "review.key"
     assert path.stat().st_mode & 0o777 == 0o600
-    assert [found.name for found in path.parent.iterdir()] == ["review.key"]
+    assert [file.name for file in path.parent.iterdir()] == ["review.key"]

@@ -60,6 +60,6 @@ def test_a_tile_has_them_in_both_moments() -> None:
     told = []
     for budget in (alone, with_own):
         (tile,) = (item for item in key_figures(budget).items if item.label == "Horizontal position")
-        found = re.search(r"average ([\d.]+) (c?)m", tile.detail)
-        told.append(float(found[1]) / (100 if found[2] else 1))
+        result = re.search(r"average ([\d.]+) (c?)m", tile.detail)
+        told.append(float(result[1]) / (100 if result[2] else 1))
     assert told[1] == pytest.approx(told[0] + 3, abs=0.006)

@@ -64,6 +64,6 @@ def test_a_log_is_judged_by_the_command(
     noise = np.random.default_rng(2).standard_normal((2, 30_000, 3))
     np.savez(tmp_path / "log.npz", gyro=walks[0] * noise[0], accelerometer=walks[1] * noise[1])
     units = ["--rate", "100", "--gyro-unit", "rad/s", "--accelerometer-unit", "m/s2"]
-    found = told(capsys, "allan", str(tmp_path / "log.npz"), *units, "--against", TACTICAL, code=code)["acceptance"]
-    assert found["passes"] is (code == 0)
-    assert [axis["passes"] for axis in found["axes"]] == [code == 0] * 6
+    result = told(capsys, "allan", str(tmp_path / "log.npz"), *units, "--against", TACTICAL, code=code)["acceptance"]
+    assert result["passes"] is (code == 0)
+    assert [axis["passes"] for axis in result["axes"]] == [code == 0] * 6

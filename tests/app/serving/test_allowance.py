@@ -86,8 +86,8 @@ async def test_half_a_message_is_freed_without_waiting_for_a_collection() -> Non
 @pytest.fixture(scope="module")
 def served(serving: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Path]]:
     log = tmp_path_factory.mktemp("flooded") / "log"
-    with serving("--log", "json", "--max-message", str(_MOST / 1e6), log=log) as found:
-        yield found, log
+    with serving("--log", "json", "--max-message", str(_MOST / 1e6), log=log) as result:
+        yield result, log
 
 
 async def _endless(tab: Tab) -> None:

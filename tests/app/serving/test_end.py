@@ -20,8 +20,8 @@ pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "app/work")]
 
 
 def children_of(pid: int) -> set[int]:
-    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True, check=False)
-    direct = {int(word) for word in found.stdout.split()}
+    result = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True, check=False)
+    direct = {int(word) for word in result.stdout.split()}
     return direct.union(*(children_of(child) for child in direct)) if direct else direct
 
 

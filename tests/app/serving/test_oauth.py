@@ -66,15 +66,15 @@ class _Person(RequestHandler):
 
 @pytest.fixture(scope="module")
 def provider() -> Iterator[Provider]:
-    found, ready = Provider({"email": "ada@example.org"}), threading.Event()
+    account_server, ready = Provider({"email": "ada@example.org"}), threading.Event()
     stop: list[Any] = []
 
     async def run() -> None:
         pages = [(r"/authorize", _Authorize), (r"/token", _Token), (r"/person", _Person)]
         (listening,) = bind_sockets(0, "127.0.0.1")
-        server = HTTPServer(Application(pages, provider=found))
+        server = HTTPServer(Application(pages, provider=account_server))
         server.add_sockets([listening])
-        found.port = listening.getsockname()[1]
+        account_server.port = listening.getsockname()[1]
         over = asyncio.Event()
         stop.append((asyncio.get_running_loop(), over))
         ready.set()
@@ -85,7 +85,7 @@ def provider() -> Iterator[Provider]:
     thread = threading.Thread(target=lambda: asyncio.run(run()))
     thread.start()
     assert ready.wait(PATIENCE)
-    yield found
+    yield account_server
     ((loop, over),) = stop
     loop.call_soon_threadsafe(over.set)
     thread.join()

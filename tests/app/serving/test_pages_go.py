@@ -12,8 +12,8 @@ pytestmark = [pytest.mark.long, pytest.mark.watches("app")]
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    with counted_server(tmp_path_factory.mktemp("served")) as found:
-        yield found
+    with counted_server(tmp_path_factory.mktemp("served")) as result:
+        yield result
 
 
 def test_closed_pages_are_gone(server: Any) -> None:

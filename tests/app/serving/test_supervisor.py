@@ -28,12 +28,12 @@ pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "nav_model/ba
 
 
 def _page_processes(parent: int) -> set[int]:
-    found = set()
+    result = set()
     for child in psutil.Process(parent).children():
         with suppress(psutil.Error):  # it has just ended
             if "spawn_main" in " ".join(child.cmdline()):
-                found.add(child.pid)
-    return found
+                result.add(child.pid)
+    return result
 
 
 # The fuller of two processes leaves a visitor to the other for as long as that takes, on a busy machine as well.

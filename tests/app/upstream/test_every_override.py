@@ -77,15 +77,15 @@ def test_no_report_is_left_of_an_override_that_went() -> None:
 @pytest.mark.long
 def test_its_reproductions_print_what_they_say() -> None:
     """In a process of another program, as the product replaces parts of the libraries; a fork of it for each."""
-    found = [
+    result = [
         (path.stem, *block)
         for path in REPORTS
         for block in re.findall(r"^```python\n(.*?)^```\n```text\n(.*?)^```$", path.read_text("utf-8"), re.M | re.S)
     ]
-    programs = json.dumps([code for _, code, _ in found])
+    programs = json.dumps([code for _, code, _ in result])
     done = subprocess.run([sys.executable, "-c", _EACH], input=programs, capture_output=True, text=True, check=True)
     printed = done.stdout.split("\0")[:-1]
-    gone = [(name, now) for (name, _, then), now in zip(found, printed, strict=True) if now != then]
+    gone = [(name, now) for (name, _, then), now in zip(result, printed, strict=True) if now != then]
     assert not gone, f"as shipped it is otherwise now: the override can go. {done.stderr}"
 
 

@@ -34,8 +34,8 @@ def of_a_page() -> Iterator[None]:
 @pytest.fixture
 def widget() -> Any:
     refused: list[str] = []
-    found = LimitedFileInput(refused.append, max_file_size=1000)
-    return found, refused
+    result = LimitedFileInput(refused.append, max_file_size=1000)
+    return result, refused
 
 
 def test_what_is_too_large_is_dropped(widget: Any) -> None:

@@ -32,10 +32,10 @@ def test_what_the_proxy_says_holds() -> None:
 
 @pytest.mark.parametrize(("host", "uri"), [("[::1]:5006", "/"), ("a", "/?b=c?d")])
 def test_every_address_is_taken_apart(host: str, uri: str) -> None:
-    found = requests._params("http", host, uri)
-    assert found["href"] == f"http://{host}{uri}"
-    assert found["pathname"] == "/"
-    assert found.get("search", "") == uri[1:]
+    result = requests._params("http", host, uri)
+    assert result["href"] == f"http://{host}{uri}"
+    assert result["pathname"] == "/"
+    assert result.get("search", "") == uri[1:]
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:5006", "server.example"])

@@ -29,8 +29,8 @@ def test_white_phase_is_exact(samples: int, factor: int):
 @pytest.mark.parametrize(("samples", "factor"), [(600, 40), (600, 60), (600, 190)])
 def test_long_averages_of_a_rate(alpha: int, samples: int, factor: int):
     """At short ones the paper's phases are averages over a sample, and its degrees up to a quarter other ones."""
-    found = degrees_of_freedom(alpha, factor, samples)
-    assert found == pytest.approx(of_covariance(alpha, factor, samples), rel=1e-3)
+    result = degrees_of_freedom(alpha, factor, samples)
+    assert result == pytest.approx(of_covariance(alpha, factor, samples), rel=1e-3)
 
 
 @pytest.mark.parametrize("alpha", [2, 1, 0, -1, -2])

@@ -19,8 +19,8 @@ def nbs14() -> np.ndarray:
 
 
 def test_equals_nbs14(compared, ratio_off):
-    found = overlapping_allan_deviation(nbs14(), 1.0, np.array([1.0, 10.0, 100.0]))
-    off = ratio_off(found.deviation, [2.922319e-01, 9.159953e-02, 3.241343e-02])
+    result = overlapping_allan_deviation(nbs14(), 1.0, np.array([1.0, 10.0, 100.0]))
+    off = ratio_off(result.deviation, [2.922319e-01, 9.159953e-02, 3.241343e-02])
     compared(
         "Allan deviation of the 1000-point set",
         "",
@@ -43,12 +43,12 @@ def test_equals_stable32(shared_data: Path, table: str, compared, ratio_off):
     rows = np.array(reference[table])
     rows = rows[3 * rows[:, 1] <= len(signal)]
     assert len(rows) >= 10
-    found = overlapping_allan_deviation(signal, 1.0, rows[:, 1], alpha=rows[:, 3], confidence=0.683)
+    result = overlapping_allan_deviation(signal, 1.0, rows[:, 1], alpha=rows[:, 3], confidence=0.683)
     oracle = "Stable32 1.60 on a GPS clock and an oven oscillator"
-    off = ratio_off(found.deviation, rows[:, 5])
+    off = ratio_off(result.deviation, rows[:, 5])
     compared("Allan deviation of real clocks", "", "another program", oracle, off, 2e-3)
     # Stable32's own limits rest on the same degrees of freedom, computed by another program.
-    off = [ratio_off(found.low, rows[:, 4]), ratio_off(found.high, rows[:, 6])]
+    off = [ratio_off(result.low, rows[:, 4]), ratio_off(result.high, rows[:, 6])]
     compared("Confidence limits of the Allan deviation", "", "another program", oracle, off, 2e-2)
 
 
@@ -58,8 +58,8 @@ def test_limits_cover_white_noise():
     taus = np.array([1.0, 10.0, 100.0])
     inside = np.zeros(3)
     for _ in range(400):
-        found = overlapping_allan_deviation(rng.standard_normal(1000), 1.0, taus)
-        inside += (found.low <= 1.0 / np.sqrt(taus)) & (1.0 / np.sqrt(taus) <= found.high)
+        result = overlapping_allan_deviation(rng.standard_normal(1000), 1.0, taus)
+        inside += (result.low <= 1.0 / np.sqrt(taus)) & (1.0 / np.sqrt(taus) <= result.high)
     assert np.all(inside >= 0.915 * 400)
     assert np.all(inside <= 0.985 * 400)
 

@@ -44,8 +44,10 @@ def test_allan_variance_of_a_ramp_and_of_rounded_angles():
     np.testing.assert_allclose(ramp.deviation**2, allan_variance("ramp", 0.3, taus), rtol=1e-9)
     angle = np.cumsum(np.random.default_rng(0).normal(0.0, 3.0, 200_001))
     rounding = np.diff(np.round(angle) - angle)
-    found = overlapping_allan_deviation(rounding, 1.0, taus)
-    np.testing.assert_allclose(found.deviation**2, allan_variance("quantization", 1 / np.sqrt(12.0), taus), rtol=0.02)
+    result = overlapping_allan_deviation(rounding, 1.0, taus)
+    np.testing.assert_allclose(
+        result.deviation**2, allan_variance("quantization", 1 / np.sqrt(12.0), taus), rtol=0.02
+    )
 
 
 def test_unknown_term_is_refused():

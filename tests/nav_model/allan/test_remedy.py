@@ -18,15 +18,15 @@ LOGS = 8
 
 def bounds(term: str, samples: int, rate_hz: float, seed: int, logs: int = LOGS) -> float:
     """Median upper bound on `term` over logs of white noise of one density (1e-3 rad/s at 10 Hz)."""
-    found = []
+    result = []
     for log in range(logs):
         noise = np.random.default_rng([seed, log]).standard_normal((samples, 3)) * 1e-3 * np.sqrt(rate_hz / 10.0)
         for axis in analyse_log(ImuLog(noise, None, rate_hz)).axes:
             match = re.search(r"at most (\S+) ", axis.not_resolved.get(term, ""))
             if match:
-                found.append(float(match[1]))
-    assert len(found) > 2 * logs
-    return float(np.median(found))
+                result.append(float(match[1]))
+    assert len(result) > 2 * logs
+    return float(np.median(result))
 
 
 @pytest.mark.slow

@@ -44,8 +44,8 @@ def test_increments_of_a_running_total_in_whole_counts_are_not_saturated(count: 
         total = start + np.floor(np.cumsum(mean + spread * rng.standard_normal(60_000))) * count
         assert saturated_share(np.diff(total)) == 0.0
     clipped = np.clip(np.round(mean + 20.0 * rng.standard_normal(60_000)), mean - 25.0, mean + 25.0)
-    found = saturated_share(np.diff(np.cumsum(clipped) * count + start))
-    assert found == pytest.approx(np.mean(np.abs(clipped - mean) >= 25.0), rel=1e-3)
+    result = saturated_share(np.diff(np.cumsum(clipped) * count + start))
+    assert result == pytest.approx(np.mean(np.abs(clipped - mean) >= 25.0), rel=1e-3)
 
 
 def test_the_clipped_axis_is_told_and_the_others_are_analysed() -> None:

@@ -88,11 +88,11 @@ def test_no_design_is_out_of_reach():
     slow = np.minimum(share * r, 1e3), tau
     fixes = (r, r), (v, v)
     with_velocity = [variances(ends) for ends in settled_cycle(a, w, 9.8, h, *fixes)[:2]]
-    for least, found in (
+    for least, result in (
         (white, settled_cycle(a, w, 9.8, h, (r, r), None, slow)),
         (with_velocity, settled_cycle(a, w, 9.8, h, *fixes, slow)),
     ):
-        prior, posterior = map(variances, found[:2])
+        prior, posterior = map(variances, result[:2])
         for before, after, without in zip(prior, posterior, least[0], strict=True):
             assert np.all(after > 0)
             assert np.all(after <= before * (1 + 1e-7))

@@ -29,17 +29,17 @@ def test_a_constant_state_makes_the_quadratic_of_the_exact_ranges(squint, grazin
     start = np.zeros((3, 3))
     start[state, state] = size**2
     weights = getattr(turn_weights(grazing, squint, SPEED / FAR, SPAN), axis)
-    found = np.sqrt(free_quadratic_variance(weights, start, 0.0, 0.0, SPAN, coast))
+    result = np.sqrt(free_quadratic_variance(weights, start, 0.0, 0.0, SPAN, coast))
     # Third order in the half aperture angle, 0.043, is left out.
-    assert found == pytest.approx(abs(exact), rel=0.01, abs=size * 3e-4)
+    assert result == pytest.approx(abs(exact), rel=0.01, abs=size * 3e-4)
 
 
 def test_a_jerk_too():
     geometry, time, coast = ApertureGeometry(FAR, SPEED, 0.4, 0.5), np.linspace(0, SPAN, 2001), 20.0
     exact = quadratic_of(time, range_error(geometry, time, along=1e-5 * (time + coast) ** 3 / 6))
     weights = turn_weights(0.4, 0.5, SPEED / FAR, SPAN).along
-    found = free_quadratic_variance(weights, np.zeros((3, 3)), 0.0, 0.0, SPAN, coast, 1e-5)
-    assert np.sqrt(found) == pytest.approx(abs(exact), rel=0.01)
+    result = free_quadratic_variance(weights, np.zeros((3, 3)), 0.0, 0.0, SPAN, coast, 1e-5)
+    assert np.sqrt(result) == pytest.approx(abs(exact), rel=0.01)
 
 
 def test_noise_is_the_integral_over_its_impulses():

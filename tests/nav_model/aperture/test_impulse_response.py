@@ -103,10 +103,10 @@ def test_white_phase_noise_check_values():
 def test_peak_loss_is_the_fresnel_integral(quadratic, compared):
     sine, cosine = fresnel(np.sqrt(2 * quadratic / np.pi))
     expected = 10 * np.log10((sine**2 + cosine**2) * np.pi / (2 * quadratic))
-    found = (impulse_response(np.exp(1j * quadratic * X**2)), quadratic_response(quadratic))
+    result = (impulse_response(np.exp(1j * quadratic * X**2)), quadratic_response(quadratic))
     compared(
         "Peak loss under a quadratic phase", "S-5", "solver written by others", "SciPy's Fresnel integrals",
-        [float(response.peak_loss_db) - expected for response in found], 1e-3, "largest difference, dB",
+        [float(response.peak_loss_db) - expected for response in result], 1e-3, "largest difference, dB",
     )  # fmt: skip
 
 

@@ -88,9 +88,9 @@ def test_held_values_are_found_at_their_own_rate(length: float):
     own = RNG.standard_normal((5000, 3))
     own[100] = own[99]  # twice by chance
     rows = own[(np.arange(int(5000 * length)) / length).astype(int)]
-    found = held_values(rows, NO_GAP)
-    assert found is not None
-    first, rows_per_sample = found
+    result = held_values(rows, NO_GAP)
+    assert result is not None
+    first, rows_per_sample = result
     assert rows_per_sample == pytest.approx(length, rel=2e-3)
     np.testing.assert_array_equal(rows[first], own[: len(first)])
 

@@ -92,19 +92,19 @@ def test_random_allocations_close_with_the_reserve_or_name_the_lock() -> None:
         }
         check = next(check for check in budget.verdict.checks if check.name == name)
         locked = tuple(Lock(name, source, value, check.dimension) for source, value in locks.items())
-        found = allocate(budget, name, Allotment(split, reserve, locked))
-        values = {entry.source: entry.allocated for entry in found.entries}
+        result = allocate(budget, name, Allotment(split, reserve, locked))
+        values = {entry.source: entry.allocated for entry in result.entries}
         assert locks.items() <= values.items()
-        assert {entry.source for entry in found.entries if entry.locked} == locks.keys()
+        assert {entry.source for entry in result.entries if entry.locked} == locks.keys()
         if _combined(locks) < target:
-            assert found.closes
-            assert _whole(found) == pytest.approx(target, rel=1e-9)
-            assert all(entry.allocated >= 0 for entry in found.entries)
+            assert result.closes
+            assert _whole(result) == pytest.approx(target, rel=1e-9)
+            assert all(entry.allocated >= 0 for entry in result.entries)
         else:
             blocked += 1
-            assert not found.closes
-            assert set(found.blocked_by) <= locks.keys()
-            assert found.blocked_by
+            assert not result.closes
+            assert set(result.blocked_by) <= locks.keys()
+            assert result.blocked_by
     assert 20 < blocked < 480
 
 

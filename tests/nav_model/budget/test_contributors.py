@@ -87,12 +87,12 @@ def test_one_of_zero_changes_nothing(mode: str) -> None:
 
 
 def _random_set(draw: random.Random) -> list[Contributor]:
-    found = []
+    result = []
     for number in range(draw.randint(1, 8)):
         enters = draw.choice(list(OF_BUDGET))
         alike = enters.startswith("coast") or enters in ("paired_echo", "islr")
         lengthy = enters in of_kind("phase") and draw.random() < 0.5
-        found.append(
+        result.append(
             Contributor(
                 f"c{number}", 10 ** draw.uniform(-4, -1), enters, "length" if lengthy else FIGURES[enters].dimension,
                 kind=draw.choice(["random", "systematic"]),
@@ -100,7 +100,7 @@ def _random_set(draw: random.Random) -> list[Contributor]:
                 allowance=draw.choice([0.0, 0.2]),
             )
         )  # fmt: skip
-    return found
+    return result
 
 
 @pytest.mark.long
@@ -112,7 +112,7 @@ def test_random_sets_agree_with_the_sum_written_out() -> None:
         design = DESIGN.replace({"processing.mode": mode}, entries=UserEntries(tuple(own), _OWN_LIMITS))
         # The maps' way for all, the verdict's for some, since a budget takes longer.
         budget = analyse(design) if number % 25 < 2 else None
-        found = {c.name: c.sigma for c in budget.verdict.checks} if budget else figures(inputs_of(design), _NAMES)
+        result = {c.name: c.sigma for c in budget.verdict.checks} if budget else figures(inputs_of(design), _NAMES)
         for before in _ALONE[mode].verdict.checks:
             square, linear = before.sigma**2, 0.0
             for one in own:
@@ -121,7 +121,7 @@ def test_random_sets_agree_with_the_sum_written_out() -> None:
                     if one.dimension == "length" and FIGURES[one.enters].dimension == "angle":
                         size *= 4 * math.pi / (SPEED_OF_LIGHT / design.radar.frequency)
                     square, linear = (square + size**2, linear) if one.kind == "random" else (square, linear + size)
-            assert float(found[before.name]) == pytest.approx(math.sqrt(square) + linear, rel=1e-12), before.name
+            assert float(result[before.name]) == pytest.approx(math.sqrt(square) + linear, rel=1e-12), before.name
         for check in budget.verdict.checks if budget else ():
             assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
 
@@ -135,9 +135,9 @@ def test_verdict_and_maps_have_the_same_figures(mode: str, moment: str) -> None:
         for number, (name, figure) in enumerate((name, FIGURES[name]) for name in OF_BUDGET)
     ]  # fmt: skip
     design = _with(*tables, mode=mode).replace({"requirements.steady_state": moment})
-    found = figures(inputs_of(design), _NAMES)
+    result = figures(inputs_of(design), _NAMES)
     for check in analyse(design).verdict.checks:
-        assert check.sigma == pytest.approx(float(found[check.name]), rel=1e-9), check.name
+        assert check.sigma == pytest.approx(float(result[check.name]), rel=1e-9), check.name
         assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
         assert check.on in check.shares
 

@@ -137,8 +137,8 @@ def test_limits_in_decibels(open_design):
         assert echo["met"]
         assert echo["margin"] == pytest.approx(1 - 10 ** ((echo["value"] + 30) / 20))
         assert islr["value"] == pytest.approx(echo["value"] + 10 * math.log10(2), abs=0.01)  # an echo on each side
-        found = ratios(design.replace({"processing.mode": mode}))
-        assert 1 - float(found["paired_echo"]) == pytest.approx(echo["margin"], abs=1e-12)
+        result = ratios(design.replace({"processing.mode": mode}))
+        assert 1 - float(result["paired_echo"]) == pytest.approx(echo["margin"], abs=1e-12)
 
 
 def test_without_sources_nothing_is_thrown_out(open_design):
@@ -162,11 +162,11 @@ def test_a_delay_longer_than_the_aperture_is_refused_by_name(full):
 
 def test_arrays_and_slopes(full):
     delays = np.geomspace(1e-4, 1e-2, 4)
-    found = figures(inputs_of(full, {"motion.delay": delays}))
+    result = figures(inputs_of(full, {"motion.delay": delays}))
     for n, delay in enumerate(delays):
         one = figures(inputs_of(full.replace({"motion.delay": float(delay)})))
         for name, value in one.items():
-            assert np.broadcast_to(found[name], 4)[n] == pytest.approx(float(value), rel=1e-12), name
+            assert np.broadcast_to(result[name], 4)[n] == pytest.approx(float(value), rel=1e-12), name
     by_key = {item.key: item for item in rank(full, "islr")}
     scaled = figures(inputs_of(full, {"motion.delay": 2e-4 * np.array([0.999, 1.001])}), ("islr",))["islr"]
     assert by_key["motion.delay"].slope == pytest.approx(

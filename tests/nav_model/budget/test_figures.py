@@ -20,20 +20,20 @@ def test_equal_to_analyse(data, designs):
     mode, leg = data.draw(st.sampled_from(["real time", "post-processed"])), data.draw(st.sampled_from([20.0, 300.0]))
     design = data.draw(designs).replace({"processing.mode": mode, "processing.leg_after": leg})
     verdict = analyse(design).verdict
-    found, over = figures(inputs_of(design)), ratios(design)
+    result, over = figures(inputs_of(design)), ratios(design)
     assert [check.name for check in verdict.checks] == list(REQUIRED)
     near = 1e-14 if mode == "real time" else 1e-7  # a least squares in complex numbers rounds otherwise
     for check in verdict.checks:
-        assert float(found[check.name]) == pytest.approx(check.sigma, rel=near)
+        assert float(result[check.name]) == pytest.approx(check.sigma, rel=near)
         assert 1 - float(over[check.name]) == pytest.approx(check.margin, abs=10 * near * (1 + abs(check.margin)))
     assert bool(worst(over) <= 1) == verdict.closes
 
 
 def test_slow_error_too(closed_design):
     design = closed_design.replace({"gnss.correlated": True, "coast.before_aperture": 5.0})
-    found = figures(inputs_of(design))
+    result = figures(inputs_of(design))
     for check in analyse(design).verdict.checks:
-        assert float(found[check.name]) == pytest.approx(check.sigma, rel=1e-14)
+        assert float(result[check.name]) == pytest.approx(check.sigma, rel=1e-14)
 
 
 def test_arrays_are_designs_side_by_side(closed_design):
@@ -61,8 +61,8 @@ def test_every_figure_grows_with_every_noise_interval_and_time(data, designs):
 
 
 def test_an_aperture_beyond_the_bound_has_no_phase(closed_design):
-    found = figures(inputs_of(closed_design, {"radar.azimuth_resolution": np.array([0.3, 1e-4])}))
-    assert np.isnan(found["quadratic_phase"]).tolist() == [False, True]
+    result = figures(inputs_of(closed_design, {"radar.azimuth_resolution": np.array([0.3, 1e-4])}))
+    assert np.isnan(result["quadratic_phase"]).tolist() == [False, True]
     with pytest.raises(InputError, match="azimuth_resolution"):
         analyse(closed_design.replace({"radar.azimuth_resolution": 1e-3, "radar.slant_range": 1e6}))
 

@@ -24,8 +24,8 @@ EVERY |= {f"suborbital {key}": declared for key, declared in INPUTS.items()}
 
 
 def _of(kind):
-    found = {name: declared for name, declared in EVERY.items() if isinstance(declared, kind)}
-    return pytest.mark.parametrize("declared", found.values(), ids=found)
+    result = {name: declared for name, declared in EVERY.items() if isinstance(declared, kind)}
+    return pytest.mark.parametrize("declared", result.values(), ids=result)
 
 
 def _refusal(read, text):

@@ -32,7 +32,7 @@ def test_every_input_is_explained(section, name):
 @pytest.fixture(scope="module")
 def fleet():
     """(grade, figures) of every unit of the catalogue that has both random walks, with 1.5 m fixes at 1 Hz."""
-    found = []
+    result = []
     for name, entry in catalogue("imu").items():
         if {"velocity_random_walk", "angle_random_walk"} <= set(entry.values):
             values, _ = preset_fill("imu", name)
@@ -53,8 +53,8 @@ def fleet():
                 "coast_vertical_position": budget["coast_vertical_position", "real time"].sigma,
             }
             grade = next(g for g in ("navigation", "tactical", "MEMS") if g in entry.grade)
-            found.append((grade, figures))
-    return found
+            result.append((grade, figures))
+    return result
 
 
 @pytest.mark.parametrize("key", REACHED)

@@ -15,12 +15,12 @@ def test_one_uniform_input_has_a_probability_in_closed_form(open_design):
     """Everything below the solved largest value closes."""
     threshold = next(s for s in solve(open_design) if s.key == ARW).together.value
     low, high = 0.02 * DEG, 0.06 * DEG
-    found = uncertain_verdict(open_design, {ARW: Uncertain("uniform", low, high)}).closes
+    result = uncertain_verdict(open_design, {ARW: Uncertain("uniform", low, high)}).closes
     exact = (threshold - low) / (high - low)
-    assert found.low <= exact <= found.high
-    assert found.value == pytest.approx(exact, abs=2e-3)
-    found = uncertain_verdict(open_design, {ARW: Uncertain("log-uniform", low, high)}).closes
-    assert found.value == pytest.approx(np.log(threshold / low) / np.log(high / low), abs=2e-3)
+    assert result.low <= exact <= result.high
+    assert result.value == pytest.approx(exact, abs=2e-3)
+    result = uncertain_verdict(open_design, {ARW: Uncertain("log-uniform", low, high)}).closes
+    assert result.value == pytest.approx(np.log(threshold / low) / np.log(high / low), abs=2e-3)
 
 
 def test_the_interval_covers_at_its_rate(open_design):
@@ -30,8 +30,8 @@ def test_the_interval_covers_at_its_rate(open_design):
 
     exact = ndtr(np.log(threshold / (0.04 * DEG)) / np.log(1.5))
     spread = {ARW: Uncertain("lognormal", 0.04 * DEG, 1.5)}
-    found = [uncertain_verdict(open_design, spread, seed, points=64).closes for seed in range(100)]
-    assert sum(p.low <= exact <= p.high for p in found) >= 88
+    result = [uncertain_verdict(open_design, spread, seed, points=64).closes for seed in range(100)]
+    assert sum(p.low <= exact <= p.high for p in result) >= 88
 
 
 def test_certainty_still_has_an_error_bar(closed_design):

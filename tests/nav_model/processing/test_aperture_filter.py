@@ -29,25 +29,25 @@ def test_spherical_bessel(compared):
 
 def test_near_zero_the_series():
     x = np.geomspace(1e-5, 1e-2, 20)
-    found = filters(x)
-    np.testing.assert_allclose(found["left_1"], x**4 / 45, rtol=1e-4)
-    np.testing.assert_allclose(found["left_2"], x**6 / 1575, rtol=1e-4)
-    np.testing.assert_allclose(found["quadratic"], x**4 / 4, rtol=1e-4)
+    result = filters(x)
+    np.testing.assert_allclose(result["left_1"], x**4 / 45, rtol=1e-4)
+    np.testing.assert_allclose(result["left_2"], x**6 / 1575, rtol=1e-4)
+    np.testing.assert_allclose(result["quadratic"], x**4 / 4, rtol=1e-4)
 
 
 def test_both_sides_of_the_seam_are_one_minus_the_lower_orders():
     x = np.linspace(2.0, 6.0, 41)
-    found = filters(x)
+    result = filters(x)
     for order in (1, 2, 3):
         rest = 1 - sum((2 * m + 1) * spherical_jn(m, x) ** 2 for m in range(order + 1))
-        np.testing.assert_allclose(found[f"left_{order}"], rest, atol=1e-14)
+        np.testing.assert_allclose(result[f"left_{order}"], rest, atol=1e-14)
 
 
 def test_filters_are_integrals_of_an_oscillation():
     """Against the fits' own kernels by quadrature, and beyond the oscillation their mean over a period."""
     x = np.linspace(0.01, 50.0, 400)
-    found, theirs = filters(x), spectral.scaled(spectral.filters(x), 2.0)
-    for name, values in found.items():
+    result, theirs = filters(x), spectral.scaled(spectral.filters(x), 2.0)
+    for name, values in result.items():
         np.testing.assert_allclose(values, theirs[name], atol=1e-12, err_msg=name)
     far = OSCILLATING * (1 + np.linspace(0, 0.5, 20_001))
     for name, values in filters(far).items():

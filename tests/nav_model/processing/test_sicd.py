@@ -109,20 +109,20 @@ def test_ground_covariance_of_five_hundred_geometries(compared):
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
 def test_exported_xml_is_read_back_unchanged(open_design, mode):
     design = open_design.replace({"processing.mode": mode})
-    found = error_statistics(design)
-    element = etree.fromstring(sicd_xml(found))
+    result = error_statistics(design)
+    element = etree.fromstring(sicd_xml(result))
     assert element.tag == f"{{{NAMESPACE}}}ErrorStatistics"
     whole = etree.Element(f"{{{NAMESPACE}}}SICD")
     whole.append(element)
     read = projection.ErrorStatParams.from_xml(etree.ElementTree(whole))
-    composite = np.array([[found.range**2, 0], [0, found.azimuth**2]])
-    composite[0, 1] = composite[1, 0] = found.correlation * found.range * found.azimuth
+    composite = np.array([[result.range**2, 0], [0, result.azimuth**2]])
+    composite[0, 1] = composite[1, 0] = result.correlation * result.range * result.azimuth
     np.testing.assert_allclose(read.C_SCP_RGAZ, composite, rtol=1e-15)
     assert read.component_mono.AIF == "RIC_ECF"
-    np.testing.assert_allclose(read.component_mono.C_AIF_APV, found.trajectory, rtol=1e-14)
+    np.testing.assert_allclose(read.component_mono.C_AIF_APV, result.trajectory, rtol=1e-14)
     budget = analyse(design)
     placed = [budget[name, mode].sigma for name in ("range_shift", "azimuth_shift")]
-    assert (found.range, found.azimuth) == pytest.approx(tuple(placed), rel=1e-9)
+    assert (result.range, result.azimuth) == pytest.approx(tuple(placed), rel=1e-9)
     schema(whole)
 
 

@@ -73,9 +73,9 @@ def agree(design, runs):
         "horizontal position": (error[1, :, 100], post["horizontal_position"]),
         "vertical position": (error[2, :, 100], post["vertical_position"]),
     }
-    for name, (found, sigma) in expected.items():
+    for name, (result, sigma) in expected.items():
         low, high = (math.sqrt(chi2.ppf(share, runs) / runs) for share in (5e-5, 1 - 5e-5))
-        assert low < math.sqrt(np.mean(found**2)) / sigma < high, (name, math.sqrt(np.mean(found**2)) / sigma)
+        assert low < math.sqrt(np.mean(result**2)) / sigma < high, (name, math.sqrt(np.mean(result**2)) / sigma)
 
 
 def test_a_few_flights(open_design):

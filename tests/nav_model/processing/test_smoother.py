@@ -135,7 +135,7 @@ def test_along_the_exact_line_of_sight(after, squint, slow):
         level, upright = (batch.errors(c, 6.0, after, batch.begun(c, 0.0))[:60, :60] for c in channels(x))
         along = sum(np.outer(u, u) * one for u, one in zip(sight.T, (level, level, upright), strict=True))
         model = Smoothed(x)
-        found = {
+        result = {
             name: getattr(model, name)
             for name in ("turning_quadratic_phase", "quadratic_phase", "along_track_quadratic_phase",
                          "turning_detrended_phase_1", "turning_detrended_phase_2", "detrended_phase_1")
@@ -143,18 +143,18 @@ def test_along_the_exact_line_of_sight(after, squint, slow):
         if distance == 2000.0:
             fit = spectral.KERNELS["quadratic0"][1:-1] * weights
             theirs = float(x.to_phase) * math.sqrt(fit @ along @ fit)
-            apart = math.hypot(float(found["quadratic_phase"]), float(found["along_track_quadratic_phase"]))
+            apart = math.hypot(float(result["quadratic_phase"]), float(result["along_track_quadratic_phase"]))
             assert theirs / apart > 1.02
             # third order in the turn, 0.135, is left out
-            assert float(found["turning_quadratic_phase"]) == pytest.approx(theirs, rel=0.01)
+            assert float(result["turning_quadratic_phase"]) == pytest.approx(theirs, rel=0.01)
             continue
         left = {}
         for order in (1, 2):
             fit = np.polynomial.polynomial.polyvander(nodes, order)
             take = np.eye(60) - fit @ np.linalg.solve(fit.T @ (weights[:, None] * fit), fit.T * weights)
             left[order] = float(x.to_phase) * math.sqrt(weights / 2 @ np.diag(take @ along @ take.T))
-            assert float(found[f"turning_detrended_phase_{order}"]) == pytest.approx(left[order], rel=0.01)
-        assert left[1] / float(found["detrended_phase_1"]) > 1.015
+            assert float(result[f"turning_detrended_phase_{order}"]) == pytest.approx(left[order], rel=0.01)
+        assert left[1] / float(result["detrended_phase_1"]) > 1.015
 
 
 def test_dense_fixes_are_the_spectrum(compared):
@@ -196,9 +196,9 @@ def test_free_ins_is_the_closed_forms(compared):
             along = one.lines[0, :, :3]
             c = one.spread[0] + along @ known @ along.T  # orthonormal polynomials
             left = [np.trace(c[m:, m:]) + one.rest[0] for m in (2, 3, 4)]
-            for order, found in zip((1, 2, 3), left, strict=True):
+            for order, result in zip((1, 2, 3), left, strict=True):
                 closed = total(phase_budget(start.p33, a, w, 0.0, 0.0, g, aperture, 0.0, 0.0, order))
-                off.append(found / float(closed.detrended) - 1)
+                off.append(result / float(closed.detrended) - 1)
             off += [c[2, 2] * 45 / 4 / closed.quadratic - 1, c[3, 3] * 175 / 4 / closed.cubic - 1]
             line = free_line(start, a, w, 0.0, 0.0, g, 0.0, aperture)
             off += [c[0, 0] / line.mean - 1, c[1, 1] * 12 / aperture**2 / line.slope - 1]
@@ -221,16 +221,16 @@ def test_fixes_count_by_their_number_and_never_harm():
             channel = replace(random_channel(rng, ratio), gyro=between(rng, 1e-5, 1e-2))
             step = channel.interval if ratio is None else min(channel.interval, channel.velocity_interval)
             spans = afters * (step / 1.5)
-            found = smoothed_error([channel], step * 4, spans, ZERO, VARIANCES)[0]
+            result = smoothed_error([channel], step * 4, spans, ZERO, VARIANCES)[0]
             same = np.diff(np.floor(spans / step + 1e-9)) == 0
             for name in VARIANCES:
-                np.testing.assert_array_equal(np.diff(found[name])[same], 0.0)
+                np.testing.assert_array_equal(np.diff(result[name])[same], 0.0)
                 # of a residual beside whose position error it is tiny, the last digits are rounding
-                assert np.all(np.diff(found[name]) <= 1e-9 * found[name][1:] + 1e-12 * found["mean"][1:]), name
-            found = smoothed_error([channel], step * 4, np.array(200.0), gaps, VARIANCES)[0]
+                assert np.all(np.diff(result[name]) <= 1e-9 * result[name][1:] + 1e-12 * result["mean"][1:]), name
+            result = smoothed_error([channel], step * 4, np.array(200.0), gaps, VARIANCES)[0]
             for name in VARIANCES:  # where the fixes before a gap are moves with it
-                assert np.all(np.diff(found[name]) >= -2e-3 * found[name][1:]), name
-                np.testing.assert_allclose(found[name][gaps < step], found[name][0], rtol=1e-9, err_msg=name)
+                assert np.all(np.diff(result[name]) >= -2e-3 * result[name][1:]), name
+                np.testing.assert_allclose(result[name][gaps < step], result[name][0], rtol=1e-9, err_msg=name)
 
 
 @pytest.mark.parametrize("velocity", [(), (0.02, 1.0), (0.02, 0.25), (0.02, 0.3), (0.02, 1.7)])
@@ -240,8 +240,8 @@ def test_a_complex_step_is_answered_with_a_slope(velocity):
     total_slope = 0.0
     for n in [0, 1, 2, 4][: 3 + bool(velocity)]:  # the variance is of degree one in the sources' variances
         scaled = [value * step if n == m else value for m, value in enumerate(values)]
-        (found,) = smoothed_error([Channel(*scaled)], np.array(5.1), after, ZERO, ["quadratic"])
-        total_slope += float(found["quadratic"].imag / found["quadratic"].real) * 1e20
+        (result,) = smoothed_error([Channel(*scaled)], np.array(5.1), after, ZERO, ["quadratic"])
+        total_slope += float(result["quadratic"].imag / result["quadratic"].real) * 1e20
     assert total_slope == pytest.approx(2, abs=1e-9)
     for n, (span, interval) in enumerate(((step, 1), (1, step))):  # smooth between fixes, and in their interval
         slopes = []

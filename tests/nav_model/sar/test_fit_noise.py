@@ -29,15 +29,15 @@ def pairwise(n, dt, span, sigma, tau):
 )
 def test_fit_of_a_slow_error(n, dt, tau, accuracy):
     span = (n - 0.7) * dt
-    found = slow_fit(SlowError(0.8, tau), dt, span, n + 0.3)
-    np.testing.assert_allclose(found, pairwise(n, dt, span, 0.8, tau), rtol=accuracy)
+    result = slow_fit(SlowError(0.8, tau), dt, span, n + 0.3)
+    np.testing.assert_allclose(result, pairwise(n, dt, span, 0.8, tau), rtol=accuracy)
 
 
 def test_it_broadcasts_and_needs_fixes():
     spans = np.array([[0.5, 1.5, 2.5, 9.5]])
-    found = slow_fit(SlowError(1.0, 20.0), np.array([[1.0], [0.5]]), spans, spans / np.array([[1.0], [0.5]]) + 1)
-    assert found.quadratic.shape == (2, 4)
-    assert found.quadratic[0, 1] == 0.0  # two fixes: no quadratic
-    assert found.quadratic[0, 3] == pytest.approx(pairwise(10, 1.0, 9.5, 1.0, 20.0)[1])
-    assert found.quadratic[1, 3] == pytest.approx(pairwise(20, 0.5, 9.5, 1.0, 20.0)[1])
+    result = slow_fit(SlowError(1.0, 20.0), np.array([[1.0], [0.5]]), spans, spans / np.array([[1.0], [0.5]]) + 1)
+    assert result.quadratic.shape == (2, 4)
+    assert result.quadratic[0, 1] == 0.0  # two fixes: no quadratic
+    assert result.quadratic[0, 3] == pytest.approx(pairwise(10, 1.0, 9.5, 1.0, 20.0)[1])
+    assert result.quadratic[1, 3] == pytest.approx(pairwise(20, 0.5, 9.5, 1.0, 20.0)[1])
     assert not np.any(slow_fit(None, 1.0, spans, spans + 1))

@@ -31,8 +31,8 @@ def exact(geometry, time, error):
 def test_x_band_10_km_5_s_against_exact_ranges(grazing, squint, offset, velocity):
     geometry = ApertureGeometry(10e3, 100.0, grazing, squint)
     error = np.array(offset) + np.outer(TIME, velocity) + 0.02 * np.outer(TIME**2, [1, -1, 0.5])
-    found = range_error(geometry, TIME, *error.T)
-    phase = 4 * np.pi / WAVELENGTH * np.abs(found - exact(geometry, TIME, error))
+    result = range_error(geometry, TIME, *error.T)
+    phase = 4 * np.pi / WAVELENGTH * np.abs(result - exact(geometry, TIME, error))
     assert phase.max() < 1e-3
 
 

@@ -89,15 +89,15 @@ def test_the_fit_noise_is_least_squares(fixes, interval, compared, ratio_off):
 
 def test_the_fit_noise_knows_how_many_fixes_there_are(differs):
     """A fix on both ends of the aperture is one more than N = T / dt: less noise, by least squares."""
-    found = {}
+    result = {}
     for count, first in ((20, 1), (21, 0)):
         x = (first + np.arange(count) - 10) / 10
-        found[count] = 1e3 * 0.13 * np.linalg.norm(np.linalg.pinv(np.vander(x, 3))[0])
-        assert 1e3 * fit_quadratic_sigma(0.13, 1.0, 20.0, count) == pytest.approx(found[count], rel=1e-9)
+        result[count] = 1e3 * 0.13 * np.linalg.norm(np.linalg.pinv(np.vander(x, 3))[0])
+        assert 1e3 * fit_quadratic_sigma(0.13, 1.0, 20.0, count) == pytest.approx(result[count], rel=1e-9)
     differs(
         "Quadratic that 0.13 m fixes at 1 Hz leave over 20 s", "S-7",
-        f"20 fixes, as [C] counts them (T/dt), give {found[20]:.1f} mm; [C] prints no figure",
-        f"{found[21]:.1f} mm with 21 fixes (T/dt + 1)", "both",
+        f"20 fixes, as [C] counts them (T/dt), give {result[20]:.1f} mm; [C] prints no figure",
+        f"{result[21]:.1f} mm with 21 fixes (T/dt + 1)", "both",
         "an aperture with a fix on both ends, as in the runs and on the maps, has one fix more than [C] counts; "
         "where the first fix comes an interval after the start, [C]'s count holds; the formula is the same, and "
         "least squares gives both figures",

@@ -113,10 +113,10 @@ def test_it_wins_only_where_the_processing_allows(open_design):
     assert now.closed.detrended == later.closed.detrended
     for drawn, allowed in ((gnss_map(now.budget, 20), False), (arw_map(later.budget, 20), True)):
         assert ("9" in drawn.strategies) == allowed
-    found = gnss_map(later.budget, 20)
-    assert np.any(found.winner == found.strategies.index("9"))
+    result = gnss_map(later.budget, 20)
+    assert np.any(result.winner == result.strategies.index("9"))
     plain = gnss_map(now.budget, 20)
-    assert np.all(found.phase <= plain.phase * 1.05)
+    assert np.all(result.phase <= plain.phase * 1.05)
     assert any("it is shown for reference" in said for said in study_cautions(now.budget))
     assert any("so it can be the best" in said for said in study_cautions(later.budget))
     data = to_json(later)

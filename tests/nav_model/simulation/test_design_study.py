@@ -169,11 +169,11 @@ def test_a_worker_concludes_the_same_study(study) -> None:
     total.merge(run_chunk(spec, total.scale, 0, 25))
     total.merge(run_chunk(spec, total.scale, 25, 40))
     arguments = pickle.loads(pickle.dumps((study.design, spec, total, nominal, 1.0)))
-    found = pickle.loads(pickle.dumps(conclude(*arguments)))
-    assert found.result.rms == pytest.approx(study.result.rms, rel=1e-12)
-    assert [d.reason for d in found.departures] == [d.reason for d in study.departures]
-    assert [d.ratio for d in found.departures] == pytest.approx([d.ratio for d in study.departures], rel=1e-12)
-    assert found.conditions == study.conditions
+    result = pickle.loads(pickle.dumps(conclude(*arguments)))
+    assert result.result.rms == pytest.approx(study.result.rms, rel=1e-12)
+    assert [d.reason for d in result.departures] == [d.reason for d in study.departures]
+    assert [d.ratio for d in result.departures] == pytest.approx([d.ratio for d in study.departures], rel=1e-12)
+    assert result.conditions == study.conditions
 
 
 def test_the_document_has_the_contracts_keys_and_no_nan(study) -> None:

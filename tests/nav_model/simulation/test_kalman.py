@@ -34,11 +34,11 @@ def test_propagation_matches_van_loans_matrix_exponential(n, dt, compared):
     phi, expected_noise = riccati.van_loan(full, np.diag(density), dt)
     start = random_covariance(n, 3)
     expected = phi @ start @ phi.T + expected_noise
-    found = start.copy()
-    propagate(found, dynamics, force, dt, 1e-3, 2e-4, np.zeros(12), np.zeros(12), np.empty((4, n, n)))
+    result = start.copy()
+    propagate(result, dynamics, force, dt, 1e-3, 2e-4, np.zeros(12), np.zeros(12), np.empty((4, n, n)))
     sigma = np.sqrt(np.diag(expected))
     # Process noise sees only the main chain; Coriolis' share of it is below 1e-4 of the noise in a second.
-    off = np.max(np.abs(found - expected) / np.outer(sigma, sigma))
+    off = np.max(np.abs(result - expected) / np.outer(sigma, sigma))
     assert off < (2e-8 if dt == 1.0 else 1e-9)
     compared(
         "Covariance step of the simulator's filter, its dynamics given",
@@ -72,8 +72,8 @@ def test_the_update_matches_the_textbook(compared):
     start, generator = random_covariance(n, 8), np.random.default_rng(9)
     rows = generator.standard_normal((3, n))
     residual, noise = generator.standard_normal(3), np.array([1.0, 2.0, 0.5])
-    found, estimate, work = start.copy(), np.zeros(n), np.empty((4, n, n))
-    nis = sum(update(found, rows[i], residual[i], noise[i], estimate, work) for i in range(3))
+    result, estimate, work = start.copy(), np.zeros(n), np.empty((4, n, n))
+    nis = sum(update(result, rows[i], residual[i], noise[i], estimate, work) for i in range(3))
     innovation = rows @ start @ rows.T + np.diag(noise)
     gain = start @ rows.T @ np.linalg.inv(innovation)
     expected = start - gain @ rows @ start
@@ -83,7 +83,7 @@ def test_the_update_matches_the_textbook(compared):
         "",
         "our own derivation",
         "textbook gain by matrix inversion, written out in the test",
-        (found - expected) / np.outer(sigma, sigma),
+        (result - expected) / np.outer(sigma, sigma),
         1e-10,
         "largest difference, in sigmas",
     )

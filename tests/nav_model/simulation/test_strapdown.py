@@ -35,10 +35,10 @@ def angle_between(one: np.ndarray, other: np.ndarray) -> float:
 def fly_without_errors(spec: TrajectorySpec, duration: float, rate: float = 100.0):
     truth = true_states(plan_trajectory(spec, duration), np.arange(0.0, duration + 0.5))
     start = initial_state(truth.position[0], truth.velocity[0], truth.matrix[0])
-    found = navigate(start, perfect_increments(spec, duration, rate), rate, round(rate))
+    result = navigate(start, perfect_increments(spec, duration, rate), rate, round(rate))
     scale = [6.4e6, 6.4e6 * np.cos(spec.latitude), 1.0]
-    metres = np.max(np.linalg.norm((found[:, :3] - truth.position) * scale, axis=1))
-    return float(metres), angle_between(matrices(found[:, 6:]), truth.matrix)
+    metres = np.max(np.linalg.norm((result[:, :3] - truth.position) * scale, axis=1))
+    return float(metres), angle_between(matrices(result[:, 6:]), truth.matrix)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,9 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset, comp
         position += [20.0 / 6.4e6, -20.0 / 4.5e6, 20.0]
         velocity += [1.0, -1.0, 0.3]
         matrix = matrix_from_euler(0.017, -0.017, 0.02) @ matrix
-    found = navigate(initial_state(position, velocity, matrix), perfect_increments(spec, 600.0, 100.0), 100.0, 60_000)
+    result = navigate(
+        initial_state(position, velocity, matrix), perfect_increments(spec, 600.0, 100.0), 100.0, 60_000
+    )
 
     omega = np.array([0.0, 0.0, RATE])
 
@@ -128,13 +130,13 @@ def test_the_mechanisation_agrees_with_newton_in_earth_centred_axes(offset, comp
         "",
         "solver written by others",
         "SciPy's DOP853 on Newton's equation in Earth-centred axes, written out in the test; same sensor inputs",
-        np.linalg.norm(earth_centred(found[-1, :3]) - solution.y[:3, -1]),
+        np.linalg.norm(earth_centred(result[-1, :3]) - solution.y[:3, -1]),
         1e-3,
         "distance at the end, m",
     )
-    axes = ned_axes(found[-1, 0], found[-1, 1])
-    assert axes @ found[-1, 3:6] == pytest.approx(solution.y[3:6, -1], abs=1e-5)
-    assert axes @ matrices(found[-1:, 6:])[0] == pytest.approx(solution.y[6:, -1].reshape(3, 3), abs=1e-8)
+    axes = ned_axes(result[-1, 0], result[-1, 1])
+    assert axes @ result[-1, 3:6] == pytest.approx(solution.y[3:6, -1], abs=1e-5)
+    assert axes @ matrices(result[-1:, 6:])[0] == pytest.approx(solution.y[6:, -1].reshape(3, 3), abs=1e-8)
 
 
 def test_coning_is_compensated():

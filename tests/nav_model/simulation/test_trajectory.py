@@ -115,12 +115,12 @@ def test_a_file_is_flown_through_its_points(tmp_path):
     path.write_text(csv_text(wrapped))
     spec = flown(path.read_bytes())
     trajectory = plan_trajectory(spec, 39.0)
-    found = trajectory.evaluate(np.arange(40.0))
+    result = trajectory.evaluate(np.arange(40.0))
     table = np.array(rows)
-    assert np.degrees(found[:, 0]) == pytest.approx(table[:, 1], abs=1e-9)
-    assert np.degrees(found[:, 1]) == pytest.approx(table[:, 2], abs=1e-9)
-    assert found[:, 2] == pytest.approx(table[:, 3], abs=1e-9)
-    assert np.degrees(found[:, 5]) == pytest.approx(table[:, 6], abs=1e-9)
+    assert np.degrees(result[:, 0]) == pytest.approx(table[:, 1], abs=1e-9)
+    assert np.degrees(result[:, 1]) == pytest.approx(table[:, 2], abs=1e-9)
+    assert result[:, 2] == pytest.approx(table[:, 3], abs=1e-9)
+    assert np.degrees(result[:, 5]) == pytest.approx(table[:, 6], abs=1e-9)
     with pytest.raises(ValueError, match=r"at most the trajectory file's 39 s"):
         plan_trajectory(spec, 40.0)
 

@@ -72,8 +72,8 @@ def test_the_mean_error_of_triad_depends_on_the_scenes(differs):
     means = []
     for seed in range(40):
         body, reference, truth = scenes(1000, 5, seed)
-        found = estimate("TRIAD", body, reference, SIGMA)[0]
-        means.append(float(np.mean(np.linalg.norm(attitude_error(found, truth), axis=-1))) / ARCSECOND)
+        result = estimate("TRIAD", body, reference, SIGMA)[0]
+        means.append(float(np.mean(np.linalg.norm(attitude_error(result, truth), axis=-1))) / ARCSECOND)
     assert max(means) > 1.3 * min(means)
     assert min(means) < 238.0 < max(means)
     differs(

@@ -17,7 +17,7 @@ def test_the_sweep_is_what_a_study_with_star_images_finds_at_each_noise() -> Non
         imaged = run_survey(
             DEFAULTS.change({"camera.frames": "star images", "camera.centroid_noise": float(noise)}, "test")
         )
-        found = float(np.linalg.norm(imaged.study.aided_noise.position_sigma_m[-1]))
-        assert swept.total_m[k] == pytest.approx(found, rel=0.01)  # covariances go by measured, noisy places
+        result = float(np.linalg.norm(imaged.study.aided_noise.position_sigma_m[-1]))
+        assert swept.total_m[k] == pytest.approx(result, rel=0.01)  # covariances go by measured, noisy places
         alone = float(np.linalg.norm(imaged.study.pure_noise.position_sigma_m[-1]))
         assert swept.alone_m == pytest.approx(alone, rel=1e-9)

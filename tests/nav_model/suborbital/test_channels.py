@@ -47,15 +47,15 @@ def test_closed_forms_solve_the_channel_equation(rate, spring, compared):
     answer = solve_ivp(slope, (0.0, END), [40.0, -0.3], rtol=1e-11, atol=1e-9, dense_output=True)
     t = np.linspace(0.0, END, 31)
     forcing = {"bias": 2e-3, "tilt_rate": 3e-5, "amplitude": 5e-3, "frequency": 0.011}
-    found = channel_error(rate, t, position=40.0, velocity=-0.3, **forcing)
+    result = channel_error(rate, t, position=40.0, velocity=-0.3, **forcing)
     solved = answer.sol(t)[0]
-    np.testing.assert_allclose(found, solved, rtol=1e-6, atol=1e-4)
+    np.testing.assert_allclose(result, solved, rtol=1e-6, atol=1e-4)
     compared(
         "Decoupled channels by formula",
         "B-6",
         "solver written by others",
         "SciPy's solver of initial value problems on the channel equation, written out in the test",
-        np.abs(found - solved).max() / np.abs(solved).max(),
+        np.abs(result - solved).max() / np.abs(solved).max(),
         1e-6,
         "largest difference over the largest error",
     )

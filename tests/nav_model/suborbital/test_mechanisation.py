@@ -92,10 +92,10 @@ def flown_in_local_axes(flight: TrueFlight, model: str, used: np.ndarray) -> np.
     place = np.array([float(part) for part in spherical_position(position)])
     axes = ned_to_inertial(place[0], place[1])
     attitude = axes.T @ matrix_from_vector(launch @ start.attitude_rad) @ flight.attitude_bi[0]
-    state, h, found = (attitude, axes.T @ velocity, place), flight.step_s, []
+    state, h, result = (attitude, axes.T @ velocity, place), flight.step_s, []
     for i, time in enumerate(flight.time_s):
         axes = ned_to_inertial(state[2][0], state[2][1] + EARTH_RATE * time)
-        found.append(-axes[:, 2] * (SPHERE_RADIUS + state[2][2]))
+        result.append(-axes[:, 2] * (SPHERE_RADIUS + state[2][2]))
         if used[i]:
             state = (axes.T @ flight.attitude_bi[i], *state[1:])
         if i == flight.steps:
@@ -105,7 +105,7 @@ def flown_in_local_axes(flight: TrueFlight, model: str, used: np.ndarray) -> np.
             stage = [y + step * dy for y, dy in zip(state, k[-1], strict=True)]
             k.append(slope(*stage, force[i, node], rate[i, node]))
         state = tuple(y + h / 6 * (a + 2 * b + 2 * c + d) for y, a, b, c, d in zip(state, *k, strict=True))
-    return np.array(found)
+    return np.array(result)
 
 
 @pytest.mark.long

@@ -136,8 +136,8 @@ def test_down_range_sigma_is_the_spread_of_down_range(study, flight):
     drawn = np.random.default_rng(2).multivariate_normal(np.zeros(9), study.pure_noise.covariance[-1], 4000)
     north, east, _ = (drawn[:, 6:] @ local_axes(flight.position_i[-1])).T
     c, s = np.cos(flight.track_rad[-1]), np.sin(flight.track_rad[-1])
-    found = np.std([north * c + east * s, east * c - north * s], axis=1)
-    assert found == pytest.approx(sigma, rel=5 / np.sqrt(8000))
+    result = np.std([north * c + east * s, east * c - north * s], axis=1)
+    assert result == pytest.approx(sigma, rel=5 / np.sqrt(8000))
 
 
 def test_plain_product_is_off_by_the_share_the_theory_names(study):

@@ -25,8 +25,8 @@ def test_gyro_error_integrates_to_the_attitude_error_of_the_ins(flight, paramete
     turned = np.einsum("tij,tj->ti", flight.attitude_bi, history)
     psi = np.concatenate([np.zeros((1, 3)), np.cumsum(0.05 * (turned[1:] + turned[:-1]), axis=0)])
     run = mechanise(flight, parameters[1], errors, every=10)
-    found = navigation_errors(flight, run).attitude_inertial_rad[0]
-    assert np.abs(psi[::10] - found).max() < 1e-4 * np.abs(found).max()
+    result = navigation_errors(flight, run).attitude_inertial_rad[0]
+    assert np.abs(psi[::10] - result).max() < 1e-4 * np.abs(result).max()
 
 
 def test_accelerometer_error_is_the_acceleration_the_ins_gains(flight, parameters):
@@ -41,8 +41,8 @@ def test_accelerometer_error_is_the_acceleration_the_ins_gains(flight, parameter
         r = flight.position_i[i]
         radius = np.linalg.norm(r)
         gravity = GRAVITATIONAL_PARAMETER / radius**3 * (3 * r * (r @ dr[i]) / radius**2 - dr[i])
-        found = flight.attitude_bi[i] @ df[i]
-        assert gained - gravity == pytest.approx(found, abs=1e-3 * np.linalg.norm(found))
+        result = flight.attitude_bi[i] @ df[i]
+        assert gained - gravity == pytest.approx(result, abs=1e-3 * np.linalg.norm(result))
 
 
 def test_bias_and_instability_add_up_and_follow_their_periods(flight):
@@ -59,9 +59,9 @@ def test_bias_and_instability_add_up_and_follow_their_periods(flight):
 
 def test_a_pure_bias_is_itself_everywhere(flight):
     p = parameter_vector(ErrorSet(accelerometers=SensorErrors(constant_bias=(1.0, -2.0, 3.0)), gyros=SensorErrors()))
-    found = sensor_history(flight, p, ErrorSet(), every=100)
-    assert np.all(found.specific_force_m_s2 == [1.0, -2.0, 3.0])
-    assert np.all(found.angular_rate_rad_s == 0)
+    result = sensor_history(flight, p, ErrorSet(), every=100)
+    assert np.all(result.specific_force_m_s2 == [1.0, -2.0, 3.0])
+    assert np.all(result.angular_rate_rad_s == 0)
 
 
 def test_refusals(flight):

@@ -113,14 +113,14 @@ def test_a_flight_begins_with_the_covariance_of_a_settled_filter() -> None:
         study = specification(design, trajectory="straight", duration=900.0, every=30.0, states=15)
         return covariance(covariance_specification(design, study))
 
-    found, plain = straight(with_bias), straight(without)
-    np.testing.assert_allclose(found.real_time.attitude[:, :2], 0.000548, rtol=0.01)
-    np.testing.assert_allclose(found.real_time.position[:, 2], 0.21, rtol=0.01)
+    result, plain = straight(with_bias), straight(without)
+    np.testing.assert_allclose(result.real_time.attitude[:, :2], 0.000548, rtol=0.01)
+    np.testing.assert_allclose(result.real_time.position[:, 2], 0.21, rtol=0.01)
     for name in ("quadratic_phase", "detrended_phase"):
         inside = np.isfinite(plain.real_time.figures[name])
-        for one, other in ((found.real_time, plain.real_time), (found.post_processed, plain.post_processed)):
+        for one, other in ((result.real_time, plain.real_time), (result.post_processed, plain.post_processed)):
             np.testing.assert_allclose(one.figures[name][inside], other.figures[name][inside], rtol=0.002)
-    tilt = dict(zip(found.sources, found.real_time.shares["tilt"][:, 0], strict=True))
+    tilt = dict(zip(result.sources, result.real_time.shares["tilt"][:, 0], strict=True))
     assert tilt["accelerometer bias"] == pytest.approx((0.0005 / 0.000548) ** 2, rel=0.02)
 
 
@@ -135,11 +135,11 @@ def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> 
     study = specification(
         design, trajectory=flight.trajectory, duration=math.floor(flight.duration), states=15, every=1.0, outages=turn
     )
-    found, x = covariance(covariance_specification(design, study)), inputs_of(design)
-    share = dict(zip(found.sources, found.real_time.shares["quadratic_phase"], strict=True))["accelerometer bias"]
-    turned = found.time_s[np.argmax(np.abs(found.truth.velocity[:, 0]) < 0.01)]
-    at = int(np.argmax(found.time_s > turned + x.aperture))
-    of_bias = np.sqrt(share[at]) * found.real_time.figures["quadratic_phase"][at]
+    result, x = covariance(covariance_specification(design, study)), inputs_of(design)
+    share = dict(zip(result.sources, result.real_time.shares["quadratic_phase"], strict=True))["accelerometer bias"]
+    turned = result.time_s[np.argmax(np.abs(result.truth.velocity[:, 0]) < 0.01)]
+    at = int(np.argmax(result.time_s > turned + x.aperture))
+    of_bias = np.sqrt(share[at]) * result.real_time.figures["quadratic_phase"][at]
     level = bias * math.sqrt(2) * math.cos(float(x.grazing_angle))
     expected = float(x.to_phase) * level * float(x.aperture) ** 2 / 8
     assert of_bias == pytest.approx(expected, rel=0.02)

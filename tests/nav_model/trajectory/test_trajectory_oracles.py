@@ -36,8 +36,8 @@ def test_through_two_turns_a_climb_and_an_outage_the_filter_is_that_of_another_p
     imu = ImuModel(TriadModel(random_walk=1.5e-4), TriadModel(random_walk=8e-4))
     duration, outage = math.floor(flight.duration), (150.0, 210.0)
     spec = SimulationSpec(imu, GnssModel(1.0), flight.trajectory, duration=float(duration), outages=(outage,))
-    found = covariance(CovarianceSpec(spec, inputs_of(MEMS))).real_time
-    mine = np.hstack([found.position, found.velocity, found.attitude])
+    result = covariance(CovarianceSpec(spec, inputs_of(MEMS))).real_time
+    mine = np.hstack([result.position, result.velocity, result.attitude])
 
     start = InitialErrors()
     t = np.arange(0.0, duration + 0.1, 0.5)
@@ -91,14 +91,14 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
         now[:m] -= run.gain[node] @ (model.rows[node] @ now - noise)
         after.append(now)
     smooth = after[-1][:m]
-    found = {len(after) - 1: smooth}
+    result = {len(after) - 1: smooth}
     for node in range(len(after) - 2, -1, -1):
         step, p = _transition(model, node + 1, m), run.covariance[node]
         predicted = step @ p @ step.T + model.filter_noise[node]
         back = np.linalg.solve(predicted, step @ p).T
         smooth = after[node][:m] + back @ (smooth - before[node + 1][:m])
-        found[node] = smooth
-    return np.stack([found[int(node)][:9] for node in model.outputs])
+        result[node] = smooth
+    return np.stack([result[int(node)][:9] for node in model.outputs])
 
 
 @pytest.mark.parametrize("runs", [400, pytest.param(4000, marks=pytest.mark.slow)])
@@ -110,8 +110,8 @@ def test_runs_that_are_smoothed_back_from_fix_to_fix_lie_within_their_confidence
     )
     study = specification(design, trajectory="turns", duration=180.0, every=6.0, outages=[(100, 130)], more=more)
     spec = CovarianceSpec(replace(study, aiding=Aiding(heading_noise=0.002, barometer_noise=2.0)), inputs_of(MEMS))
-    found = covariance(spec).post_processed
+    result = covariance(spec).post_processed
     squares = np.mean(smoothed_runs(error_model(spec), runs)[:, :6] ** 2, axis=2)
-    ratio = squares / np.hstack([found.position, found.velocity]) ** 2
+    ratio = squares / np.hstack([result.position, result.velocity]) ** 2
     assert np.mean(ratio) == pytest.approx(1.0, abs=4.0 / np.sqrt(runs))
     assert np.all(np.abs(ratio - 1.0) < 5.0 * np.sqrt(2.0 / runs))

@@ -30,20 +30,20 @@ def design(tmp_path: Path) -> str:
 
 
 def test_it_prints_the_contract_and_ends_with_0(design: str, capsys: pytest.CaptureFixture[str]) -> None:
-    found = told(capsys, "allocate", design, "--split", "equal", "--reserve", "10%")
-    assert found.keys() == {"requirement", "limit", "reserve", "closes", "blocked_by", "entries"}
-    assert (found["requirement"], found["reserve"], found["closes"]) == ("detrended_phase", 0.1, True)
-    square = sum(entry["allocated"] ** 2 for entry in found["entries"])
+    result = told(capsys, "allocate", design, "--split", "equal", "--reserve", "10%")
+    assert result.keys() == {"requirement", "limit", "reserve", "closes", "blocked_by", "entries"}
+    assert (result["requirement"], result["reserve"], result["closes"]) == ("detrended_phase", 0.1, True)
+    square = sum(entry["allocated"] ** 2 for entry in result["entries"])
     assert math.sqrt(square) == pytest.approx(0.9 * math.radians(20), rel=1e-9)
-    (own,) = (entry for entry in found["entries"] if entry["source"] == "lever arm")
+    (own,) = (entry for entry in result["entries"] if entry["source"] == "lever arm")
     assert own["owner"] == "mechanics"
     assert own["estimated"] == pytest.approx(2 * 4 * math.pi / (SPEED_OF_LIGHT / 9.6e9) * 1e-4, rel=1e-9)
 
 
 def test_a_length_and_an_angle_lock_a_phase(design: str, capsys: pytest.CaptureFixture[str]) -> None:
     locks = ["--lock", "lever arm=0.2 mm", "--lock", "gyro noise=5 deg"]
-    found = told(capsys, "allocate", design, "--requirement", "detrended_phase", *locks)
-    entries = {entry["source"]: entry for entry in found["entries"]}
+    result = told(capsys, "allocate", design, "--requirement", "detrended_phase", *locks)
+    entries = {entry["source"]: entry for entry in result["entries"]}
     assert entries["gyro noise"]["allocated"] == pytest.approx(math.radians(5), rel=1e-12)
     assert entries["lever arm"]["allocated"] == pytest.approx(4 * math.pi / (SPEED_OF_LIGHT / 9.6e9) * 2e-4, rel=1e-9)
     assert {name for name, entry in entries.items() if entry["locked"]} == {"lever arm", "gyro noise"}
@@ -51,8 +51,8 @@ def test_a_length_and_an_angle_lock_a_phase(design: str, capsys: pytest.CaptureF
 
 def test_a_lock_that_leaves_nothing_is_named_with_1(design: str, capsys: pytest.CaptureFixture[str]) -> None:
     locks = ["--lock", "gyro noise=30 deg", "--lock", "lever arm=0.1 mm"]
-    found = told(capsys, "allocate", design, *locks, code=1)
-    assert (found["closes"], found["blocked_by"]) == (False, ["gyro noise"])
+    result = told(capsys, "allocate", design, *locks, code=1)
+    assert (result["closes"], result["blocked_by"]) == (False, ["gyro noise"])
 
 
 @pytest.mark.parametrize(

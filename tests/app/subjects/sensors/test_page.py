@@ -119,10 +119,10 @@ def test_a_log_in_motion_offers_a_qualified_factor(sensors: SensorsPage):
     assert session.design.motion.spectrum == panel.moving.analysis.spectrum != ()
     session.change({"imu.angle_random_walk": 0.5 * ANGLE_WALK})
     sensors.show(session.budget)
-    found = panel.moving.analysis
-    assert found.gyro_factor == pytest.approx(6.0, rel=0.05)
-    assert f"Vibration factor {found.gyro_factor:.3g}" in panel.moving.head.object  # it follows the design
-    assert f"{found.axes[0].factor:.3g}</td>" in panel.moving.table.object
+    result = panel.moving.analysis
+    assert result.gyro_factor == pytest.approx(6.0, rel=0.05)
+    assert f"Vibration factor {result.gyro_factor:.3g}" in panel.moving.head.object  # it follows the design
+    assert f"{result.axes[0].factor:.3g}</td>" in panel.moving.table.object
     panel.moving.use.clicks += 1
     assert session.design.imu.vibration_factor == pytest.approx(6.0, rel=0.05)
 

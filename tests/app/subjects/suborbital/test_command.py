@@ -36,8 +36,8 @@ def test_without_a_design_it_gives_the_printed_table() -> None:
     code, answer, said = run("--noise-runs", "2")
     assert code == 0
     for (part, name), expected in PRINTED.items():
-        found = answer[part][name]
-        assert [found[axis] for axis in ("north", "east", "up")] == pytest.approx(expected, abs=5.0)
+        result = answer[part][name]
+        assert [result[axis] for axis in ("north", "east", "up")] == pytest.approx(expected, abs=5.0)
     assert {entry["from"] for entry in answer["inputs"].values()} == {"GP-1"}
     assert answer["white_noise_monte_carlo"]["runs"] == 2
     assert said.startswith("flight (")  # what is being done
