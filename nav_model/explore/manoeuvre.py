@@ -6,7 +6,7 @@ the flight of the changed design, so that an option that closes does so once it 
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -19,9 +19,11 @@ from nav_model.design import Design, Value
 from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import in_sentence
 from nav_model.design.presets import preset_fill
+from nav_model.design.processing import REAL_TIME
 from nav_model.design.trajectory import LINES, WAYPOINTS
 from nav_model.trajectory.covariance import lines_along
 from nav_model.trajectory.design_study import along_flight, plan_of, planned, rows_of
+from nav_model.trajectory.line_length import line_longer
 from nav_model.trajectory.plan import Plan, PlannedFlight, before_line, in_parts
 from nav_model.trajectory.result import LineResult
 
@@ -44,6 +46,8 @@ _AIDS: Mapping[str, Mapping[str, float]] = {
 _OF_THE_NOISE = (1 / 3, 1 / 10, 1 / 30)
 """Parts of the gyro noise that another IMU has at most."""
 _NO_BETTER = 0.98
+_BEFORE = "before"
+_LONGER = 600.0  # s that a line is flown on, to see when it fails
 _MOST_NAMED = 3
 _PREFERRED = ("manoeuvre", "aid", "imu")
 Way = Callable[[Plan, int], Plan]
@@ -66,9 +70,9 @@ class Option:
 
     kind: "manoeuvre", "aid" for further fixes, or "imu". lines: where it is flown, in words `where`: "before line 1",
     "of line 1" for turns within it; empty for what is not flown. before_s: how long before the end of such a line it
-    is over [s]. costs_s: what it adds to the flight [s]. closes: whether the lines in question meet their limits, and
-    all that did before. useless: no nearer to the limits than without. lost_s: time beyond the bank at which fixes
-    are lost that it adds [s].
+    is over [s], of the shortest that closes at the latest. costs_s: what it adds to the flight [s]. closes: whether
+    the lines in question meet their limits, and all that did before. useless: no nearer to the limits than without.
+    lost_s: time beyond the bank at which fixes are lost that it adds [s].
     changes, written: as `Design.replace` takes them.
     """
 
@@ -171,7 +175,27 @@ def manoeuvres(
         share = 1.0 - 1.0 / (len(kinds) + 2)
         options += _best(question, _in_parts(question, after_turn=True), lambda what: progress(share, what))
     options.sort(key=lambda option: (not option.closes, _PREFERRED.index(option.kind), option.costs_s))
+    if options and options[0].closes and options[0].where.startswith(_BEFORE):
+        progress(1.0 - 0.5 / (len(kinds) + 2), f"{options[0].name}: how long before the line ends")
+        options[0] = replace(options[0], before_s=_latest(question, options[0]))
     return Manoeuvres(names[0], names, False, _figures(_named(lines, names)), tuple(options))
+
+
+def _latest(question: _Question, option: Option) -> float:
+    """How long before the end of a line an option that closes may be over [s], the least of its lines: in real time
+    when a longer line fails, which what follows does not change; post-processed as it is flown."""
+    design = question.plan.design.replace(option.changes)
+    flight = planned(design)
+    spec = along_flight(design, flight, question.states)
+    latest = [option.before_s]
+    try:
+        if spec.processing == REAL_TIME:
+            numbers = [n for n, line in enumerate(flight.lines) if line.name in option.lines]
+            longer = [line_longer(spec, design, number, _LONGER) for number in numbers]
+            latest = [line.duration if line.fails_at_s is None else line.fails_at_s for line in longer]
+    except InputError:  # a longer line, or what follows it, has no room
+        pass
+    return min(latest)
 
 
 def _best(question: _Question, kind: Iterable[_Candidate], progress: Callable[[str], None]) -> list[Option]:
@@ -208,7 +232,7 @@ def _option(question: _Question, candidate: _Candidate) -> Option:
         candidate.kind,
         candidate.lines,
         candidate.where,
-        max((line.stop_s - line.start_s for line in _named(flown, candidate.lines)), default=0.0),
+        max((line.duration for line in _named(flown, candidate.lines)), default=0.0),
         changed.flight.duration - flight.duration,
         all(line.closes for line in flown if line.name in closed),
         _excess(after) >= _excess(before),
@@ -338,7 +362,7 @@ def _candidate(
         return plan
 
     names = tuple(dict.fromkeys(lines[n].name for n in place))
-    where = f"{'of' if any(parts > 1 for _, parts in steps) else 'before'} {lines_in_words(names)}"
+    where = f"{'of' if any(parts > 1 for _, parts in steps) else _BEFORE} {lines_in_words(names)}"
     return _Candidate(name, "manoeuvre", apply, names, where)
 
 

@@ -15,7 +15,7 @@ from nav_model.trajectory.covariance import lines_along
 from nav_model.trajectory.design_study import planned
 from nav_model.trajectory.lines import MOST_RESERVE
 from nav_model.trajectory.result import STATE_AXES, LineResult, TrajectoryResult
-from nav_model.trajectory.specification import Line
+from nav_model.trajectory.specification import CovarianceSpec, Line
 
 _CLOSE = 0.01  # of its length: how near the solved line is to one that fails
 _MOST_TRIALS = 24  # for a line
@@ -37,15 +37,16 @@ def with_lengths(
     for number, line in enumerate(lines):
         progress(number / len(lines), f"How long {line.name} may be, {number + 1} of {len(lines)}")
         try:
-            solved.append(_solved(line, result, partial(_flown, result, design, number)))
+            solved.append(_solved(line, result, partial(line_longer, result.spec, design, number)))
         except InputError:  # the ground, the turns or the latitude leave no room for a line of another length
             solved.append(line)
     return replace(result, lines=tuple(solved))
 
 
-def _flown(result: TrajectoryResult, design: Design, number: int, longer: float) -> LineResult:
-    """A line of the plan, `longer` [s] than it is. In real time, what follows it changes nothing."""
-    spec, flight = result.spec, planned(design, number, longer)
+def line_longer(spec: CovarianceSpec, design: Design, number: int, longer: float) -> LineResult:
+    """A line of the plan (from 0), flown as `spec`, `longer` [s] than it is. In real time, what follows it changes
+    nothing. Raises InputError where it cannot be flown."""
+    flight = planned(design, number, longer)
     line = flight.lines[number] if flight.lines else Line("flight", 0.0, flight.duration)
     if spec.lines:
         line = replace(line, most=spec.lines[number].most)

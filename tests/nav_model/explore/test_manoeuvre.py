@@ -150,6 +150,21 @@ def test_a_turn_in_front_of_the_first_line_shows_the_heading_and_so_do_two_anten
     assert not named(answer, "Velocity fixes, Doppler").closes
 
 
+def test_the_shortest_turn_is_over_as_long_before_the_end_of_a_line_as_the_limit_lets_it_be() -> None:
+    design = PLAN.replace({"requirements.heading": 0.05 * DEGREE, "trajectory.lines": 1.0})
+    option = manoeuvres(design).options[0]
+    assert option.where == "before line 1"
+    assert 200.0 < option.before_s < 700.0
+    for share, closes in ((0.98, True), (1.02, False)):
+        longer = taken(design, option).trajectory.waypoints
+        first, last = np.array(longer[-2][:2]), np.array(longer[-1][:2])
+        line = planned(taken(design, option)).lines[0]
+        last = first + (last - first) * share * option.before_s / (line.stop - line.start)
+        rows = (*longer[:-1], (*last.tolist(), *longer[-1][2:]))
+        again = flown(taken(design, option).replace({"trajectory.waypoints": rows}))
+        assert again.closes == closes
+
+
 def test_a_plan_that_closes_needs_nothing_and_a_line_can_be_asked_for_alone() -> None:
     assert manoeuvres(PLAN, "line 2") == replace(manoeuvres(PLAN, "line 2"), closes=True, options=())
     for changes, line, key in (({}, "line 9", "line"), ({"requirements.heading": None}, "", "requirements")):
