@@ -42,7 +42,7 @@ def assumption_list(budget: Budget) -> Bullets:
             f"{number(budget.design.coast.before_aperture, given=True)} s after the last fix [S-1], [S-5].",
             "Lever arm, timing, atmosphere and range migration are not part of the budget."
             if not budget.design.contributors
-            else "Beside the model, the budget has the design's own contributors. They are independent of the "
+            else "The budget includes the design's own contributors. They are independent of the "
             "model's errors and of each other; a systematic one adds linearly. Range migration is not part of it.",
         ),
         "Assumptions",

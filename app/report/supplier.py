@@ -141,7 +141,7 @@ def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
             slow = f"{text_of('gnss.correlated_noise')} for {text_of('gnss.correlation_time')}"
         return (
             f"Fixes every {design.gnss.interval:g} s. Errors independent from fix to fix, per axis.",
-            f"Slow error (ionosphere, multipath) assumed beside these values: {slow}.",
+            f"Slow error (ionosphere, multipath) assumed in addition to these values: {slow}.",
             f"Lever arm to the IMU, error assumed: {text_of('trajectory.lever_arm_error')}. Latency of the fixes "
             f"against the IMU's clock, error assumed: {text_of('trajectory.time_offset')}. Both to be confirmed.",
         )

@@ -30,7 +30,7 @@ def test_every_equation_is_set_offline_and_a_mark_leads_to_its_equation_and_back
     for chapter in ("Validation", "Where values differ"):
         page.get_by_role("heading", name=chapter).click()
     expect(page.get_by_role("region", name="Results and what each was compared with")).to_contain_text("SciPy")
-    expect(page.get_by_role("region", name="Values stated elsewhere, beside ours")).to_contain_text("0.900 m")
+    expect(page.get_by_role("region", name="Values from elsewhere that differ from ours")).to_contain_text("0.900 m")
     fits(page, 1440)
     fits(page, 390)
     page.set_viewport_size({"width": 1440, "height": 900})

@@ -226,7 +226,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
     scattered = f"{level(islr.sigma)} ({shares})" if shares else "none"
     return table(
         f"{key}-echoes",
-        "Paired echoes of vibration, beside a target",
+        "Paired echoes of vibration around a target",
         (("Source", 1.3), *numbers("Line [Hz]", "Phase, peak [°]", "[mm]", "Level [P-9]", "Distance [P-9]")),
         tuple(
             (

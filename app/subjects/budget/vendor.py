@@ -132,7 +132,9 @@ class VendorPanel(View):
         assert self._inversion is not None
         problem = self.session.change(*self._inversion.changes(self.session.design))
         message = (
-            f"Not taken. {problem}" if problem else "Implied noise and its source copied to the design. You can undo."
+            f"Not applied. {problem}"
+            if problem
+            else "Implied noise and its source copied to the design. You can undo."
         )
         self.answer.object = html_of(Text(message))
         self.take.visible = bool(problem)

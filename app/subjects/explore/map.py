@@ -114,4 +114,4 @@ class MapPanel(Question):
         units = {key: unit for key in changes if (unit := design.unit(key))}
         problem = self.session.change(changes, units)
         if problem:
-            self.answer = Answer("Not taken", "warn", (str(problem),))
+            self.answer = Answer("Not applied", "warn", (str(problem),))

@@ -189,7 +189,7 @@ class SearchPanel(Question):
                 changes[f"{kind}.preset"] = None
         problem = self.session.change(changes, row.written)
         what = row.imu if self.own else row.pair
-        text = f"{what} was not taken. {problem}" if problem else f"The design now has {what}. You can undo."
+        text = f"{what} was not applied. {problem}" if problem else f"The design now has {what}. You can undo."
         self._say(text, wrong=problem is not None)
 
     async def _opened(self, name: str, content: bytes) -> None:

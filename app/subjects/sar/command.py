@@ -25,7 +25,7 @@ def add_to(commands: Any) -> None:
     add("--runs", type=int, default=200, help="runs of the ensemble (default 200)")
     add("--seed", type=int, default=0, help="seed of the ensemble (default 0)")
     add("--engine", choices=("fast", "simulator"), default="fast",
-        help="per-axis error model, or full flights of the simulator with the error model beside them (default "
+        help="per-axis error model, or full flights of the simulator, compared with the error model (default "
              "fast)")  # fmt: skip
     add("--workers", type=int, metavar="W", help="processes of the simulator (default: all cores but one)")
     add("-o", "--output", type=Path, metavar="FILE", help="write to this file instead of standard output")

@@ -92,7 +92,7 @@ def offer(result: LogAnalysis) -> Answer:
         if walk is None:
             unresolved = (axis.not_resolved.get("random_walk") for axis in result.axes if axis.quantity == quantity)
             why = next(filter(None, unresolved), "not resolved on all three axes")
-            lines.append(f"{title}: {why}, so no value is offered.")
+            lines.append(f"{title}: {why}, so there is no value to use.")
             continue
         unit, scale = UNITS[quantity]["random_walk"]
         lines.append(

@@ -76,9 +76,7 @@ def theory() -> str:
     parts.append(_folded("symbols", "Symbols", f"{len(ALL_SYMBOLS)} symbols with their units", table))
     works = html_of(Bullets(tuple(WORKS.values())))
     methods = html_of(Bullets(tuple(f"{what}: {work}" for what, work in METHODS), "Methods"))
-    parts.append(
-        _folded("literature", "Literature", f"{len(WORKS)} works and what is taken from them", works + methods)
-    )
+    parts.append(_folded("literature", "Literature", f"{len(WORKS)} works and what each provides", works + methods))
     return validation() + differences() + "".join(parts)
 
 
@@ -144,7 +142,7 @@ def differences() -> str:
     """Published figures that differ from ours, and which one is right."""
     columns = ("Result", "Stated elsewhere", "Here", "Which is right", "Why")
     rows = tuple(map(_difference, record().differences))
-    stated = table("other-figures", "Values stated elsewhere, beside ours", columns, rows)
+    stated = table("other-figures", "Values from elsewhere that differ from ours", columns, rows)
     text = (
         "A paper, another program, a design note or a simpler method gives a different value. A test shows each case."
     )

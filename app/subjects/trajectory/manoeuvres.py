@@ -90,8 +90,8 @@ class ManoeuvreBlock(View):
         if option is None:
             return
         if design != self._session.design:
-            self._bar.message = "Not taken: the design has changed. Fly the candidates again."
+            self._bar.message = "Not applied: the design has changed. Fly the candidates again."
             return
         problem: InputError | None = self._session.change(option.changes, option.written)
         done = f"{option_label(option)} is in the design now. You can undo."
-        self._bar.message = done if problem is None else f"Not taken. {problem}"
+        self._bar.message = done if problem is None else f"Not applied. {problem}"

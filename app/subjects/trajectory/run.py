@@ -95,7 +95,7 @@ def follow(
         heights = design.flight.altitude, design.trajectory.ground or None
         flight = parse_file(file.path.read_bytes(), file.name, *heights).flown(plan_like(design))
     if flight.duration > _MOST_STEPS * design.gnss.interval:
-        message = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes, which is too long for this page; "
+        message = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes: too long for this page; "
         raise InputError("Flight", message + "use the command `navbudget trajectory`")
     fixes = flight.duration / design.gnss.interval
     progress(0.0, f"Following {fixes:.0f} fixes, about {max(fixes * _seconds_per_fix, 1.0):.0f} s")

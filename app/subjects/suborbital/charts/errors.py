@@ -119,7 +119,7 @@ def _split(x: Array, model: Array, truth: Array) -> tuple[Array, Array, str]:
     if not bad.any():
         return holds, fails, f"stays {within} throughout"
     final = f"{show(abs(model[-1]), 'length')} where the INS has {show(abs(truth[-1]), 'length')}"
-    return holds, fails, f"holds {within} until {x[max(last - 1, 0)]:.0f} s; at the end it says {final}"
+    return holds, fails, f"holds {within} until {x[max(last - 1, 0)]:.0f} s; at the end it gives {final}"
 
 
 def _log(values: Array) -> Array:
