@@ -27,7 +27,6 @@ from app.subjects.sar.charts import (
     point_picture,
     quadratic_chart,
     residual_chart,
-    scene_picture,
 )
 from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult, run_strategies
@@ -42,12 +41,10 @@ from app.ui.follower import Follower
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage, exports
-from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, SarStudy, closed_forms
-from nav_model.sar.pictures import scene_pictures
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.study_json import to_json
 
@@ -109,7 +106,6 @@ class SarPage(StudyPage[SarResult]):
                 ("Parts of the error, impulse response in numbers", lambda: runs.text(self._tables)),
                 ("Quadratic phase before autofocus", lambda: design.text(self._quadratic)),
                 ("Best strategy by angle random walk", lambda: design.chart(arw_winner_chart, 400)),
-                ("Eight point targets", lambda: runs.later(self._scene)),
                 ("Your phase history", lambda: self._upload),
                 ("Exports", lambda: runs.later(self._exports)),
             )
@@ -181,27 +177,6 @@ class SarPage(StudyPage[SarResult]):
     def _quadratic(self, budget: Budget) -> str:
         chart: DotChart = quadratic_chart(budget, self._closed, self._runs)
         return head_html(chart.title, chart.knowledge, self._mark, legend_html(chart)) + ranks_html(chart)
-
-    def _scene(self) -> pn.Column:
-        """Formed when first looked at, and again for each result."""
-        panel, run = PicturePanel("Eight point targets", "sar-scene"), self._session.new_run()
-        status = html_pane("<p role='status'>Forming the images …</p>")
-        formed: list[SarResult] = []
-
-        def show(event: Any) -> None:
-            status.object, panel.chart = "", scene_picture(formed[0].study.budget, event.new)
-
-        run.param.watch(show, "result")
-        run.param.watch(lambda event: setattr(status, "object", f"<p>{escape(event.new)}</p>"), "message")
-
-        def follow(result: SarResult) -> None:
-            panel.stale = self._mark
-            if result not in formed:
-                formed[:] = [result]
-                run.start(lambda _: run_in_pool(scene_pictures, result.study.budget, result.study.typical))
-
-        self._of_result.add(follow)
-        return pn.Column(status, panel)
 
     def _exports(self) -> pn.FlexBox:
         def of_strategies(draw: Callable[..., AnyChart]) -> Callable[[SarResult], AnyChart]:
