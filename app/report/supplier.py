@@ -126,7 +126,7 @@ def _meaning(plan: Allotment | None) -> str:
         return f"Largest values of all units together, frozen with design {plan.frozen}"
     if plan is not None:
         return "Largest values within the design's allocation: all at once meet each allocated limit less its reserve"
-    return "Largest values that together meet every limit, if every other input stays as assumed"
+    return "Largest values, IMU and receiver together, that meet every limit; every other input as assumed"
 
 
 def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
