@@ -135,10 +135,19 @@ def test_the_simulations_verdict_says_nees_nis_and_their_bands(told, findings):
     assert list(bullets.items) == document["conditions"]
 
 
+def listed(document: dict[str, Any], rows: tuple[tuple[Cell, ...], ...]) -> list[dict[str, Any]]:
+    """The strategies of a document that a table has; without an outage one of them is another's twin."""
+    names = [row[0].text for row in rows]
+    found = [strategy for strategy in document["strategies"] if strategy["name"] in names]
+    assert len(found) == len(names) >= len(document["strategies"]) - 1
+    return found
+
+
 def test_the_strategies_numbers_are_those_of_the_studys_json_in_millimetres_and_degrees(told, findings):
     document = sar_json(findings["sar"].study)
     degrees = math.degrees(4 * math.pi / document["wavelength_m"])
-    for row, found in zip(table(told, "sar-errors").rows, document["strategies"], strict=True):
+    rows = table(told, "sar-errors").rows
+    for row, found in zip(rows, listed(document, rows), strict=True):
         rms, band = found["residual_rms_over_runs_m"], found["parts_m"]["residual_rms"]
         page = [None if cell.text == "–" else value(cell) for cell in row[4:]]
         whole = [None if x is None else degrees * x for x in (
@@ -156,7 +165,7 @@ def test_the_responses_are_those_of_the_studys_json_both_ways(told, findings):
     document = sar_json(findings["sar"].study)
     lobe, integrated = table(told, "sar-lobe").rows, table(told, "sar-islr").rows
     seen = 0
-    for row, other, found in zip(lobe, integrated, document["strategies"], strict=True):
+    for row, other, found in zip(lobe, integrated, listed(document, lobe), strict=True):
         response = found["impulse_response"]
         if response["width_cells"]["median"] is None:
             assert row[1].text == "not focused"

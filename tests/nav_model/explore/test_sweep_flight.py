@@ -115,7 +115,7 @@ def test_the_example_that_ships_is_a_sweep():
 def test_a_trajectory_file_is_part_of_the_sweep(tmp_path, open_design):
     (tmp_path / "design.toml").write_text(format_design(open_design), encoding="utf-8")
     text = FLOWN.replace("[simulate]", '[simulate]\ntrajectory = "flight.csv"')
-    with pytest.raises(InputError, match="no file that can be read"):
+    with pytest.raises(InputError, match="not a file that can be read"):
         parse_plan(text.encode(), folder=tmp_path)
     lines = ["time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg"]
     lines += [f"{t / 10},45,{t / 10 * 80 / 78846.8:.9f},3000,0,0,90" for t in range(1000)]
@@ -140,7 +140,7 @@ def test_a_trajectory_file_is_part_of_the_sweep(tmp_path, open_design):
         ('outages = ["400 s", "500 s"]', "list of pairs"),
         ('outages = [["80 s", "70 s"]]', "simulate.outages|simulate.outage"),
         ("states = 12", "simulate.states"),
-        ('trajectory = "loop"', "no file that can be read"),
+        ('trajectory = "loop"', "not a file that can be read"),
         ('every = "600 s"', "simulate.every"),
     ],
 )

@@ -321,7 +321,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     page.run.result = Flown(study, 12)
     assert session.findings["simulation"] is study
     assert "✓ Consistent" in said_by(page)
-    assert "Stale" not in said_by(page)
+    assert "Outdated" not in said_by(page)
     assert "Partial" not in said_by(page)
     assert "</svg> tilt</li>" in page._heads[1].object  # the curves of the second stack have no names beside them
     drawn = page._stacks[0]._sources["timelines"].data
@@ -329,11 +329,11 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert page._stacks[1].plots[0].x_range is page._stacks[0].plots[0].x_range
     session.change({"imu.angle_random_walk": 1e-4})
     page.show(session.budget)
-    assert "Stale" in said_by(page)
+    assert "Outdated" in said_by(page)
     session.undo()
     other = _study(runs=7)
     page.run.result = Flown(other, 200)
-    assert "Stale" not in said_by(page)
+    assert "Outdated" not in said_by(page)
     assert "Partial: 7 of 200 runs" in said_by(page)
     assert "✓" not in said_by(page)  # a part is no verdict
     assert session.findings["simulation"] is study  # of all its runs
