@@ -193,7 +193,7 @@ def test_a_crash_of_the_database_loses_nothing_that_was_answered(
 def test_several_processes_that_open_an_old_library_migrate_it_once(
     shared: Library, server: str, at_once: Callable[..., None]
 ) -> None:
-    with shared.write() as connection:
+    with shared.engine.begin() as connection:
         for table in _TABLES[:5]:
             connection.execute(text(f"DROP TABLE {table}"))
         connection.execute(text("UPDATE schema_version SET version = 2"))
