@@ -25,7 +25,7 @@ class Flight(Part):
         slider=True,
     )
     altitude = Quantity(
-        default=4000.0,
+        default=3000.0,
         dimension="length",
         unit="km",
         short="h",
