@@ -25,6 +25,7 @@ from nav_model.base.processes import end_with_parent
 _LOGGER = logging.getLogger("navbudget")
 _SMALL = 400_000_000  # bytes: what a suborbital study leaves is half of it, most of that libraries and kernels
 WAITING = "waiting for another run to finish"
+STARTING = "starting"
 
 
 class RunLost(Exception):
@@ -45,10 +46,13 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
         When the process died.
     """
     visitor = workers.visitor()
-    if _turns().must_wait(visitor):
+    waits = _turns().must_wait(visitor)
+    if waits:
         progress(0.0, WAITING)
     with workers.counted():
         async with _turns().place(visitor):
+            if waits:
+                progress(0.0, STARTING)
             process, held = _take(), None
             try:
                 await asyncio.to_thread(process.ends.send, (function, arguments))

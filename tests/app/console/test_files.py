@@ -44,7 +44,9 @@ def test_a_name_on_several_lines_or_of_no_text_is_one_line_and_changes_no_verdic
             done = subprocess.run([sys.executable, "-m", "app", "check", path], cwd=ROOT, capture_output=True)
             assert (done.returncode, done.stderr) == (code, b"")
             said = done.stdout.decode().splitlines()
-            assert all(line.startswith(f"{one_line(str(path))}: ") for line in said)
+            *rows, verdict = said
+            assert all(row.startswith("  ") for row in rows)
+            assert verdict.startswith(f"{one_line(str(path))}: ")
 
 
 @pytest.mark.parametrize(

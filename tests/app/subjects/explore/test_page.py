@@ -274,7 +274,7 @@ def test_the_librarys_files_are_ranked_kept_and_removed(
     assert "The library holds no offers yet" in press(search._load)
     for name, content in (("a.toml", _many(1, 0)), ("b.toml", _many(2, 0))):
         when_done(lambda name=name, content=content: search._opened(name, content.encode()), search.run)
-        assert f"{name} is kept in the library" in press(search._kept)
+        assert f"{name} is saved in the library" in press(search._kept)
     assert "In several files; the one saved last counts: Unit 0." in press(search._load)
     assert (search._of_library.options, search._of_library.value) == (["a.toml", "b.toml"], "b.toml")
     assert "b.toml was removed" in press(search._removed)
