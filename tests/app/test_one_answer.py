@@ -159,12 +159,14 @@ def test_pages_report_and_command_give_one_verdict() -> None:
     assert min(seen.values()) > COUNT
 
 
-@pytest.mark.long
-def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "count", [pytest.param(10, marks=pytest.mark.long), pytest.param(25, marks=pytest.mark.slow)]
+)
+def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: Path, count: int) -> None:
     """With the values of the budget, and a value of every sheet at once within every limit that one of them keeps."""
     random = np.random.default_rng(281)
     library, keys, reviewed = Library(tmp_path / "library.db"), [], []
-    for number in range(25):
+    for number in range(count):
         design = some_design(random)
         budget = analyse(design)
         if number < REVIEWED:

@@ -84,10 +84,12 @@ def test_outage_of_white_noise_grows_as_its_closed_form() -> None:
     assert row.values["heading"] == pytest.approx(w * math.sqrt(t), rel=1e-6)
 
 
-@pytest.mark.long
-def test_table_gives_back_the_noise_that_made_it() -> None:
+@pytest.mark.parametrize(
+    "count", [pytest.param(20, marks=pytest.mark.long), pytest.param(100, marks=pytest.mark.slow)]
+)
+def test_table_gives_back_the_noise_that_made_it(count: int) -> None:
     rng = np.random.default_rng(42)
-    for _ in range(100):
+    for _ in range(count):
         design = random_unit(rng)
         inversion = invert(design.replace(dict.fromkeys(_WALKS, 0.0001)), map(printed, real_time(design)))
         assert inversion.agree
