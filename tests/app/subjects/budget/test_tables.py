@@ -346,6 +346,7 @@ def test_vendor_table_on_page_report_and_console_is_one(capsys):
     assert "--imu" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_panel_takes_the_implied_noise_into_the_design() -> None:
     session = Session(example("mems_x_band"))
     panel = VendorPanel(session)
