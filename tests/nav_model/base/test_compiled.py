@@ -11,7 +11,7 @@ import pytest
 import nav_model
 from nav_model.base.compiled import room_digest
 
-pytestmark = [pytest.mark.long, pytest.mark.watches("nav_model/base/compiled.py")]
+pytestmark = [pytest.mark.long, pytest.mark.watches("nav_model")]
 
 ROOM = Path(nav_model.__file__).parent
 FLY = """
