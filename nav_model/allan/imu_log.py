@@ -70,19 +70,14 @@ class ImuLog:
     def axes(self) -> list[AxisSignal]:
         """Every axis: gyro_x .. accelerometer_z. InputError if there is none."""
         axes: list[AxisSignal] = []
-        for quantity, signal, first in (
-            ("gyro", self.gyro, self.gyro_axis),
-            ("accelerometer", self.accelerometer, self.accelerometer_axis),
-        ):
+        for quantity in ("gyro", "accelerometer"):
+            signal, first = getattr(self, quantity), getattr(self, f"{quantity}_axis")
             if signal is not None:
-                names = AXIS_LETTERS if signal.shape[1] == 3 else AXIS_LETTERS[first:]
-                rate, breaks = self.rates.get(quantity, self.rate_hz), self.breaks.get(quantity, NO_BREAKS)
-                axes += [
-                    AxisSignal(f"{quantity}_{letter}", quantity, values, rate, breaks)
-                    for letter, values in zip(names, signal.T, strict=False)
-                ]
+                letters = AXIS_LETTERS if signal.shape[1] == 3 else AXIS_LETTERS[first:]
+                sampled = self.rates.get(quantity, self.rate_hz), self.breaks.get(quantity, NO_BREAKS)
+                pairs = zip(letters, signal.T, strict=False)
+                axes += [AxisSignal(f"{quantity}_{letter}", quantity, values, *sampled) for letter, values in pairs]
         if not axes:
-            raise InputError(
-                self.file_name, "The log has neither gyro nor accelerometer data. At least one is needed."
-            )
+            reason = "The log has neither gyro nor accelerometer data. At least one is needed."
+            raise InputError(self.file_name, reason)
         return axes

@@ -2,10 +2,12 @@
 Nothing in the file is executed."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.allan.log_names import COUNTS, Meaning, meaning_of, meanings_of
@@ -74,7 +76,7 @@ class Column(NamedTuple):
 
 class LogContent(NamedTuple):
     """Columns of a file that mean something and the names of the others; what else it states: scales per count, rate;
-    where in the file a row is; whether its last line ends too early."""
+    where in the file a row is; whether its last line ends too early; columns without any number."""
 
     columns: list[Column]
     others: list[str]
@@ -82,6 +84,7 @@ class LogContent(NamedTuple):
     rate_hz: float | None
     place: Callable[[int], str]
     cut: bool = False
+    empty: Sequence[Column] = ()
 
     def of(self, role: str) -> list[Column]:
         """The columns of a sensor, of times or of temperatures."""
@@ -100,18 +103,19 @@ def read_content(content: bytes, name: str, options: LogOptions, limits: Limits)
     Raises InputError under `name`, "columns" or "arrays".
     """
     kind = kind_of(content)
-    if kind is None:
-        if options.arrays:
-            raise InputError("arrays", "The file is a table. Its columns are named by `columns`.", options.arrays)
-        return _from_text(content, name, options, limits)
-    if kind == "an NPZ archive":
-        if options.columns:
-            reason = "The file is an NPZ archive. Its arrays are chosen by `arrays`."
-            raise InputError("columns", reason, options.columns)
-        return _from_npz(content, name, options.arrays or {}, limits)
-    packed = "Unpack it and give the log in it." if kind.endswith("archive") else ""
-    advice = packed or _ADVICE.get(kind, "Write the inertial data as CSV, a row for each sample.")
-    raise InputError(name, f"The file is {kind}. {advice}")
+    if kind is None and options.arrays:
+        raise InputError("arrays", "The file is a table. Its columns are named by `columns`.", options.arrays)
+    if kind == "an NPZ archive" and options.columns:
+        reason = "The file is an NPZ archive. Its arrays are chosen by `arrays`."
+        raise InputError("columns", reason, options.columns)
+    if kind not in (None, "an NPZ archive"):
+        packed = "Unpack it and give the log in it." if kind.endswith("archive") else ""
+        advice = packed or _ADVICE.get(kind, "Write the inertial data as CSV, a row for each sample.")
+        raise InputError(name, f"The file is {kind}. {advice}")
+    read = (_from_npz if kind else _from_text)(content, name, options, limits)
+    empty = [c for c in read.columns if np.isnan(c.values[:1]).all() and np.isnan(c.values).all()]
+    labels = {column.label for column in empty}
+    return read._replace(columns=[column for column in read.columns if column.label not in labels], empty=empty)
 
 
 def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
@@ -162,7 +166,8 @@ def _rate_of(comments: Sequence[str]) -> float | None:
     return None
 
 
-def _from_npz(content: bytes, name: str, chosen: Mapping[str, str], limits: Limits) -> LogContent:
+def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
+    chosen = options.arrays or {}
     arrays = read_npz_arrays(content, name, limits.unpacked_bytes)
     meanings = {label: meaning_of(label) for label in arrays}
     for label, meaning in meanings.items():
@@ -175,13 +180,23 @@ def _from_npz(content: bytes, name: str, chosen: Mapping[str, str], limits: Limi
         of_name = meaning_of(label)
         meanings[label] = Meaning(role, None, of_name.unit if of_name and of_name.role == role else None)
     count_units, rate_hz = _scalars(arrays)
-    columns = [
-        column
-        for label, meaning in meanings.items() if meaning
-        for column in _npz_columns(label, meaning, arrays[label], name, limits)
-    ]  # fmt: skip
+    columns: list[Column] = []
+    for label, meaning in meanings.items():
+        if meaning is None:
+            continue
+        array = arrays[label]
+        triad = meaning.role in SENSORS and meaning.axis is None and array.ndim == 2 and array.shape[1] == 3
+        if not (triad or array.ndim == 1) or not 0 < len(array) <= limits.rows:
+            allowed = f"1 to {limits.rows} rows of one column, or of three for a triad, are allowed"
+            raise InputError(name, f"array {label!r}: shape {array.shape}; {allowed}")
+        axes = [(meaning._replace(axis=axis), array[:, axis]) for axis in range(3)] if triad else [(meaning, array)]
+        columns += [Column(label, *axis) for axis in axes]
     if not any(column.meaning.role in SENSORS for column in columns):
-        columns += _six_columns(arrays, "counts" if count_units else None)
+        # An array of six columns under a telling name is gyro x, y, z then accelerometer x, y, z.
+        unit = "counts" if count_units else None
+        sixes = [label for label in arrays if label.lower() in _SIX_COLUMN_NAMES and arrays[label].shape[1:] == (6,)]
+        for label, i in product(sixes[:1], range(6)):
+            columns.append(Column(label, Meaning(SENSORS[i // 3], i % 3, unit), arrays[label][:, i]))
     used = {column.label for column in columns}
     others = [label for label, array in arrays.items() if array.size > 1 and label not in used]
     return LogContent(columns, others, count_units, rate_hz, lambda row: f"sample {row}")
@@ -201,24 +216,3 @@ def _scalars(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, str], float 
         elif label.lower() in ("dt", "interval", "interval_s", "ts") and value > 0.0:
             rate = 1.0 / value
     return units, rate
-
-
-def _npz_columns(label: str, meaning: Meaning, array: NDArray[Any], name: str, limits: Limits) -> Iterator[Column]:
-    if array.ndim == 0 or not len(array):
-        raise InputError(name, f"array {label!r}: holds no samples")
-    if len(array) > limits.rows:
-        raise InputError(name, f"array {label!r}: {len(array)} rows; at most {limits.rows}")
-    if array.ndim == 1:
-        yield Column(label, meaning, array)
-    elif meaning.role in SENSORS and array.ndim == 2 and array.shape[1] == 3 and meaning.axis is None:
-        yield from (Column(label, meaning._replace(axis=axis), array[:, axis]) for axis in range(3))
-    else:
-        raise InputError(name, f"array {label!r}: shape {array.shape}; one column, or three for a triad, is allowed")
-
-
-def _six_columns(arrays: Mapping[str, NDArray[Any]], unit: str | None) -> Iterator[Column]:
-    """An array of six columns under a telling name is gyro x, y, z then accelerometer x, y, z."""
-    for label, array in arrays.items():
-        if label.lower() in _SIX_COLUMN_NAMES and array.ndim == 2 and array.shape[1] == 6:
-            yield from (Column(label, Meaning(SENSORS[i // 3], i % 3, unit), array[:, i]) for i in range(6))
-            return

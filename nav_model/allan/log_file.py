@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from nav_model.allan.log_names import scale_of
 from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
-from nav_model.base.sampling import Rows, Sampling, held_values, judge_stamps
+from nav_model.base.sampling import Rows, held_values, judge_stamps
 from nav_model.design.file import read_bytes
 
 RATE_TOLERANCE = 0.01
@@ -32,11 +32,13 @@ _EXAMPLES = {
 
 
 class _Clock(NamedTuple):
-    """Rate of the rows and the sampling behind their stamps; the stamps [s], NaN where a row has none, None where
+    """Rate of the rows, their breaks, samples lost and jitter; the stamps [s], NaN where a row has none, None where
     rows follow each other at a stated rate; the column, and how its unit was read."""
 
     rate_hz: float
-    sampling: Sampling
+    breaks: Rows = NO_BREAKS
+    lost: int = 0
+    jitter_s: float = 0.0
     stamps: Array | None = None
     label: str = ""
     reading: str = ""
@@ -77,10 +79,10 @@ def read_log(
     digest = hashlib.sha256(of_file).hexdigest()
     content = read_content(of_file, name, options, limits)
     del of_file
-    reader = _Reader(name, options, content, [])
-    reader.leave_out_empty()
+    notes: list[str] = []
+    reader = _Reader(name, options, content, notes)
     reader.check_complete()
-    signals, content, notes = reader.signals(), reader.content, reader.notes
+    signals = reader.signals()
     rate_hz = max(signal.rate_hz for signal in signals.values())
     if content.others:
         notes.append(f"not used: {_listed(content.others)}")
@@ -102,7 +104,7 @@ def read_log(
 
 @dataclass
 class _Reader:
-    """One log: the name of its file, what the user states, what the file holds, and how that was understood."""
+    """One log: the name of its file, what the user states, what the file holds, and how that is understood."""
 
     name: str
     options: LogOptions
@@ -113,22 +115,14 @@ class _Reader:
         """The error for the file."""
         return InputError(self.name, reason)
 
-    def leave_out_empty(self) -> None:
-        """Drop columns that hold no number at all."""
-        columns = self.content.columns
-        empty = [c.label for c in columns if np.isnan(c.values[:1]).all() and np.isnan(c.values).all()]
-        if not empty:
-            return
-        sensors = {column.label for column in columns if column.meaning.role in SENSORS}
-        if sensors and sensors <= {*empty}:
-            raise self.refuse(f"{_listed(empty)} hold no numbers.")
-        self.content = self.content._replace(columns=[column for column in columns if column.label not in empty])
-        self.notes.append(f"empty: {_listed(empty)}")
-
     def check_complete(self) -> None:
         """Refuse a log without sensors, rate or units, under all that is missing; and units of no sensor in it."""
         content, options = self.content, self.options
         sensors = [role for role in SENSORS if content.of(role)]
+        empty = _listed([column.label for column in content.empty])
+        if not sensors and any(column.meaning.role in SENSORS for column in content.empty):
+            raise self.refuse(f"{empty} hold no numbers.")
+        self.notes += [f"empty: {empty}"] if empty else []
         if not sensors:
             labels = _listed([*content.others, *(column.label for column in content.columns)])
             advice = "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
@@ -137,8 +131,7 @@ class _Reader:
             if (given := options.unit(role)) and role not in sensors:
                 raise InputError(f"{role}_unit", f"{given!r} is given, but the file has no {role}.", given)
         timed = any(len(column.values) > 1 for column in content.of("time"))
-        stated = options.rate_hz is not None or content.rate_hz is not None
-        missing = [] if timed or stated else ["rate"]
+        missing = [] if timed or options.rate_hz is not None or content.rate_hz is not None else ["rate"]
         missing += [f"{role}_unit" for role in sensors if not content.unit(role, options)]
         if missing:
             wanted = " or the ".join(key.replace("_", " ") for key in missing)
@@ -149,28 +142,24 @@ class _Reader:
     def clock(self) -> _Clock:
         """When the rows were. A rate that is given must agree with stamps; one in a comment yields to them."""
         given, commented = self.options.rate_hz, self.content.rate_hz
-        self.check_rate(given)
         clocks = [self.clock_of(column) for column in _joined(self.content.of("time")) if len(column.values) > 1]
         if not clocks:
-            stated = given if given is not None else commented
-            assert stated is not None  # `check_complete` has seen to it
-            self.check_rate(stated)
-            self.notes.append(f"rate {stated:g} Hz as stated")
-            return _Clock(stated, Sampling(1.0 / stated, NO_BREAKS, 0, 0.0))
+            rate = given if given is not None else commented or 0.0
+            self.notes.append(f"rate {rate:g} Hz as stated")
+            return _Clock(rate)
         rates = [clock.rate_hz for clock in clocks]
         if max(rates) > (1.0 + RATE_TOLERANCE) * min(rates):
             each = ", ".join(f"{clock.label!r} {clock.rate_hz:.5g} Hz" for clock in clocks)
             raise self.refuse(f"Several columns are times and disagree: {each}. Say which by `columns` or `arrays`.")
-        clock = min(clocks, key=lambda clock: clock.sampling.jitter_s)
-        rate, jitter = clock.rate_hz, clock.sampling.jitter_s
-        self.check_rate(rate)
-        if given is not None and abs(rate / given - 1.0) > RATE_TOLERANCE:
+        clock = min(clocks, key=lambda clock: clock.jitter_s)
+        rate = clock.rate_hz
+        if given is not None and abs(rate - given) > RATE_TOLERANCE * given:
             raise self.refuse(f"rate stated as {given:g} Hz, but {clock.label!r} runs at {rate:.5g} Hz. Correct one.")
         self.notes.append(f"rate {rate:.6g} Hz from {clock.label}{clock.reading}")
-        if commented is not None and abs(rate / commented - 1.0) > RATE_TOLERANCE:
+        if commented is not None and abs(rate - commented) > RATE_TOLERANCE * commented:
             self.notes.append(f"a comment in the file says {commented:g} Hz, which its stamps contradict")
-        if jitter > _JITTER / rate:
-            self.notes.append(f"jitter of the stamps {1e3 * jitter:.2g} ms (1σ)")
+        if clock.jitter_s > _JITTER / rate:
+            self.notes.append(f"jitter of the stamps {1e3 * clock.jitter_s:.2g} ms (1σ)")
         self.notes += [f"{other.label} not used" for other in clocks if other is not clock]
         return clock if given is None else clock._replace(rate_hz=given)
 
@@ -188,18 +177,14 @@ class _Reader:
             unit = _time_unit(column.label, stamped, sampling.interval_s, self.options.rate_hz)
             reading = "" if unit == "s" else f", taken as {unit}"
         size = scale_of("time", unit).factor
-        sampling = replace(sampling, interval_s=sampling.interval_s * size, jitter_s=sampling.jitter_s * size)
-        return _Clock(1.0 / sampling.interval_s, sampling, values * size, column.label, reading)
-
-    def check_rate(self, rate_hz: float | None) -> None:
-        """Refuse a rate that no log has."""
-        low, high = _RATES
-        if rate_hz is not None and not low <= rate_hz <= high:
-            raise self.refuse(f"A rate of {rate_hz:g} Hz is not allowed. It must be {low:g} to {high:g} Hz.")
+        rate, jitter = 1.0 / (sampling.interval_s * size), sampling.jitter_s * size
+        return _Clock(rate, sampling.breaks, sampling.lost, jitter, values * size, column.label, reading)
 
     def signals(self) -> dict[str, _Signal]:
         """The sensors of the log."""
-        content, clock = self.content, self.clock()
+        content, clock, (low, high) = self.content, self.clock(), _RATES
+        if not low <= clock.rate_hz <= high:
+            raise self.refuse(f"A rate of {clock.rate_hz:g} Hz is not allowed. It must be {low:g} to {high:g} Hz.")
         lengths = {len(column.values) for role in SENSORS for column in content.of(role)}
         if len(lengths) > 1:
             samples = " and ".join(map(str, sorted(lengths)))
@@ -216,7 +201,8 @@ class _Reader:
         """A sensor in SI at its own rate, with breaks where samples are lost."""
         columns, notes = self.axes(role), self.notes
         labels = ", ".join(column.label for column in columns)
-        scale = scale_of(role, self.content.unit(role, self.options) or "")
+        unit = self.content.unit(role, self.options) or ""
+        scale = scale_of(role, unit)
         signal = np.empty((len(columns[0].values), len(columns)))
         for axis, column in enumerate(columns):
             signal[:, axis] = column.values
@@ -225,10 +211,10 @@ class _Reader:
         source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
         values = "increments per sample" if scale.per_sample else "rates"
         by = "" if self.options.unit(role) else columns[0].meaning.convention
-        notes.append(f"{role} from {source}, {values} in {scale.symbol}" + (f" by convention ({by})" if by else ""))
+        notes.append(f"{role} from {source}, {values} in {unit.strip()}" + (f" by convention ({by})" if by else ""))
         # Rows without a value or a time are lost samples.
         rows: Rows | None = None
-        rate, sampling = clock.rate_hz, clock.sampling
+        rate, breaks, lost = clock.rate_hz, clock.breaks, clock.lost
         usable = ~np.isnan(signal).any(axis=1)
         if clock.stamps is not None:
             usable &= np.isfinite(clock.stamps)
@@ -239,10 +225,10 @@ class _Reader:
             signal = signal[rows]
             stamps = rows / rate if clock.stamps is None else clock.stamps[rows]
             sampling = judge_stamps(stamps, self.name, lambda row: self.content.place(int(of_rows[row])))
+            breaks, lost = sampling.breaks, sampling.lost
             if abs(sampling.interval_s * rate - 1.0) > RATE_TOLERANCE:
                 rate = 1.0 / sampling.interval_s
                 notes.append(f"{role} in every {clock.rate_hz / rate:.3g}th row or so, {rate:.6g} Hz")
-        breaks = sampling.breaks
         if held := held_values(signal, breaks):
             first, length = held
             how = f"analysed at its own {rate / length:.6g} Hz"
@@ -251,10 +237,10 @@ class _Reader:
             breaks = np.unique(np.searchsorted(first, breaks))
         signal *= scale.factor * (rate if scale.per_sample else 1.0)
         self.check_size(role, signal, rows)
-        if sampling.lost:
+        if lost:
             longest = float(np.diff(np.concatenate([[0], breaks, [len(signal)]])).max()) / rate
             stretches = f"{len(breaks) + 1} stretches, the longest of {longest:.3g} s"
-            notes.append(f"{sampling.lost} samples lost, so read in {stretches}")
+            notes.append(f"{lost} samples lost, so read in {stretches}")
         return _Signal(signal, rate, breaks, rows)
 
     def axes(self, role: str) -> list[Column]:
@@ -284,13 +270,11 @@ class _Reader:
 
     def temperature(self, signals: Mapping[str, _Signal]) -> Array | None:
         """Temperature at the samples, where it has one for each of them and all sensors share them."""
-        column = next(iter(self.content.of("temperature")), None)
-        if column is None:
+        if not (columns := self.content.of("temperature")):
             return None
-        values = np.asarray(column.values, dtype=np.float64)
-        rows = next(iter(signals.values())).rows
-        if rows is not None and len(rows) and rows[-1] < len(values):
-            values = values[rows]
+        values, rows = np.asarray(columns[0].values, dtype=np.float64), next(iter(signals.values())).rows
+        if rows is not None:
+            values = values[rows[rows < len(values)]]
         if any(len(values) != len(signal.values) for signal in signals.values()) or not np.isfinite(values).all():
             self.notes.append("temperature ignored: sampled differently from the sensors")
             return None

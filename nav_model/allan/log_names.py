@@ -21,7 +21,6 @@ class Scale(NamedTuple):
 
     factor: float
     per_sample: bool
-    symbol: str
 
 
 class Meaning(NamedTuple):
@@ -55,13 +54,10 @@ _ROLES: Final = (
     ("accelerometer", r"linearacceleration|linacc|specificforce|force|arss|fib|fibb"),
     ("accelerometer", r"dvel|dv|deltav|deltavelocity|velinc"),
 )  # fmt: skip
-_NEUTRAL: Final = frozenset(
-    re.findall(
-        r"\w+",
-        "imu sensor sensors combined field msg message data body calibrated cal corrected filtered measured"
-        " compensated output value in header sample since start startup elapsed system device host unix epoch"
-        " utc log logging gps txt scaled out uncomp",
-    )
+_NEUTRAL: Final = (
+    "imu sensor sensors combined field msg message data body calibrated cal corrected filtered measured compensated "
+    "output value in header sample since start startup elapsed system device host unix epoch utc log logging gps txt "
+    "scaled out uncomp"
 )
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
 _SI: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
@@ -100,13 +96,10 @@ def scale_of(role: str, unit: str) -> Scale:
     for dimension, per_sample in _DIMENSIONS[role]:
         factor = size_of_unit(of_count, dimension)
         if factor is not None and 0.0 < factor < math.inf:
-            return Scale(factor, per_sample, unit.strip())
+            return Scale(factor, per_sample)
     allowed = ", ".join(_OFFERED.get(role, ("s", "ms", "us", "ns")))
-    raise InputError(
-        f"{role}_unit",
-        f"{unit!r} is not understood; allowed: {allowed}, or a number and one of these per count",
-        unit,
-    )
+    reason = f"{unit!r} is not understood; allowed: {allowed}, or a number and one of these per count"
+    raise InputError(f"{role}_unit", reason, unit)
 
 
 def meanings_of(names: Sequence[str]) -> list[Meaning | None]:
@@ -178,7 +171,7 @@ def _words(text: str) -> list[str]:
 
 def _from_words(words: list[str]) -> Meaning | None:
     words = words[2:] if words[:1] == ["imu"] and len(words) > 1 and words[1].isdigit() else words
-    joined = "".join(word for word in words if word not in _NEUTRAL)
+    joined = "".join(word for word in words if word not in _NEUTRAL.split())
     joined = joined or ("time" if {"epoch", "elapsed"} & {*words} else "")
     stems: list[tuple[str, int | None]] = [(joined, None)]
     if len(joined) > 1 and joined[-1] in "xyz":

@@ -9,12 +9,7 @@ from typing import Any
 import numpy as np
 
 from nav_model.allan.axis_fit import WORST_MODEL_ERROR, AxisFit, fit_axis
-from nav_model.allan.deviation import (
-    NOISE_ALPHA,
-    AllanDeviation,
-    averaging_times,
-    overlapping_allan_deviation,
-)
+from nav_model.allan.deviation import NOISE_ALPHA, AllanDeviation, averaging_times, overlapping_allan_deviation
 from nav_model.allan.imu_log import AxisSignal, ImuLog
 from nav_model.allan.likelihood import Estimate
 from nav_model.allan.noise_terms import STOCHASTIC_TERMS, TERMS, allan_variance
@@ -84,10 +79,8 @@ def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:
         return without_noise(_Missing(reason, "saturated"), warning)
     spectrum = cosine_spectrum(signal, interval_s, breaks)
     if spectrum.repeats:
-        reason = (
-            "not resolved: the signal repeats itself exactly, so that its spectrum is empty between lines; no "
-            "sensor's noise does"
-        )
+        shape = "the signal repeats itself exactly, so that its spectrum is empty between lines"
+        reason = f"not resolved: {shape}; no sensor's noise does"
         warning = "repeats itself exactly: a stretch copied behind itself, or a made-up signal"
         return without_noise(_Missing(reason, "repeating"), warning)
     fit = fit_axis(spectrum)
@@ -100,22 +93,13 @@ def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:
         estimate = fit.fit.ramp if term == "ramp" else _root(squares[term])
         outcomes[term] = _coefficient(term, axis.quantity, estimate, fit, deviation, effective)
     return of_axis(
-        outcomes,
-        deviation=deviation,
-        white_floor=math.sqrt(squares["random_walk"].value),
-        effective_at_1s=effective,
-        band_hz=fit.band_hz,
-        lines_hz=fit.lines_hz,
-        model_error=fit.model_error,
+        outcomes, deviation=deviation, white_floor=math.sqrt(squares["random_walk"].value), effective_at_1s=effective,
+        band_hz=fit.band_hz, lines_hz=fit.lines_hz, model_error=fit.model_error,
         warnings=_fit_warnings(fit, outcomes) + axis_warnings(signal, interval_s, temperature_c),
-    )
+    )  # fmt: skip
 
 
-def _axis_noise(
-    axis: AxisSignal,
-    outcomes: Mapping[str, Coefficient | _Missing],
-    **fitted: Any,
-) -> AxisNoise:
+def _axis_noise(axis: AxisSignal, outcomes: Mapping[str, Coefficient | _Missing], **fitted: Any) -> AxisNoise:
     """The axis with what was outcome of each term, and with the other fields as they are `fitted`."""
     resolved = {term: outcome for term, outcome in outcomes.items() if isinstance(outcome, Coefficient)}
     missing = {term: outcome for term, outcome in outcomes.items() if isinstance(outcome, _Missing)}
@@ -143,12 +127,7 @@ def _root(square: Estimate) -> Estimate:
 
 
 def _coefficient(
-    term: str,
-    quantity: str,
-    estimate: Estimate,
-    fit: AxisFit,
-    deviation: AllanDeviation,
-    effective: float | None,
+    term: str, quantity: str, estimate: Estimate, fit: AxisFit, deviation: AllanDeviation, effective: float | None
 ) -> Coefficient | _Missing:
     """The coefficient, or the reason why the log does not show it."""
     if fit.model_error > WORST_MODEL_ERROR:

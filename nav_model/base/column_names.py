@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import NamedTuple
 
 from nav_model.base.errors import InputError
 from nav_model.base.units import parse_quantity
@@ -17,22 +16,14 @@ _RUN_TOGETHER = {
 }  # fmt: skip
 
 
-class NamedUnit(NamedTuple):
-    """A name and its unit; empty: none. sure: brackets say that it is one."""
-
-    name: str
-    unit: str
-    sure: bool
-
-
-def parted(text: str) -> Iterator[NamedUnit]:
-    """The ways to part a column's name from its unit, the likeliest first."""
+def parted(text: str) -> Iterator[tuple[str, str, bool]]:
+    """The ways to part a column's name from its unit, the likeliest first; whether brackets say that it is one."""
     if match := _BRACKETS.fullmatch(text):
-        yield NamedUnit(match[1], match[2].strip(), True)
+        yield match[1], match[2].strip(), True
         return
-    yield NamedUnit(text, "", False)
+    yield text, "", False
     for start in reversed([place.start() for place in _UNIT_MAY_START.finditer(text)]):
-        yield NamedUnit(text[:start], text[start:].strip(" _"), False)
+        yield text[:start], text[start:].strip(" _"), False
 
 
 def size_of_unit(unit: str, dimension: str) -> float | None:

@@ -52,10 +52,7 @@ class Dimension:
     def scale(self, text: str) -> Scale:
         """What the text after a number says.
 
-        Raises
-        ------
-        InputError
-            If it is no unit of this kind, or its accuracy cannot be brought to one sigma.
+        Raises InputError if it is no unit of this kind, or its accuracy cannot be brought to one sigma.
         """
         return Scale(text, self.units[text]) if text in self.units else _scale(text, self.name)
 

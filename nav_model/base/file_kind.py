@@ -2,6 +2,7 @@
 
 import codecs
 import re
+from collections import deque
 from collections.abc import Mapping
 from typing import Final
 
@@ -23,6 +24,7 @@ _TEXTS: Final = (
     (r"[#%](RAW|CORR|INS|BEST|IMU)[A-Z]+A,", "messages of a NovAtel receiver"),
 )
 _START = 4096
+_PIECE = 1 << 20
 _ZIPPED: Final[Mapping[bytes, str]] = {
     b".npy": "an NPZ archive", b"xl/": "an Excel workbook", b".kml": "a KMZ archive",
 }  # fmt: skip
@@ -60,11 +62,9 @@ def text_encoding(content: bytes) -> str | None:
         return None
     if content.isascii():
         return "utf-8"
-    decoder = codecs.getincrementaldecoder("utf-8")()
-    view, step = memoryview(content), 1 << 20
+    pieces = (content[at : at + _PIECE] for at in range(0, len(content), _PIECE))
     try:
-        for at in range(0, len(content), step):
-            decoder.decode(view[at : at + step], final=at + step >= len(content))
+        deque(codecs.iterdecode(pieces, "utf-8"), maxlen=0)
     except UnicodeDecodeError:
         return "cp1252"
     return "utf-8-sig"

@@ -34,67 +34,48 @@ def read_npz_arrays(
 
     `kinds` are NumPy's letters of the dtypes that are allowed. Memory and time are bounded by `most_bytes`.
 
-    Raises
-    ------
-    InputError
-        For a broken archive, members that are not .npy arrays, object (pickle) or text dtypes, arrays whose header or
-        directory entry declares more than `most_bytes` in total, and entries whose two sizes disagree.
+    Raises InputError for a broken archive, members that are not .npy arrays, object (pickle) or text dtypes,
+    arrays whose header or directory entry declares more than `most_bytes` in total, and entries whose two sizes
+    disagree.
     """
+    arrays: dict[str, NDArray[Any]] = {}
+    what = "not a readable NPZ archive"
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            return _read_members(archive, file_name, most_bytes, kinds, names)
+            members = [m for m in archive.infolist() if names is None or m.filename.removesuffix(".npy") in names]
+            if len(members) > _MOST_MEMBERS:
+                raise InputError(file_name, f"{len(members)} arrays; at most {_MOST_MEMBERS}")
+            if (declared := sum(member.file_size for member in members)) > most_bytes:
+                most = f"at most {most_bytes / 1e6:.0f} MB are allowed"
+                raise InputError(file_name, f"unpacks to {declared / 1e6:.0f} MB; {most}")
+            for member in members:
+                name = member.filename.removesuffix(".npy")
+                where = f"array {name!r}"
+                what = f"{where}: not a readable .npy array"
+                if not member.filename.endswith(".npy") or member.flag_bits & 1:
+                    raise InputError(file_name, f"{where}: not a plain .npy array")
+                with archive.open(member) as handle:
+                    shape, dtype = _header(handle)
+                if dtype.kind not in kinds:
+                    reason = f"holds {dtype}, not numbers; objects and text are never unpacked"
+                    raise InputError(file_name, f"{where}: {reason}")
+                if (size := math.prod(shape) * dtype.itemsize) > member.file_size:
+                    reason = f"its header declares {size} bytes, the archive holds {member.file_size}"
+                    raise InputError(file_name, f"{where}: {reason}")
+                with archive.open(member) as handle:
+                    arrays[name] = np.lib.format.read_array(handle, allow_pickle=False)
     except InputError:
         raise
     except DAMAGED as error:
-        raise InputError(file_name, f"not a readable NPZ archive ({_said(error)})") from error
-
-
-def _read_members(
-    archive: zipfile.ZipFile, file_name: str, most_bytes: int, kinds: str, names: Container[str] | None
-) -> dict[str, NDArray[Any]]:
-    members = [m for m in archive.infolist() if names is None or m.filename.removesuffix(".npy") in names]
-    if len(members) > _MOST_MEMBERS:
-        raise InputError(file_name, f"{len(members)} arrays; at most {_MOST_MEMBERS}")
-    declared = sum(member.file_size for member in members)
-    if declared > most_bytes:
-        raise InputError(
-            file_name, f"unpacks to {declared / 1e6:.0f} MB; at most {most_bytes / 1e6:.0f} MB are allowed"
-        )
-    arrays: dict[str, NDArray[Any]] = {}
-    for member in members:
-        name = member.filename.removesuffix(".npy")
-        where = f"array {name!r}"
-        if not member.filename.endswith(".npy") or member.flag_bits & 1:
-            raise InputError(file_name, f"{where}: not a plain .npy array")
-        with archive.open(member) as handle:
-            size = _declared_size(handle, file_name, where, kinds)
-        if size > member.file_size:
-            raise InputError(
-                file_name, f"{where}: its header declares {size} bytes, the archive holds {member.file_size}"
-            )
-        with archive.open(member) as handle:
-            try:
-                arrays[name] = np.lib.format.read_array(handle, allow_pickle=False)
-            except DAMAGED as error:
-                raise InputError(file_name, f"{where}: {_said(error)}") from error
+        # Without the file's own lines, which an error of syntax quotes.
+        reason = str(error.msg) if isinstance(error, SyntaxError) else str(error).partition("\n")[0]
+        raise InputError(file_name, f"{what} ({reason})") from error
     return arrays
 
 
-def _declared_size(handle: Any, file_name: str, where: str, kinds: str) -> int:
-    """Bytes of data the .npy header promises; refuses anything but numbers."""
-    try:
-        version = np.lib.format.read_magic(handle)
-        read_header = (
-            np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        )
-        shape, _, dtype = read_header(handle, max_header_size=_HEADER_ALLOWANCE)
-    except DAMAGED as error:
-        raise InputError(file_name, f"{where}: not a readable .npy array ({_said(error)})") from error
-    if dtype.kind not in kinds:
-        raise InputError(file_name, f"{where}: holds {dtype}, not numbers; objects and text are never unpacked")
-    return math.prod(shape) * dtype.itemsize
-
-
-def _said(error: BaseException) -> str:
-    """The reason, without the file's own lines that an error of syntax quotes."""
-    return str(error.msg) if isinstance(error, SyntaxError) else str(error).partition("\n")[0]
+def _header(handle: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type that the .npy header promises."""
+    version = np.lib.format.read_magic(handle)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(handle, max_header_size=_HEADER_ALLOWANCE)
+    return shape, dtype

@@ -10,6 +10,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import NamedTuple
@@ -63,12 +64,9 @@ class NumberTable:
     def columns(self, places: Sequence[int], most_rows: int, most_bytes: int, times: Collection[int] = ()) -> Columns:
         """The columns at `places`, counted from zero; a field of those in `times` may be a date or a time of day [s].
 
-        Raises
-        ------
-        InputError
-            Under the file's name, with line and column: text or an infinity where a number belongs, another number of
-            fields than in the rows before, decimal commas beside decimal points, more than `most_rows` rows, or more
-            than `most_bytes` of numbers.
+        Raises InputError under the file's name, with line and column: text or an infinity where a number belongs,
+        another number of fields than in the rows before, decimal commas beside decimal points, more than `most_rows`
+        rows, or more than `most_bytes` of numbers.
         """
         allowed = min(most_rows, most_bytes // (8 * max(1, len(places))))
         possible = max(self.content.count(b"\n"), self.content.count(b"\r")) + 1
@@ -77,23 +75,23 @@ class NumberTable:
         text = _text(self.content, self.encoding)
         for _ in self.comments:
             text.readline()
-        rows, line, cut = 0, len(self.comments) + 1, False
+        row, line, cut = 0, len(self.comments) + 1, False
         following = self._piece(text)
         while piece := following:
             following = self._piece(text)
             count = piece.count("\n") + (not piece.endswith("\n"))
-            block = None if piece.isspace() else self._at_once(piece, count, places)
             offsets = np.arange(count, dtype=np.int32)
+            block = None if piece.isspace() else self._at_once(piece, count, places)
             if block is None:
                 block, offsets, cut = self._by_field(piece, line, places, times, last=not following)
-            if rows + len(block) > allowed:
+            end = row + len(block)
+            if end > allowed:
                 many = f"The file has more than {most_rows} rows. Cut it."
                 much = f"More than {most_bytes / 1e6:.0f} MB of numbers. Leave out columns."
                 raise InputError(self.file_name, many if allowed == most_rows else much)
-            values[rows : rows + len(block)] = block
-            line_of[rows : rows + len(block)] = line + offsets
-            rows, line = rows + len(block), line + count
-        return Columns(values[:rows], line_of[:rows], cut)
+            values[row:end], line_of[row:end] = block, line + offsets
+            row, line = end, line + count
+        return Columns(values[:row], line_of[:row], cut)
 
     def _piece(self, text: io.TextIOWrapper) -> str:
         """The next million characters, to the end of a line."""
@@ -113,10 +111,9 @@ class NumberTable:
         some = places if self.delimiter and (len(places) < self.width or self.ends_open) else None
         if some and piece.count(self.delimiter or "") != lines * (self.width - 1 + self.ends_open):
             return None
+        rows = io.StringIO(piece)
         try:
-            block = np.loadtxt(
-                io.StringIO(piece), delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, usecols=some
-            )
+            block = np.loadtxt(rows, delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, usecols=some)
         except ValueError:
             return None
         # It passes over empty lines, which are counted.
@@ -162,11 +159,8 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
     Lines above the first row, and lines that begin with # or %, are comments. Between anything but commas, a comma
     may be a decimal comma.
 
-    Raises
-    ------
-    InputError
-        Under the file's name: it is no text, holds no numbers, has very long lines or more than 1000 columns, or has
-        decimal commas between commas.
+    Raises InputError under the file's name: it is no text, holds no numbers, has very long lines or more than
+    1000 columns, or has decimal commas between commas.
     """
     encoding = text_encoding(content)
     if encoding is None:
@@ -201,11 +195,9 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
     names = len(head[first - 1].split(",")) if first else 0
     numbers = head[first].split(",") if delimiter == "," and not headers else []
     if 1 < names < len(numbers) <= 2 * names and all(map(_WHOLE.fullmatch, numbers)):
-        raise InputError(
-            file_name,
-            f"line {first + 1}: {len(numbers)} numbers under {names} names. These are decimal commas between commas. "
-            "Write the file with semicolons or tabs between the columns, or with decimal points.",
-        )
+        counts = f"line {first + 1}: {len(numbers)} numbers under {names} names"
+        advice = "Write the file with semicolons or tabs between the columns, or with decimal points."
+        raise InputError(file_name, f"{counts}. These are decimal commas between commas. {advice}")
     return NumberTable(file_name, headers, tuple(head[:first]), width, delimiter, ends_open, encoding, content)
 
 
@@ -229,17 +221,14 @@ def _fields(line: str, delimiter: str | None) -> list[str]:
     return next(csv.reader([line], delimiter=delimiter), []) if '"' in line else line.split(delimiter)
 
 
-def _numeric(fields: list[str]) -> int:
+def _numeric(fields: Sequence[str]) -> int:
     """How many of them are numbers, with a point or a comma."""
-    return sum(1 for text in fields if _is_number(text.replace(",", ".")))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    count = 0
+    for text in fields:
+        with suppress(ValueError):
+            float(text.replace(",", "."))
+            count += 1
+    return count
 
 
 def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[tuple[str, ...], ...]:
@@ -253,7 +242,7 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
             names = tuple(name.strip() for name in _fields((bare if mark else glued).rstrip(mark), mark))
             if delimiter is None and len(names) == width - 1 and _SPANS_TWO.fullmatch(names[0]):
                 names = ("date", *names)  # a blank between date or week, and time
-            if len(names) == width and not all(map(_is_number, names)):
+            if len(names) == width and _numeric(names) < width:
                 headers.append(names)
                 break
     return tuple(headers)

@@ -40,31 +40,27 @@ class Sampling:
 def judge_stamps(stamps: Array, name: str, place: Callable[[int], str]) -> Sampling:
     """The sampling behind the time stamps [s] of all samples, shape (samples,), two at least.
 
-    Raises
-    ------
-    InputError
-        Under `name`, with the `place` of a sample in the file: the time does not increase, runs backwards, or comes
-        from two clocks.
+    Raises InputError under `name`, with the `place` of a sample in the file: the time does not increase, runs
+    backwards, or comes from two clocks.
     """
     steps = np.diff(stamps)
-    interval = float(np.median(steps))
-    if np.all(np.abs(steps - interval) < _WHOLE * interval):  # as most logs are
-        interval = float(stamps[-1] - stamps[0]) / len(steps)
-        return _sampling(interval, np.zeros(len(steps)), float(np.std(steps)) / np.sqrt(2.0))
     _check_clock(stamps, steps, name, place)
+    interval = float(np.median(steps))
     if interval > 0.0:
         whole = np.maximum(np.rint(steps / interval), 1.0)
-        if np.all(np.abs(steps - whole * interval) < _WHOLE * interval) and np.mean(whole > 1.0) < _MOST_GAPS:
+        residual = steps - whole * interval
+        if np.all(np.abs(residual) < _WHOLE * interval) and np.mean(whole > 1.0) < _MOST_GAPS:
             # Each step says by itself how many intervals it spans.
             interval = float(stamps[-1] - stamps[0]) / float(whole.sum())
             return _sampling(interval, whole - 1.0, float(np.std(steps - whole * interval)) / np.sqrt(2.0))
+    backwards = InputError(name, f"{place(int(np.argmin(steps)) + 1)}: the time does not increase.")
     # Over many samples jitter and bursts are small, and a tenth of such spans or more has lost hardly any sample.
     lag = min(_LAG, max(1, len(steps) // 4))
     interval = float(np.quantile(stamps[lag:] - stamps[:-lag], 0.1 if lag == _LAG else 0.5)) / lag
     if interval <= 0.0:
-        raise InputError(name, f"{place(int(np.argmin(steps)) + 1)}: the time does not increase.")
+        raise backwards
     for _ in range(2):  # the second time with the interval that the first has found
-        missing, jitter = _missing(steps, interval, name, place)
+        missing, jitter = _missing(steps, interval, backwards)
         interval = _slope(np.concatenate([[0.0], np.cumsum(missing + 1.0)]), stamps, missing > _PAUSE)
     return _sampling(interval, missing, jitter)
 
@@ -94,7 +90,7 @@ def _check_clock(stamps: Array, steps: Array, name: str, place: Callable[[int], 
     raise InputError(name, f"{jump}. Two logs are behind one another, or the clock was set. Cut the log there.")
 
 
-def _missing(steps: Array, interval: float, name: str, place: Callable[[int], str]) -> tuple[Array, float]:
+def _missing(steps: Array, interval: float, backwards: InputError) -> tuple[Array, float]:
     """Samples lost in each step, and the jitter, from where the stamps leave their line for good.
 
     The line about a sample is the median over many of means over few: the means take bursts, the median late stamps
@@ -119,7 +115,7 @@ def _missing(steps: Array, interval: float, name: str, place: Callable[[int], st
         if lift.min() >= -0.5:
             break
     else:
-        raise InputError(name, f"{place(int(np.argmin(steps)) + 1)}: the time does not increase.")
+        raise backwards
     # How far the means of the samples after a step are above those before it; the step itself decides between equals.
     about = np.pad(means, size // 2 + 1, mode="edge")
     score = about[size + 2 :][: len(steps)] - about[2:][: len(steps)] + 0.5 * (spans - 1.0)

@@ -66,12 +66,7 @@ def plain_signs(text: str) -> str:
 def product_of(text: str) -> Product:
     """The product that a text is; its powers are whole or half numbers.
 
-    Raises
-    ------
-    InputError
-        If a name in it has two meanings.
-    ValueError
-        If it is none.
+    Raises InputError if a name in it has two meanings, ValueError if it is none.
     """
     text = re.sub("\\^?[⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ½]+", lambda m: f"^{m[0].lstrip('^').translate(RAISED)}", plain_signs(text))
     text = re.sub(r"\s+squared\b", "^2", _APART.sub(r"\1", text)).strip()
@@ -127,11 +122,10 @@ def spelled(product: Product) -> str:
 
 
 def _named(name: str) -> Product:
-    product = _NAMES.get(name)
-    if product is None and len(name) > 1:
-        if name.lower() in _TWO_MEANINGS:
-            raise InputError("quantity", f"{name!r} has two meanings. Write {_TWO_MEANINGS[name.lower()]}.", name)
-        product = _FOLDED.get(name.lower())
+    folded = name.lower()
+    if name not in _NAMES and folded in _TWO_MEANINGS:
+        raise InputError("quantity", f"{name!r} has two meanings. Write {_TWO_MEANINGS[folded]}.", name)
+    product = _NAMES.get(name) or (_FOLDED.get(folded) if len(name) > 1 else None)
     if product is None:
         raise ValueError(f"{name!r} is not the name of a unit")
     return product
@@ -139,17 +133,14 @@ def _named(name: str) -> Product:
 
 def size_of(product: Product) -> tuple[Fraction, Product]:
     """One of a product in SI, and its base units: exact but for roots that are not rational, which have 40 digits."""
-    size, squared = Fraction(1), Fraction(1)
+    squared = Fraction(1)
     base: dict[str, Fraction] = {}
     for symbol, power in product.items():
         factor, of_base = UNITS[symbol]
-        if power.denominator == 1:
-            size *= factor ** int(power)
-        else:
-            squared *= factor ** int(2 * power)
+        squared *= factor ** int(2 * power)
         for unit, inner in of_base.items():
             base[unit] = base.get(unit, Fraction(0)) + inner * power
-    return size * root_of(squared), {unit: power for unit, power in base.items() if power}
+    return root_of(squared), {unit: power for unit, power in base.items() if power}
 
 
 def root_of(squared: Fraction) -> Fraction:

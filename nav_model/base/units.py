@@ -49,10 +49,8 @@ def parse_quantity(text: str, dimension: str) -> Parsed:
     """Read a quantity string: a number and a unit of a dimension (key of `DIMENSIONS`), such as ``"0.5 °/√h"``,
     ``"80 ug/sqrt(Hz)"`` or ``"45°"``.
 
-    Raises
-    ------
-    InputError
-        If there is no number, no unit, the unit belongs to another dimension, or no float holds the value.
+    Raises InputError if there is no number, no unit, the unit belongs to another dimension, or no float holds the
+    value.
     """
     exact, symbol = parse_exact(text, dimension)
     try:
@@ -128,10 +126,7 @@ def _from_its_number(text: str) -> str:
 def _place(text: str, letters: str) -> Fraction | None:
     """Degrees of 48°12'30" or 48.2° N; None for a text of another kind.
 
-    Raises
-    ------
-    InputError
-        For minutes or seconds above 60, or a letter that the angle does not take.
+    Raises InputError for minutes or seconds above 60, or a letter that the angle does not take.
     """
     match = _PLACE.fullmatch(text)
     if match is None or not (match[1] or match[4] or match[6]):
@@ -199,16 +194,9 @@ def format_quantity(
 ) -> str:
     """Print a value in SI as a quantity string, ``"0.5 °/√h"`` or ``"45°"``.
 
-    Parameters
-    ----------
-    unit : str
-        Canonical symbol, or what follows the number, as `parse_quantity` has it.
-    digits : int, optional
-        Significant digits. Without it, the fewest that read back as exactly the same float.
-    zeros : bool
-        Whether zeros at the end count as digits: ``"0.500 °/√h"``.
-    baseline : float
-        Distance from the base station [m], where the unit has a part for each kilometre.
+    unit: canonical symbol, or what follows the number, as `parse_quantity` has it. digits: significant ones; without
+    it, the fewest that read back as exactly the same float. zeros: whether those at the end count: ``"0.500 °/√h"``.
+    baseline: distance from the base station [m], where the unit has a part for each kilometre.
     """
     kind = DIMENSIONS[dimension]
     exact = kind.number(Fraction(value), unit, baseline)

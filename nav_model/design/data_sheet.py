@@ -42,10 +42,7 @@ def read_data_sheet(text: str) -> SheetValues:
     instability is the residual bias until the user knows better. Nothing is guessed: a second value of an input, a
     name that is not known and a value that cannot be read are in `rest`.
 
-    Raises
-    ------
-    InputError
-        For a text longer than a data sheet's table.
+    Raises InputError for a text longer than a data sheet's table.
     """
     if len(text) > _LONGEST:
         raise InputError("data sheet", f"The text is longer than {_LONGEST} characters. Paste the table alone.")

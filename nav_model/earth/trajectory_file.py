@@ -6,7 +6,6 @@ start with # are passed over. Time may start anywhere and need not be evenly spa
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -29,22 +28,13 @@ class FileBounds:
     largest: Mapping[str, float] = field(default_factory=dict)
 
 
-class TrajectoryTable(NamedTuple):
-    """Samples (n, 7) in the order of `COLUMNS`: time from zero [s], angles [rad], height [m]; line of each sample."""
+def read_trajectory_table(content: bytes, name: str, bounds: FileBounds) -> tuple[Array, list[int]]:
+    """Samples (n, 7) of a trajectory file in the order of `COLUMNS` [s from the first, rad, m], and the line of each;
+    of its text, one byte more than `bounds` allows is enough.
 
-    samples: Array
-    lines: list[int]
-
-
-def read_trajectory_table(content: bytes, name: str, bounds: FileBounds) -> TrajectoryTable:
-    """Samples of a trajectory file; of its text, one byte more than `bounds` allows is enough.
-
-    Raises
-    ------
-    InputError
-        Under the file's name, with the line and the column of the first thing that is wrong: no table, too large, a
-        missing column, a value that is not a finite number or is out of bounds, time that does not increase, too
-        few or too many rows.
+    Raises InputError under the file's name, with the line and the column of the first thing that is wrong: no
+    table, too large, a missing column, a value that is not a finite number or is out of bounds, time that does
+    not increase, too few or too many rows.
     """
     if len(content) > bounds.most_bytes:
         raise InputError(name, f"larger than {bounds.most_bytes // 1_000_000} MB; not a trajectory")
@@ -58,7 +48,7 @@ def has_trajectory(header: Sequence[str]) -> bool:
     return set(COLUMNS) <= {cell.lower() for cell in header}
 
 
-def trajectory_of(table: NumberTable, bounds: FileBounds) -> TrajectoryTable:
+def trajectory_of(table: NumberTable, bounds: FileBounds) -> tuple[Array, list[int]]:
     """Samples of a table with the names of `COLUMNS`; raises as `read_trajectory_table`."""
     names = next(filter(has_trajectory, table.headers), table.headers[0] if table.headers else ())
     header = [cell.lower() for cell in names]
@@ -70,7 +60,7 @@ def trajectory_of(table: NumberTable, bounds: FileBounds) -> TrajectoryTable:
     samples[:, _DEGREES] = np.radians(samples[:, _DEGREES])
     check_samples(samples, lines, table.file_name, bounds)
     samples[:, 0] -= samples[0, 0]
-    return TrajectoryTable(samples, lines)
+    return samples, lines
 
 
 def check_samples(samples: Array, lines: Sequence[int], name: str, bounds: FileBounds, noun: str = "line") -> None:
@@ -80,14 +70,11 @@ def check_samples(samples: Array, lines: Sequence[int], name: str, bounds: FileB
         raise InputError(name, f"{len(samples)} rows; at least {bounds.fewest_rows} are needed")
     for place, column in enumerate(COLUMNS):
         values = np.degrees(samples[:, place]) if place in _DEGREES else samples[:, place]
-        bound = bounds.largest.get(column, np.inf)
-        for wrong, reason in (
-            (~np.isfinite(values), "must be a finite number"),
-            (np.abs(values) > bound, f"must be between {-bound:g} and {bound:g}"),
-        ):
-            if wrong.any():
-                row = int(np.argmax(wrong))
-                raise InputError(name, f"{noun} {lines[row]}: {column} = {values[row]:.12g}: {reason}")
+        bound, finite = bounds.largest.get(column, np.inf), np.isfinite(values)
+        if (wrong := np.flatnonzero(~finite | (np.abs(values) > bound))).size:
+            row = wrong[0]
+            reason = f"must be between {-bound:g} and {bound:g}" if finite[row] else "must be a finite number"
+            raise InputError(name, f"{noun} {lines[row]}: {column} = {values[row]:.12g}: {reason}")
     if (back := np.flatnonzero(np.diff(samples[:, 0]) < _LEAST_STEP)).size:
         row = back[0] + 1
         reason = f"time_s = {samples[row, 0]} must be later than {samples[row - 1, 0]} by {_LEAST_STEP:g} s at least"

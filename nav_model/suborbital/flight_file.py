@@ -38,7 +38,7 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     from scipy.interpolate import CubicSpline
     from scipy.spatial.transform import Rotation, RotationSpline
 
-    samples = read_trajectory_table(content, name, BOUNDS).samples
+    samples = read_trajectory_table(content, name, BOUNDS)[0]
     time, lat, lon, height, roll, pitch, yaw = samples.T
     if step_s <= 0.0:
         raise InputError("step_s", f"{step_s:g} s is not positive", step_s)

@@ -4,11 +4,10 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import chain
 from typing import Any, NamedTuple
 
 from nav_model.base.errors import quoted
-from nav_model.trajectory.files.heights import ABOVE_GROUND, ABOVE_HOME, ABOVE_SEA, Heights, counted, plain_name
+from nav_model.trajectory.files.heights import Heights, Reference, counted, plain_name
 from nav_model.trajectory.plan import Waypoint
 
 _MOST_TEXT = 5_000_000  # bytes
@@ -20,7 +19,7 @@ _NOT_FLOWN = {
     195: "region of interest", 203: "picture",
 }  # fmt: skip
 _CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP = 206, 2000, 2001
-_REFERENCES = {0: ABOVE_SEA, 5: ABOVE_SEA, 3: ABOVE_HOME, 6: ABOVE_HOME, 10: ABOVE_GROUND, 11: ABOVE_GROUND}
+_REFERENCES: dict[int, Reference] = {0: "sea", 5: "sea", 3: "home", 6: "home", 10: "ground", 11: "ground"}
 
 
 class _Item(NamedTuple):
@@ -43,17 +42,20 @@ def read_ground_station(content: bytes, heights: Heights) -> tuple[Waypoint, ...
         raise heights.refuse(f"has more than {_MOST_TEXT // 1_000_000} MB, which is too much for a plan")
     if content.startswith(WAYPOINT_LIST):
         items, program = _listed(content, heights), "waypoints of a ground station"
-        first = next(items, None)
-        if first is not None and (first.command, first.frame) == (16, 0):  # home, where it is above sea level
-            heights.home = heights.number(first.params[6], first.where)
-        elif first is not None:
-            items = chain([first], items)
     else:
-        mission = _mission(content, heights)
-        items, program = _items(mission["items"], heights), "plan of QGroundControl"
-        home = mission.get("plannedHomePosition")
-        if isinstance(home, list) and len(home) == 3 and home[2] is not None:
-            heights.home = heights.number(home[2], "home")
+        try:
+            plan = json.loads(content)
+        except (ValueError, RecursionError) as error:
+            raise heights.refuse(f"is JSON that cannot be read: {error}") from error
+        match plan:
+            case {"mission": {"items": [*parts], **mission}}:
+                items, program = _items(parts, heights), "plan of QGroundControl"
+            case _:
+                reason = "is JSON, but not a plan of QGroundControl with a mission. Give a plan or a KML file."
+                raise heights.refuse(reason)
+        match mission.get("plannedHomePosition"):
+            case [_, _, float() | int() as home]:
+                heights.home = heights.number(home, "home")
         if "cruiseSpeed" in mission:
             heights.note("flown at the design's speed, not the plan's")
     waypoints = _flown(items, heights)
@@ -62,24 +64,16 @@ def read_ground_station(content: bytes, heights: Heights) -> tuple[Waypoint, ...
 
 
 def _listed(content: bytes, heights: Heights) -> Iterator[_Item]:
-    for number, line in enumerate(content.decode("utf-8", "replace").splitlines()[1:], 2):
-        cells, where = line.split(), f"line {number}"
-        if cells and len(cells) != 12:
+    lines = enumerate(content.decode("utf-8", "replace").splitlines(), 1)
+    rows = ((f"line {number}", line.split()) for number, line in lines if number > 1 and line.strip())
+    for number, (where, cells) in enumerate(rows):
+        if len(cells) != 12:
             raise heights.refuse(f"{where}: {len(cells)} columns, 12 belong there")
-        if cells:
-            frame, command = (int(heights.number(cell, where)) for cell in cells[2:4])
+        frame, command = (int(heights.number(cell, where)) for cell in cells[2:4])
+        if number == 0 and (command, frame) == (16, 0):  # home, where it is above sea level
+            heights.home = heights.number(cells[10], where)
+        else:
             yield _Item(where, command, frame, [*cells[4:11]])
-
-
-def _mission(content: bytes, heights: Heights) -> dict[str, Any]:
-    try:
-        plan = json.loads(content)
-    except (ValueError, RecursionError) as error:
-        raise heights.refuse(f"is JSON that cannot be read: {error}") from error
-    mission = plan.get("mission") if isinstance(plan, dict) else None
-    if not isinstance(mission, dict) or not isinstance(mission.get("items"), list):
-        raise heights.refuse("is JSON, but not a plan of QGroundControl with a mission. Give a plan or a KML file.")
-    return mission
 
 
 def _items(items: Iterable[Any], heights: Heights, of: str = "item") -> Iterator[_Item]:
@@ -123,8 +117,7 @@ def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:
                 raise heights.refuse(f"{where}: frame {frame} of its height is not known")
             if isinstance(line, str):
                 names[len(places)] = plain_name(line)
-            north, east, up = params[4:7]
-            places.append((heights.waypoint(north, east, up, _REFERENCES[frame], where), shooting))
+            places.append((heights.waypoint(tuple(params[4:7]), _REFERENCES[frame], where), shooting))
         else:
             unused[_NOT_FLOWN.get(command, f"item of command {command}")] += 1
     if unused:

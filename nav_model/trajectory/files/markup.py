@@ -4,6 +4,7 @@ What is read is bounded in size and tags, and has no entities.
 """
 
 import io
+import math
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -11,19 +12,13 @@ from itertools import pairwise
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
-from nav_model.base.errors import InputError, quoted
+import numpy as np
+
+from nav_model.base.errors import quoted
 from nav_model.base.npz_arrays import DAMAGED
-from nav_model.trajectory.files.heights import (
-    ABOVE_ELLIPSOID,
-    ABOVE_GROUND,
-    ABOVE_SEA,
-    MOST_WAYPOINTS,
-    NO_HEIGHT,
-    Heights,
-    counted,
-    plain_name,
-)  # fmt: skip
-from nav_model.trajectory.files.recorded import Segment, segment
+from nav_model.base.number_table import seconds_of
+from nav_model.trajectory.files.heights import MOST_WAYPOINTS, Heights, Reference, counted, plain_name
+from nav_model.trajectory.files.recorded import Segment
 from nav_model.trajectory.plan import Waypoint
 
 _MOST_XML = 5_000_000  # bytes
@@ -34,25 +29,24 @@ _ENTRY = b"PK\x01\x02"
 _RECORDED = "recorded track"
 _CHOSEN = (_RECORDED, "DJI mission", "route", "track", "path", "point")
 """What is flown of a file that has several of them."""
-_KML = {"Track": _RECORDED, "LineString": "path", "Point": "point", "Polygon": "area", "LinearRing": "area"}
-_REFERENCES = {
-    "absolute": ABOVE_SEA, "relativeToGround": ABOVE_GROUND, "relativeToSeaFloor": ABOVE_GROUND,
+_KML = {"Track": _RECORDED, "LineString": "path", "Point": "point", "Polygon": "area"}
+_REFERENCES: dict[str, Reference] = {
+    "absolute": "sea", "relativeToGround": "ground", "relativeToSeaFloor": "ground",
     # of WPML
-    "WGS84": ABOVE_ELLIPSOID, "EGM96": ABOVE_SEA, "relativeToStartPoint": ABOVE_GROUND,
-    "aboveGroundLevel": ABOVE_GROUND, "realTimeFollowSurface": ABOVE_GROUND,
+    "WGS84": "ellipsoid", "EGM96": "sea", "relativeToStartPoint": "ground", "aboveGroundLevel": "ground",
+    "realTimeFollowSurface": "ground",
 }  # fmt: skip
 """By altitude mode; any other, and none, is clampToGround."""
 Text = str | None
 
 
 class Place(NamedTuple):
-    """As the file has it. line: what begins here; None: the line of its shape."""
+    """Latitude, longitude and height, and the time, as the file has them; line: what begins here, None: that of its
+    shape."""
 
-    time: Text
-    latitude: Text
-    longitude: Text
-    height: Text
-    line: str | None = None
+    place: tuple[Text, Text, Text]
+    time: Text = None
+    line: Text = None
 
 
 class Shape(NamedTuple):
@@ -61,16 +55,16 @@ class Shape(NamedTuple):
     noun: str
     name: str
     places: Iterable[Place]
-    reference: str
+    reference: Reference
 
 
-def unpack(content: bytes, file_name: str) -> tuple[str, bytes] | None:
-    """Name and content of the flight in an archive (KMZ, or DJI's WPML in one); None where it holds none.
+def unpack(content: bytes, heights: Heights) -> bytes | None:
+    """The flight in an archive (KMZ, or DJI's WPML in one); None where it holds none.
 
     Raises InputError under the file's name: damaged, encrypted, too many entries, more than 5 MB when expanded.
     """
     if content.count(_ENTRY) > _MOST_ENTRIES:
-        raise InputError(file_name, f"is a ZIP archive of more than {_MOST_ENTRIES} files. Give the flight alone.")
+        raise heights.refuse(f"is a ZIP archive of more than {_MOST_ENTRIES} files. Give the flight alone.")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             names = [entry for entry in archive.infolist() if entry.filename.lower().endswith((".wpml", ".kml"))]
@@ -83,10 +77,11 @@ def unpack(content: bytes, file_name: str) -> tuple[str, bytes] | None:
             with archive.open(entry) as file:
                 inside = file.read(_MOST_XML + 1)
     except DAMAGED as error:
-        raise InputError(file_name, f"is a ZIP archive that cannot be read: {error}") from error
+        raise heights.refuse(f"is a ZIP archive that cannot be read: {error}") from error
     if len(inside) > _MOST_XML:
-        raise InputError(file_name, f"holds more than {_MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
-    return entry.filename, inside
+        raise heights.refuse(f"holds more than {_MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
+    heights.note(f"{entry.filename} in the archive")
+    return inside
 
 
 def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[Segment]:
@@ -112,16 +107,15 @@ def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list
     taken = [shape for shape in shapes if shape.noun == chosen]
     flight: tuple[Waypoint, ...] | list[Segment]
     if chosen == _RECORDED:
-        flight = [segment(name, [place[:4] for place in places], up, heights) for _, name, places, up in taken]
+        flight = [_segment(shape, heights) for shape in taken]
         number = sum(len(part.rows) for part in flight)
     else:
         flight = tuple(
             heights.waypoint(
-                place.latitude, place.longitude, place.height, shape.reference,
-                f"{shape.name or shape.noun}, place {at}",
-                (shape.name or f"line {number}") if place.line is None else place.line,
+                point.place, shape.reference, f"{shape.name or shape.noun}, place {at}",
+                (shape.name or f"line {number}") if point.line is None else point.line,
             )
-            for number, shape in enumerate(taken, 1) for at, place in enumerate(shape.places, 1)
+            for number, shape in enumerate(taken, 1) for at, point in enumerate(shape.places, 1)
         )  # fmt: skip
         # A path that goes on where the one before ends has that place once.
         ends = [a.line == "" and (a.latitude, a.longitude) == (b.latitude, b.longitude) for a, b in pairwise(flight)]
@@ -152,24 +146,33 @@ def _xml(content: bytes, heights: Heights) -> Element:
     return root
 
 
+def _segment(shape: Shape, heights: Heights) -> Segment:
+    """What was recorded, with its times."""
+    rows = []
+    for number, point in enumerate(shape.places, 1):
+        where = f"{shape.name or 'track'}, place {number}"
+        if math.isnan(time := seconds_of(point.time or "")):
+            raise heights.refuse(f"{where}: {quoted(point.time)} is not a date and time")
+        rows.append((time, *heights.place(point.place, shape.reference, where)))
+    return Segment(shape.name, np.array(rows).reshape(-1, 4))
+
+
 def _gpx(root: Element) -> Iterator[Shape]:
     def places(parent: Element, tag: str) -> list[Place]:
         return [
-            Place(
-                point.findtext("{*}time"), point.get("lat"), point.get("lon"), point.findtext("{*}ele"), _name(point)
-            )
-            for point in parent.iterfind(tag)
-        ]  # fmt: skip
+            Place((at.get("lat"), at.get("lon"), at.findtext("{*}ele")), at.findtext("{*}time"), _name(at))
+            for at in parent.iterfind(tag)
+        ]
 
     for track in root.iterfind(".//{*}trk"):
         for part in track.iterfind("{*}trkseg"):
             if points := places(part, "{*}trkpt"):
                 timed = len({point.time for point in points} - {None}) > 1
-                yield Shape(_RECORDED if timed else "track", _name(track), points, ABOVE_SEA)
+                yield Shape(_RECORDED if timed else "track", _name(track), points, "sea")
     for route in root.iterfind(".//{*}rte"):
-        yield Shape("route", _name(route), places(route, "{*}rtept"), ABOVE_SEA)
+        yield Shape("route", _name(route), places(route, "{*}rtept"), "sea")
     for point in places(root, "{*}wpt"):
-        yield Shape("point", point.line or "", [point], ABOVE_SEA)
+        yield Shape("point", point.line or "", [point], "sea")
 
 
 def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
@@ -179,29 +182,24 @@ def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
         for number, folder in enumerate(folders, 1):
             yield _mission(folder, f"line {number}." if len(folders) > 1 else "line ", heights)
         return
-    stack: list[tuple[Element, Element | None]] = [(root, None)]
-    while stack:
-        element, mark = stack.pop()
-        kind = _local_name(element)
-        if kind == "Placemark":
-            if mark is not None:
-                raise heights.refuse("has a placemark within a placemark, which KML does not allow")
-            mark = element
-        if mark is None or kind not in _KML:
-            stack.extend((child, mark) for child in reversed(element))
-            continue
-        reference = _REFERENCES.get((element.findtext("{*}altitudeMode") or "").strip(), NO_HEIGHT)
-        yield Shape(_KML[kind], _name(mark), (_track if kind == "Track" else _path)(element, heights), reference)
+    for mark in root.iterfind(".//{*}Placemark"):
+        if mark.find(".//{*}Placemark") is not None:
+            raise heights.refuse("has a placemark within a placemark, which KML does not allow")
+        for element in mark.iter():
+            if noun := _KML.get(kind := _local_name(element)):
+                reference = _REFERENCES.get((element.findtext("{*}altitudeMode") or "").strip(), "none")
+                places = (_track if kind == "Track" else _path)(element, heights)
+                yield Shape(noun, _name(mark), places, reference)
 
 
 def _path(element: Element, heights: Heights) -> Iterator[Place]:
     """Each place but the last begins a leg."""
-    texts = (element.findtext("{*}coordinates") or "").split(None, MOST_WAYPOINTS + 1)[: MOST_WAYPOINTS + 1]
+    texts = (element.findtext(".//{*}coordinates") or "").split(None, MOST_WAYPOINTS + 1)[: MOST_WAYPOINTS + 1]
     for number, text in enumerate(texts, 1):
         parts = text.split(",")
         if len(parts) not in (2, 3):
             raise heights.refuse(f"{quoted(text)} is not longitude,latitude,height")
-        yield Place(None, parts[1], parts[0], "".join(parts[2:]), None if number < len(texts) else "")
+        yield Place((parts[1], parts[0], "".join(parts[2:])), line=None if number < len(texts) else "")
 
 
 def _track(track: Element, heights: Heights) -> Iterator[Place]:
@@ -212,7 +210,7 @@ def _track(track: Element, heights: Heights) -> Iterator[Place]:
         counts = f"{len(times)} times and {len(places)} places"
         raise heights.refuse(f"has a track of {counts}; each time needs a place of longitude latitude height")
     for time, place in zip(times, places, strict=True):
-        yield Place(time, place[1], place[0], "".join(place[2:]))
+        yield Place((place[1], place[0], "".join(place[2:])), time)
 
 
 def _mission(folder: Element, line: str, heights: Heights) -> Shape:
@@ -226,10 +224,10 @@ def _mission(folder: Element, line: str, heights: Heights) -> Shape:
             shooting.update(range(max(start, 0), min(stop, len(marks))))
     legs = shooting or range(len(marks) - 1)
     places = [
-        place._replace(height=mark.findtext("{*}executeHeight"), line=f"{line}{number + 1}" if number in legs else "")
-        for number, mark in enumerate(marks) for point in mark.iterfind("{*}Point") for place in _path(point, heights)
+        Place((*at[:2], mark.findtext("{*}executeHeight")), line=f"{line}{number + 1}" if number in legs else "")
+        for number, mark in enumerate(marks) for at, *_ in _path(mark, heights)
     ]  # fmt: skip
-    reference = _REFERENCES.get(folder.findtext("{*}executeHeightMode") or "", NO_HEIGHT)
+    reference = _REFERENCES.get(folder.findtext("{*}executeHeightMode") or "", "none")
     return Shape("DJI mission", _name(folder), places, reference)
 
 

@@ -10,12 +10,13 @@ from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.markup import read_markup, unpack
-from nav_model.trajectory.files.recorded import Content, fly_recorded
-from nav_model.trajectory.files.sbet import is_accuracies, is_sbet, read_sbet
+from nav_model.trajectory.files.recorded import Segment, fly_recorded
+from nav_model.trajectory.files.sbet import name_of, read_sbet
 from nav_model.trajectory.files.table import read_columns
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
 
 KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV or SBET"
+_GIVE = f"Give a {KINDS} file."
 
 
 @dataclass(frozen=True)
@@ -47,34 +48,29 @@ def parse_file(content: bytes, name: str, height: float | None = None, ground: f
     height: of places that have none; ground: of the ground, or of the take-off, of places whose heights are above it;
     both [m above the ellipsoid].
 
-    Raises
-    ------
-    InputError
-        Under the file's name: what is wrong and where, or what the file is when it is no flight.
+    Raises InputError under the file's name: what is wrong and where, or what the file is when it is no flight.
     """
     heights = Heights(name, height, ground)
     read = _read(content, heights)
-    if isinstance(read, tuple):
-        return FlightFile(name, read, None, "; ".join(heights.notes))
-    flight = fly_recorded(read, heights) if isinstance(read, list) else read
-    return FlightFile(name, (), flight, "; ".join(heights.notes))
+    if isinstance(read, list):
+        read = fly_recorded(read, heights)
+    note = "; ".join(heights.notes)
+    return FlightFile(name, read, None, note) if isinstance(read, tuple) else FlightFile(name, (), read, note)
 
 
-def _read(content: bytes, heights: Heights) -> Content:
+def _read(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[Segment] | PlannedFlight:
     if len(content) > FILE_BOUNDS.most_bytes:
         raise heights.refuse(f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
     if not content.strip():
         raise heights.refuse("the file is empty")
-    give = f"Give a {KINDS} file."
     if content.startswith(b"PK"):
-        entry = unpack(content, heights.file_name)
-        if entry is None:
-            raise heights.refuse(f"is {kind_of(content)} without a flight in it. Unpack it. {give}")
-        heights.note(f"{entry[0]} in the archive")
-        content = entry[1]
-    if is_accuracies(content):
+        inside = unpack(content, heights)
+        if inside is None:
+            raise heights.refuse(f"is {kind_of(content)} without a flight in it. Unpack it. {_GIVE}")
+        content = inside
+    if (records := name_of(content)) == "smrmsg":
         raise heights.refuse("is smrmsg, the accuracies that belong to an SBET file. Give the SBET file itself.")
-    if is_sbet(content):
+    if records:
         return read_sbet(content, heights)
     kind = kind_of(content)
     if kind == "XML":
@@ -82,9 +78,9 @@ def _read(content: bytes, heights: Heights) -> Content:
     if kind == "JSON" or content.startswith(WAYPOINT_LIST):
         return read_ground_station(content, heights)
     if kind is not None:
-        raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {give}")
+        raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
     try:
         table = open_table(content, heights.file_name)
     except InputError as error:
-        raise heights.refuse(f"{error.reason} {give}") from error
+        raise heights.refuse(f"{error.reason} {_GIVE}") from error
     return read_columns(table, heights)

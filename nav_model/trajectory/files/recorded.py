@@ -16,7 +16,7 @@ from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import HIGHEST_LATITUDE
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, counted
-from nav_model.trajectory.plan import PlannedFlight, Waypoint
+from nav_model.trajectory.plan import PlannedFlight
 from nav_model.trajectory.specification import Line
 
 _STEP = 0.5  # s between samples of the flight, where knots are not closer
@@ -39,19 +39,6 @@ class Segment:
 
     name: str
     rows: Array
-
-
-Content = tuple[Waypoint, ...] | list[Segment] | PlannedFlight
-"""Of a file: a plan, what was recorded, or a flight that needs nothing more."""
-
-
-def segment(label: str, places: Sequence[tuple[str | None, ...]], reference: str, heights: Heights) -> Segment:
-    """A segment from the texts of its places: time, latitude, longitude, height above `reference`."""
-    rows = np.empty((len(places), 4))
-    for row, (time, north, east, up) in enumerate(places):
-        where = f"{label or 'track'}, place {row + 1}"
-        rows[row] = heights.seconds(time, where), *heights.place(north, east, up, reference, where)
-    return Segment(label, rows)
 
 
 def as_flown(samples: Array, heights: Heights, noun: str, lines: tuple[Line, ...] = ()) -> PlannedFlight:
@@ -88,33 +75,32 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
     north, east = metres_per_radian(latitude, height)
     scale = np.array([math.radians(north), math.radians(east), 1.0])
     origin = pieces[0].rows[0, 1:4]
-    curves = [_smoothed(piece.rows[:, 0], (piece.rows[:, 1:4] - origin) * scale) for piece in pieces]
-
-    times, places, lines, clock, cuts = [], [], [], 0.0, list[float]()
+    times, places, lines, cuts = [], [], list[Line](), list[float]()
     count = Counter(piece.name for piece in pieces)
-    for number, (piece, curve) in enumerate(zip(pieces, curves, strict=True)):
-        name = piece.name if count[piece.name] == 1 else f"{piece.name} {number + 1}"
+    curve: Any = None
+    clock = before = 0.0
+    for number, piece in enumerate(pieces, 1):
+        name = piece.name if count[piece.name] == 1 else f"{piece.name} {number}"
         start, stop = piece.rows[[0, -1], 0].tolist()
-        bridge = None
-        if number:  # across the pause before it, in the time that a gentle flight needs
-            before = pieces[number - 1].rows[-1, 0]
-            bridge = _bridge(curves[number - 1], before, curve, start)
-            cuts += [start - before - bridge.x[-1]] if start - before > bridge.x[-1] else []
+        last, curve = curve, _smoothed(piece.rows[:, 0], (piece.rows[:, 1:4] - origin) * scale)
+        bridge = None if last is None else _bridge(last, before, curve, start)
         way = float(bridge.x[-1]) if bridge else 0.0
         if clock + way + stop - start > _LONGEST:
             most = f"at most {_LONGEST / 3600.0:.0f} h"
             raise heights.refuse(f"is with {name!r} too long to be flown, {most}. Give it in parts.")
-        if bridge:
+        if bridge:  # across the pause before it, in the time that a gentle flight needs
+            cuts += [start - before - way] if start - before > way else []
             t = np.linspace(0.0, way, math.ceil(way / _STEP) + 1)[1:-1]
             times.append(clock + t)
             places.append(bridge(t))
+            clock += way
         step = min(_STEP, 0.5 * float(np.diff(np.unique(curve.t)).min()))
         steps = max(math.ceil((stop - start) / step), 8)
         t = np.linspace(start, stop, min(steps, 2 * len(piece.rows) + math.ceil((stop - start) / _STEP)) + 1)
-        times.append(clock + way + t - start)
+        times.append(clock + t - start)
         places.append(curve(t))
-        lines.append(Line(name, clock + way, clock + way + stop - start))
-        clock = lines[-1].stop
+        lines.append(Line(name, clock, clock + stop - start))
+        clock, before = lines[-1].stop, stop
     time = np.concatenate(times)
     place = np.vstack(places) / scale + origin
     place[:, :2] = np.radians(place[:, :2])

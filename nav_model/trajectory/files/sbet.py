@@ -18,21 +18,14 @@ _LARGEST_ANGLE = 4.0 * math.pi  # rad, of a heading that counts its turns, less 
 
 
 @np.errstate(invalid="ignore", over="ignore")
-def is_sbet(content: bytes) -> bool:
-    """Whether records of 17 doubles make sense: time that goes on, and places on the Earth."""
-    records = _records(content, _DOUBLES)[:_LOOKED_AT]
-    return _goes_on(records) and bool(
-        (np.abs(records[:, 1]) <= 90.0).all() and (np.abs(records[:, 2]) <= 360.0).all()
-    )
-
-
-@np.errstate(invalid="ignore", over="ignore")
-def is_accuracies(content: bytes) -> bool:
-    """Whether it is smrmsg: records of 10 doubles, a time and nine standard deviations."""
-    records = _records(content, _ACCURACIES)[:_LOOKED_AT]
-    deviations = records[:, 1:]
-    whole = not len(content) % (8 * _ACCURACIES)
-    return whole and _goes_on(records) and bool((deviations >= 0.0).all() and (deviations < 1e6).all())
+def name_of(content: bytes) -> str:
+    """SBET, or smrmsg, the accuracies of one, where records of doubles make sense: time that goes on, then places on
+    the Earth or standard deviations; empty for any other file."""
+    records, accuracies = (_records(content, doubles)[:_LOOKED_AT] for doubles in (_DOUBLES, _ACCURACIES))
+    whole, deviations = not len(content) % (8 * _ACCURACIES), accuracies[:, 1:]
+    if whole and _goes_on(accuracies) and ((deviations >= 0.0) & (deviations < 1e6)).all():
+        return "smrmsg"
+    return "SBET" if _goes_on(records) and (np.abs(records[:, 1:3]) <= (90.0, 360.0)).all() else ""
 
 
 def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:

@@ -13,7 +13,7 @@ from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.number_table import NumberTable
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
-from nav_model.trajectory.files.heights import ABOVE_ELLIPSOID, ABOVE_GROUND, ABOVE_SEA, NO_HEIGHT, Heights, counted
+from nav_model.trajectory.files.heights import Heights, Reference, counted
 from nav_model.trajectory.files.recorded import Segment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 
@@ -22,12 +22,12 @@ _NAMES = {
     "elapsedtime datetime updatetime date",
     "latitude": "latitude lat",
     "longitude": "longitude lon long lng",
-    ABOVE_ELLIPSOID: "ellipsoidheight ellipsoidalheight heightellipsoid heightaboveellipsoid hell hae altellipsoid "
+    "ellipsoid": "ellipsoidheight ellipsoidalheight heightellipsoid heightaboveellipsoid hell hae altellipsoid "
     "altitudeellipsoid",
-    ABOVE_SEA: "altitude alt elevation ele msl amsl altitudemsl altmsl altitudeamsl altitudeabovesealevel heightmsl "
+    "sea": "altitude alt elevation ele msl amsl altitudemsl altmsl altitudeamsl altitudeabovesealevel heightmsl "
     "orthometricheight",
     "height": "height h",
-    ABOVE_GROUND: "heightabovetakeoff relativealtitude relalt relativeheight relheight agl altitudeagl heightagl",
+    "ground": "heightabovetakeoff relativealtitude relalt relativeheight relheight agl altitudeagl heightagl",
     "roll": "roll bank",
     "pitch": "pitch",
     "yaw": "yaw heading hdg azimuth trueheading compassheading",
@@ -35,6 +35,8 @@ _NAMES = {
 """In the order in which they are taken; without unit, prefix, blanks and marks."""
 _KEYS = {name: (key, rank) for key, names in _NAMES.items() for rank, name in enumerate(names.split())}
 _USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", "roll", "pitch", "yaw"), ("angle", "°"))}
+_ABOVE: dict[str, Reference] = {"ellipsoid": "ellipsoid", "sea": "sea", "height": "ellipsoid", "ground": "ground"}
+"""What the columns of heights are above, the one that is taken first."""
 _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
 _NO_UNIT = ("", "360", "180", "local", "utc", "gps", "wgs84", "msl", "agl", "true")
 _FINER = {"ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
@@ -68,10 +70,8 @@ def read_columns(table: NumberTable, heights: Heights) -> list[Segment] | Planne
 
 def _recorded(table: NumberTable, heights: Heights) -> Segment:
     columns, reference = _columns(table.headers, heights)
-    read = table.columns(
-        [column.place for column in columns.values()], FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes,
-        times=[columns["time"].place],
-    )  # fmt: skip
+    places, times = [column.place for column in columns.values()], [columns["time"].place]
+    read = table.columns(places, FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes, times)
     whole = np.isfinite(read.values).all(axis=1)
     if empty := int(np.sum(~whole)):
         heights.note(f"{counted(empty, 'row')} with empty fields left out")
@@ -97,12 +97,11 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     if columns["time"].by_convention:
         time = time * _unit_of_time(time, latitude, longitude, heights)
     if columns["latitude"].by_convention and max(abs(latitude).max(), abs(longitude).max() / 2.0) <= 0.5 * math.pi:
-        raise heights.refuse(
-            "latitude and longitude may be degrees or radians. Name them latitude_deg or latitude_rad."
-        )
-    beyond = (np.abs(latitude) > 90.0) | (np.abs(longitude) > 360.0)
-    if beyond.any():
-        row = int(np.argmax(beyond))
+        advice = "Name them latitude_deg or latitude_rad."
+        raise heights.refuse(f"latitude and longitude may be degrees or radians. {advice}")
+    beyond = np.flatnonzero((np.abs(latitude) > 90.0) | (np.abs(longitude) > 360.0))
+    if beyond.size:
+        row = beyond[0]
         raise heights.refuse(f"line {lines[row]}: {latitude[row]:g}, {longitude[row]:g} is not a place on the Earth")
     up = values.get("height", np.zeros(len(lines))) + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
     attitude = [np.degrees(values[key]) for key in ("roll", "pitch", "yaw") if key in values]
@@ -110,7 +109,7 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     return Segment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
 
 
-def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[str, _Column], str]:
+def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[str, _Column], Reference]:
     """The columns of a recorded flight, and what its heights are above.
 
     Roll, pitch and yaw are taken together or not at all."""
@@ -124,14 +123,13 @@ def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[s
         raise heights.refuse(f"columns latitude and longitude are missing; found {present}")
     if "time" not in columns:
         raise heights.refuse("has no column with the time, such as time_s. Give a path as KML or GPX.")
-    by_preference = (ABOVE_ELLIPSOID, ABOVE_SEA, "height", ABOVE_GROUND)
-    reference = next((key for key in by_preference if key in columns), NO_HEIGHT)
+    up = next((key for key in _ABOVE if key in columns), "")
+    reference = _ABOVE.get(up, "none")
     taken = {key: columns[key] for key in ("time", "latitude", "longitude")}
-    if reference in columns:
-        taken["height"] = columns[reference]
-        if reference == "height":  # DJI's is above the place of take-off
-            relative = columns["height"].header.lower().startswith("osd")
-            reference = ABOVE_GROUND if relative else ABOVE_ELLIPSOID
+    if up:
+        taken["height"] = columns[up]
+        if up == "height" and columns[up].header.lower().startswith("osd"):  # DJI's is above the place of take-off
+            reference = "ground"
     if {"roll", "pitch", "yaw"} <= columns.keys():
         taken |= {key: columns[key] for key in ("roll", "pitch", "yaw")}
     return taken, reference
