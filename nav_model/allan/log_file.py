@@ -1,7 +1,7 @@
 """Reads an inertial log (a text table or NPZ) into SI rates; every error says what and where."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +12,7 @@ from nav_model.allan.imu_log import AXIS_LETTERS, NO_BREAKS, ImuLog
 from nav_model.allan.log_content import SENSORS, Column, Limits, LogContent, LogOptions, read_content
 from nav_model.allan.log_names import scale_of
 from nav_model.base.arrays import Array
+from nav_model.base.column_names import listed
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.base.sampling import Rows, held_values, judge_stamps
@@ -23,7 +24,6 @@ _LIKELY_RATES = (5.0, 2e4)  # Hz, of a log whose stamps have no unit
 _LARGEST = 1e9  # rad/s or m/s²: no sensor measures more, and its square would overflow
 _LEAST_FORCE = 0.5  # of gravity
 _JITTER = 0.02  # of an interval; less is not worth a word
-_MOST_NAMES = 8  # of columns that are not used
 _EXAMPLES = {
     "rate": "100 Hz",
     "gyro_unit": "deg/s, rad/s, increments in rad, or 0.05 deg/s per count",
@@ -85,7 +85,7 @@ def read_log(
     signals = reader.signals()
     rate_hz = max(signal.rate_hz for signal in signals.values())
     if content.others:
-        notes.append(f"not used: {_listed(content.others)}")
+        notes.append(f"not used: {listed(content.others)}")
     if content.cut:
         notes.append("the last line ends too early and is left out")
     return ImuLog(
@@ -119,12 +119,12 @@ class _Reader:
         """Refuse a log without sensors, rate or units, under all that is missing; and units of no sensor in it."""
         content, options = self.content, self.options
         sensors = [role for role in SENSORS if content.of(role)]
-        empty = _listed([column.label for column in content.empty])
+        empty = listed([column.label for column in content.empty])
         if not sensors and any(column.meaning.role in SENSORS for column in content.empty):
             raise self.refuse(f"{empty} hold no numbers.")
         self.notes += [f"empty: {empty}"] if empty else []
         if not sensors:
-            labels = _listed([*content.others, *(column.label for column in content.columns)])
+            labels = listed([*content.others, *(column.label for column in content.columns)])
             advice = "name them (gyro_x ... accelerometer_z) in `columns` or `arrays`"
             raise self.refuse(f"No gyro or accelerometer columns are recognised among {labels}: {advice}")
         for role in SENSORS:
@@ -279,12 +279,6 @@ class _Reader:
             self.notes.append("temperature ignored: sampled differently from the sensors")
             return None
         return values
-
-
-def _listed(labels: Sequence[str]) -> str:
-    """The first of the names of a file."""
-    more = len(labels) - _MOST_NAMES
-    return ", ".join(label[:40] for label in labels[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def _joined(columns: list[Column]) -> list[Column]:

@@ -46,9 +46,9 @@ _OFFERED: Final = {
     "accelerometer": ("m/s2", "g", "mg", "ug", "m/s", "mm/s", "g s", "ug s"),
 }
 _ROLES: Final = (
-    ("time", r"t|time|times|timefine|timestamp|timestamps|stamp|i?tow|timeofweek|seconds|secs|sec"),
+    ("time", r"t|time|times|timefine|timestamp|timestamps|stamp|i?tow|timeofweek|seconds|secs|sec|zeit|temps|tiempo"),
     ("temperature", r"(gyro|acc|accel)?(temp|temperature)"),
-    ("gyro", r"g|gyr|gyro|gyroscope|gyros|gyrorotation|as|w|omega|wrss|wibb"),
+    ("gyro", r"g|gyr|gyro|gyroscope|gyros|gyrorotation|as|w|omega|ω|wrss|wibb"),
     ("gyro", r"angularvelocity|angularrate|angrate|angvel|rotationrate|dtheta|dang|dangle|deltatheta|deltaangle|dth"),
     ("accelerometer", r"a|f|acc|accl|accel|accelerometer|accelerometers|acceleration|accelerometeracceleration"),
     ("accelerometer", r"linearacceleration|linacc|specificforce|force|arss|fib|fibb"),
@@ -60,6 +60,7 @@ _NEUTRAL: Final = (
     "scaled out uncomp"
 )
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
+_AXES: Final = ("x", "y", "z")
 _SI: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
 # What a name says of the unit, and by whose convention.
 _BY_NAME: Final = {
@@ -149,6 +150,9 @@ def meaning_of(name: str) -> Meaning | None:
 def _meaning(text: str) -> Meaning | None:
     for name, unit, sure in parted(text):
         meaning = _from_words(_words(name))
+        if sure and name.lower() in _AXES:  # "x [rad/s]": what it is of, the unit says
+            rates = [role for role in _SI if size_of_unit(unit, _DIMENSIONS[role][0][0])]
+            return Meaning(rates[0], _AXES.index(name.lower()), unit) if rates else None
         if meaning is None:
             continue
         if (sure and meaning.role in _SI) or (unit and _known(meaning.role, unit)):

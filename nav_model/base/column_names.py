@@ -1,12 +1,13 @@
 """Names of columns with their units: "gyro_x [deg/s]", "accX_m_s2", "Height (ft)", "alt_feet"."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
 from nav_model.base.errors import InputError
 from nav_model.base.units import parse_quantity
 
+_MOST_NAMES = 8
 _NUMBER = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?(.*)", re.DOTALL)
 _BRACKETS = re.compile(r"(.+?)[\s_]*[\[({](.*)[\])}]\s*")
 _UNIT_MAY_START = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
@@ -14,6 +15,12 @@ _RUN_TOGETHER = {
     "ms2": "m/s2", "mss": "m/s2", "mps2": "m/s2", "rads": "rad/s", "radps": "rad/s", "rps": "rad/s",
     "degs": "deg/s", "degps": "deg/s", "gs": "g s", "ugs": "ug s",
 }  # fmt: skip
+
+
+def listed(names: Sequence[str]) -> str:
+    """The first names of a file, and how many more there are."""
+    more = len(names) - _MOST_NAMES
+    return ", ".join(name[:40] for name in names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def parted(text: str) -> Iterator[tuple[str, str, bool]]:

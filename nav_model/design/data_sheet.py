@@ -19,9 +19,9 @@ _NAMES = (
     (re.compile(r"(?:output|sampl|update|data)\w*\s+(?:data\s+)?(?:rate|frequency)|\bODR\b", re.I), ("imu.rate",)),
 )
 _START = r"(?:gyro\w*\s+|accel\w*\s+)?(?:ARW|VRW|angle|angular|velocity|bias|in.run|noise|output)\b"
-_BETWEEN = re.compile(rf"[;\n|]|[,.]\s*(?=(?!typ|max|rms|one|per|each)[A-Za-z]{{2}})|\s+(?={_START})", re.I)
+_BETWEEN = re.compile(rf"[;\n]|[,.]\s*(?=(?!typ|max|rms|one|per|each)[A-Za-z]{{2}})|\s+(?={_START})", re.I)
 _REMARK = re.compile(r"\s*(?:\([^()]*\)|\b(?:at|over|from)\s.*)$")
-_BARE_NUMBER = re.compile(r"(?<![\w(.,-])\d+(?:[.,]\d+)?(?![\w.,%σ-])(?![^()]*\))")
+_BARE_NUMBER = re.compile(r"(?<![\w(.,-])\d+(?:[.,]\d+)?(?![\w.,%σ-]|\s*(?:σ|sigma|%|°C))(?![^()]*\))")
 _ACCURACY = re.compile(r"\d[\d.]*\s*-?\s*(?:σ|sigma|%)|\b(?:peak|p-p|pk)", re.I)
 
 
@@ -63,7 +63,7 @@ def read_data_sheet(text: str) -> SheetValues:
 def _rows(text: str) -> Iterator[str]:
     """The parts of a text that have a number, each with what stands before it since the last one."""
     row = ""
-    for part in _BETWEEN.split(text):
+    for part in _BETWEEN.split(text.replace("|", " ")):
         row = " ".join(f"{row} {part}".split())
         if re.search(r"\d", part):
             yield row[:200]

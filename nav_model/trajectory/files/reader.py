@@ -12,7 +12,7 @@ from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.markup import read_markup, unpack
 from nav_model.trajectory.files.recorded import Segment, fly_recorded
 from nav_model.trajectory.files.sbet import name_of, read_sbet
-from nav_model.trajectory.files.table import read_columns
+from nav_model.trajectory.files.table import in_two_columns, read_columns
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
 
 KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV or SBET"
@@ -80,7 +80,7 @@ def _read(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[Segme
     if kind is not None:
         raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
     try:
-        table = open_table(content, heights.file_name)
+        table = open_table(in_two_columns(content, heights), heights.file_name)
     except InputError as error:
         raise heights.refuse(f"{error.reason} {_GIVE}") from error
     return read_columns(table, heights)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.base.arrays import Array
-from nav_model.base.column_names import parted, size_of_unit
+from nav_model.base.column_names import listed, parted, size_of_unit
 from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.number_table import NumberTable
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
@@ -18,15 +18,15 @@ from nav_model.trajectory.files.recorded import Segment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 
 _NAMES = {
-    "time": "time t timestamp gpstime gpsseconds timeofweek tow itow sow gpst utctime utc seconds flytime flighttime "
-    "elapsedtime datetime updatetime date",
-    "latitude": "latitude lat",
-    "longitude": "longitude lon long lng",
+    "time": "time t timestamp gpstime gpsseconds timeofweek tow itow sow gpst utctime utc seconds zeit flytime "
+    "flighttime elapsedtime datetime updatetime date",
+    "latitude": "latitude lat breite breitengrad",
+    "longitude": "longitude lon long lng länge längengrad",
     "ellipsoid": "ellipsoidheight ellipsoidalheight heightellipsoid heightaboveellipsoid hell hae altellipsoid "
-    "altitudeellipsoid",
+    "altitudeellipsoid geoaltitude",
     "sea": "altitude alt elevation ele msl amsl altitudemsl altmsl altitudeamsl altitudeabovesealevel heightmsl "
-    "orthometricheight",
-    "height": "height h",
+    "orthometricheight baroaltitude",
+    "height": "height h höhe",
     "ground": "heightabovetakeoff relativealtitude relalt relativeheight relheight agl altitudeagl heightagl",
     "roll": "roll bank",
     "pitch": "pitch",
@@ -41,6 +41,7 @@ _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
 _NO_UNIT = ("", "360", "180", "local", "utc", "gps", "wgs84", "msl", "agl", "true")
 _FINER = {"ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
 _HIGHEST = 20_000.0  # m
+_PAIR = re.compile(rb'"\s*([+-]?\d+\.\d+)\s*,\s*([+-]?\d+\.\d+)\s*"')
 _FAR_APART = 5.0  # s
 _SLOWEST = 0.02, 1.0  # m/s; slower than the first nothing flies, the second is seldom
 
@@ -68,6 +69,19 @@ def read_columns(table: NumberTable, heights: Heights) -> list[Segment] | Planne
     return PlannedFlight(flight_through(samples, lines, heights.file_name), float(samples[-1, 0]), ())
 
 
+def in_two_columns(content: bytes, heights: Heights) -> bytes:
+    """A table whose places stand in one field, as Flightradar24 writes them, with latitude and longitude apart."""
+    head, end, rows = content.partition(b"\n")
+    named = re.sub(rb"(?i)\bposition\b", b"latitude,longitude", head)
+    if named == head or not _PAIR.search(rows):
+        return content
+    heights.note("position taken as latitude, longitude")
+    if b"callsign" in head.lower():
+        named = re.sub(rb"(?i)\baltitude\b", b"altitude_ft", named)
+        heights.note("altitude taken as feet, as Flightradar24 writes it")
+    return named + end + _PAIR.sub(rb"\1,\2", rows)
+
+
 def _recorded(table: NumberTable, heights: Heights) -> Segment:
     columns, reference = _columns(table.headers, heights)
     places, times = [column.place for column in columns.values()], [columns["time"].place]
@@ -92,7 +106,10 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
             if np.abs(up).max() < _HIGHEST:
                 raise heights.refuse("height may be metres or millimetres. Name it height_m or height_mm.")
             values["height"] = 1e-3 * up
+            columns["height"] = columns["height"]._replace(by_convention=False)
             heights.note("height in mm, as it is beside them")
+    if "height" in columns and columns["height"].by_convention:
+        heights.note("heights taken as metres")
     time = values["time"]
     if columns["time"].by_convention:
         time = time * _unit_of_time(time, latitude, longitude, heights)
@@ -113,14 +130,13 @@ def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[s
     """The columns of a recorded flight, and what its heights are above.
 
     Roll, pitch and yaw are taken together or not at all."""
-    for header in headers:
+    for header in headers or [("no names",)]:
         known = [named for place, cell in enumerate(header) if (named := _meaning(cell, place, heights))]
         columns = dict(sorted(known, reverse=True))  # the best of a key is the last
         if {"latitude", "longitude"} <= columns.keys():
             break
     else:
-        present = ", ".join(headers[0])[:120] if headers else "no names"
-        raise heights.refuse(f"columns latitude and longitude are missing; found {present}")
+        raise heights.refuse(f"columns latitude and longitude are missing; found {listed(header)}")
     if "time" not in columns:
         raise heights.refuse("has no column with the time, such as time_s. Give a path as KML or GPX.")
     up = next((key for key in _ABOVE if key in columns), "")
@@ -132,13 +148,16 @@ def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[s
             reference = "ground"
     if {"roll", "pitch", "yaw"} <= columns.keys():
         taken |= {key: columns[key] for key in ("roll", "pitch", "yaw")}
+    places = {column.place for column in taken.values()}
+    if others := [cell for place, cell in enumerate(header) if place not in places and cell]:
+        heights.note(f"not used: {listed(others)}")
     return taken, reference
 
 
 def _meaning(cell: str, place: int, heights: Heights) -> tuple[str, _Column] | None:
     """What a column of a flight is, where its name is known."""
     for name, unit, sure in parted(cell.strip()):
-        plain = re.sub(r"[^a-z]", "", _PREFIX.sub("", name.lower()))
+        plain = re.sub(r"[\W\d_]", "", _PREFIX.sub("", name.lower()))
         key, rank = _KEYS.get(plain, ("", 0))
         if not key:
             continue

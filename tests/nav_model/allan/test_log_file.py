@@ -371,6 +371,8 @@ PROGRAMS = {
         "header.stamp.secs,header.stamp.nsecs", lambda row: f"{1637290175 + row // 100},{row % 100 * 10**7}",
         "angular_velocity.%", "linear_acceleration.%", "xyz", "REP 103",
     ),
+    "axes by their units": ("t [s]", lambda row: f"{row / 100}", "% [°/h]", "% [mg]", "xyz", "deg/h mg"),
+    "Greek and German": ("Zeit [s]", lambda row: f"{row / 100}", "ω% [°/s]", "a% [mg]", "xyz", "deg mg"),
     "milliseconds without a unit": ("timestamp", lambda row: 10 * row, "w% [rad·s⁻¹]", "a% [mg]", "xyz", "mg"),
 }  # fmt: skip
 
@@ -379,7 +381,7 @@ PROGRAMS = {
 def test_names_of_programs(program: str):
     before, stamp, gyro_name, force_name, axes, by = PROGRAMS[program]
     names = [name.replace("%", axis) for name in (gyro_name, force_name) for axis in axes]
-    gyro = np.degrees(GYRO) if "deg" in by else GYRO
+    gyro = np.degrees(GYRO) * (3600.0 if "/h" in by else 1.0) if "deg" in by else GYRO
     force = FORCE / 9.80665e-3 if "mg" in by else FORCE
     lines = [f"{stamp(row)},{line}" for row, line in enumerate(rows_of(np.hstack([gyro, force])))]
     header = ",".join([before, *names])
@@ -387,7 +389,7 @@ def test_names_of_programs(program: str):
     np.testing.assert_allclose(log.gyro, GYRO, rtol=1e-12)
     np.testing.assert_allclose(log.accelerometer, FORCE, rtol=1e-12)
     assert log.rate_hz == pytest.approx(100.0, rel=1e-5)
-    if by not in ("", "deg", "mg", "deg mg"):
+    if by not in ("", "deg", "mg", "deg mg", "deg/h mg"):
         assert f"by convention ({by})" in said(log)
     if program == "ROS topic as CSV":
         assert "not used: field.header.seq, field.header.frame_id" in said(log)

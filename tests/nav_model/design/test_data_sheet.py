@@ -30,6 +30,11 @@ _BG, _BA = "imu.gyro_bias", "imu.accelerometer_bias"
             "Gyro: ARW 0.15°/√h VRW 0,06 m/s/√h gyro bias instability (3σ): 1.5 deg/hr at 25 °C",
             {_ARW: math.radians(0.15) / 60, _VRW: 0.001, _BG: 0.5 * _DEGREE_PER_HOUR},
         ),
+        (
+            "Parameter\tConditions\tTyp\tUnit\nAngle Random Walk\t1 σ\t0.09\t°/√hr\nBias stability\t25 °C\t0.8\t°/hr",
+            {_ARW: math.radians(0.09) / 60, _BG: 0.8 * _DEGREE_PER_HOUR},
+        ),
+        ("| ARW | 0.15 | °/√h |\n| VRW | 0.06 | m/s/√h |", {_ARW: math.radians(0.15) / 60, _VRW: 0.001}),
         ("Rate noise density 0.004 (°/sec)/√Hz rms", {_ARW: math.radians(0.004)}),
         ("Angle random walk [°/√h]  0.15;  Noise: 3 mg rms @ 100 Hz BW",
          {_ARW: math.radians(0.15) / 60, _VRW: 0.3e-3 * 9.80665}),
@@ -40,7 +45,7 @@ def test_rows_are_filled_in_with_the_text_they_came_from(text, values):
     assert sheet.changes == pytest.approx(values, rel=1e-12)
     assert sheet.rest == ()
     design = Design().replace(sheet.changes, sheet.written, sheet.origins)
-    words = " ".join(text.split())
+    words = " ".join(text.replace("|", " ").split())
     assert all(origin.removeprefix("data sheet: ") in words for origin in design.origins.values())
 
 

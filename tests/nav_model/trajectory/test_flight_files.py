@@ -266,6 +266,9 @@ def test_columns_that_are_missing_or_have_two_meanings_are_asked_for(head: str, 
         ("timestamp,lat,lon,alt,alt_ellipsoid", "{us},{lat7},{lon7},852000,900000"),
         ("TOW [0.001 s],Latitude [rad],Longitude [rad],Height [m]", "{ms},{rlat},{rlon},900"),
         ("Time,Latitude,Longitude,Height", "{t} sec,{lat},{lon},900"),
+        ("Zeit (s);Breite (°);Länge (°);Höhe (m)", "{t};{lat};{lon};900"),
+        ("time,icao24,lat,lon,baroaltitude,geoaltitude", "{t},4b1815,{lat},{lon},880,900"),
+        ("Timestamp,UTC,Callsign,Position,Altitude,Speed", '{t},none,SWR1,"{lat},{lon}",2952.755906,117'),
     ],
 )
 def test_columns_of_receivers_and_autopilots(head: str, row: str) -> None:
@@ -278,8 +281,12 @@ def test_columns_of_receivers_and_autopilots(head: str, row: str) -> None:
             "rlat": f"{math.radians(lat):.12f}", "rlon": f"{math.radians(lon):.12f}",
         }  # fmt: skip
         text += row.format(**values) + "\n"
-    now = states(parse_file(text.encode(), "a.txt").flight)
+    file = parse_file(text.encode(), "a.txt")
+    now = states(file.flight)
     assert now[-1, 0] == pytest.approx(89.0)
+    if "Callsign" in head:
+        assert "altitude taken as feet, as Flightradar24 writes it" in file.note
+        assert "not used: UTC, Callsign, Speed" in file.note
     np.testing.assert_allclose(now[:, 1], 47 + 60 * now[:, 0] * METRE, atol=0.1 * METRE)
     np.testing.assert_allclose(now[:, 3], 900.0, atol=1e-6)
 
