@@ -1,11 +1,13 @@
 """Files of offers: units and receivers of a user's own, with price, mass and power."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from nav_model.base.errors import InputError
 from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
 
 KINDS: tuple[Kind, ...] = ("imu", "gnss")
+_OFFER = " (offer)"
 
 Offers = Mapping[Kind, Mapping[str, Entry]]
 
@@ -16,29 +18,38 @@ def read_offers(content: str) -> Offers:
     Raises
     ------
     InputError
-        Naming the entry and the key that is wrong, a name that the product's catalogue has, or if the file has no
-        entry.
+        Naming the entry and the key that is wrong, or if the file has no entry.
     """
-    offers = {kind: read_catalogue(content, kind) for kind in KINDS}
+    offers = {kind: offered(content, kind) for kind in KINDS}
     if not any(offers.values()):
         raise InputError("file", "has neither [[imu]] nor [[gnss]] entries; see the example file")
-    for kind, entries in offers.items():
-        not_of_the_product(kind, entries)
     return offers
 
 
-def not_of_the_product(kind: Kind, names: Iterable[str]) -> None:
-    """Refuse a name that would be mistaken for a unit of the product's catalogue.
+def offered(content: str, kind: Kind) -> Mapping[str, Entry]:
+    """The entries of a file of one kind; of a name that the product's catalogue has, it is called "RTK (offer)".
 
     Raises
     ------
     InputError
-        Naming it.
+        As `read_catalogue`, or where that is the name of another.
     """
-    shipped = {name.casefold() for name in catalogue(kind)}
-    for name in names:
+    entries, shipped = read_catalogue(content, kind), {name.casefold() for name in catalogue(kind)}
+    apart: dict[str, Entry] = {}
+    for name, entry in entries.items():
         if name.casefold() in shipped:
-            raise InputError(f"{kind}.{name}", "is the name of a unit of the product's catalogue; give it another")
+            name += _OFFER
+            if name in entries:
+                raise InputError(f"{kind}.{name}", "is what another is called: its name is of the catalogue")
+        apart[name] = replace(entry, name=name)
+    return apart
+
+
+def named_apart(names: Iterable[str]) -> str:
+    """Which of these names `offered` gave, in a sentence; empty where none."""
+    apart = [name for name in names if name.endswith(_OFFER)]
+    has = ", ".join(name.removesuffix(_OFFER) for name in apart)
+    return f"The product's catalogue has {has}; yours: {', '.join(apart)}." if apart else ""
 
 
 def merged_offers(files: Iterable[tuple[str, str]]) -> tuple[Offers, tuple[str, ...], tuple[str, ...]]:

@@ -18,7 +18,8 @@ MOST_WAYPOINTS = 200  # more make a link too long
 FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".pos", ".out", ".sbet")
 """Usual ends of the names of files of flights; what a file is, its content says."""
 
-Rows = tuple[tuple[float, float, float, str], ...]
+Row = tuple[float, float, float, str, float | None]
+Rows = tuple[Row, ...]
 """Waypoints as a design has them."""
 
 LIMITED = tuple(name for name in IN_FLIGHT if FIGURES[name].requirement)
@@ -30,21 +31,22 @@ AIDING = (
 """Inputs of what aids the INS, and of its constant errors."""
 
 
-def row_of(latitude: float, longitude: float, height: float, line: str = "") -> tuple[float, float, float, str]:
+def row_of(latitude: float, longitude: float, height: float, line: str = "", speed: float | None = None) -> Row:
     """A place [rad, m] to a millimetre as a row of the design's waypoints; a name without what parts its cells."""
-    across = (to_si(Fraction(f"{math.degrees(angle):.8f}"), "°", "angle") for angle in (latitude, longitude))
-    return *across, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split())  # type: ignore[return-value]
+    north, east = (to_si(Fraction(f"{math.degrees(angle):.8f}"), "°", "angle") for angle in (latitude, longitude))
+    return north, east, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split()), speed
 
 
 def _number(
     default: float | None, unit: str, dimension: str, bounds: tuple[float, float], short: str, label: str, doc: str,
     typical: str, soft: tuple[float, float] | None = None, datasheet: str = "From the flight plan.",
+    since: str = "0.1.0",
 ) -> Any:  # fmt: skip
     """A number of the plan; it may be left out if its default is None."""
     given: dict[str, Any] = {} if default is None else {"default": default}
     return (OptionalQuantity if default is None else Quantity)(
         **given, dimension=dimension, unit=unit, bounds=bounds, softbounds=soft, short=short, label=label, doc=doc,
-        typical=typical, datasheet=datasheet, variable=False, since="0.1.0",
+        typical=typical, datasheet=datasheet, variable=False, since=since,
     )  # fmt: skip
 
 
@@ -104,6 +106,11 @@ class Trajectory(Part):
         "Highest rate of climb and descent between waypoints.",
         "2 to 10 m/s",
     )  # fmt: skip
+    acceleration = _number(
+        1.0, "m/s²", "acceleration", (0.01, 50.0), "tac", "Change of speed",
+        "Largest acceleration along the track, where waypoints have speeds of their own.", "0.5 to 3 m/s²",
+        since="0.2.0",
+    )  # fmt: skip
     ground = _number(
         0.0, "m", "length", _HEIGHT, "tgr", "Ground height",
         "Highest terrain under the flight, above the ellipsoid. Every waypoint must be above it.", "0 to 3000 m",
@@ -114,13 +121,16 @@ class Trajectory(Part):
             "longitude": _column("angle", "°", (-360 * DEGREE, 360 * DEGREE), "longitude"),
             "height": _column("length", "m", _HEIGHT, "height"),
             "line": None,
+            "speed": OptionalQuantity(
+                dimension="speed", unit="m/s", short="", bounds=(1.0, 3000.0), label="speed", since="0.2.0"
+            ),
         },
         most=MOST_WAYPOINTS,
         short="twp",
         example="45, 11, 3000, line 1; 45.05, 11, 3000; 45.05, 11.05, 3000",
         label="Waypoints",
         doc="Latitude [°], longitude [°] and height above the ellipsoid [m]. Name a waypoint to start a line there; "
-        "it ends at the next one.",
+        "it ends at the next one. Speed [m/s]: of the leg that begins there, unless it is the design's.",
         since="0.1.0",
     )
     outages = Table(

@@ -34,6 +34,7 @@ _TURNS: Mapping[str, tuple[float, ...]] = {
 }
 """Manoeuvre -> its turns [rad], to one side and the other; it ends in the direction in which it began."""
 _RUN_INS = (120.0, 300.0)  # s
+_FASTER, _HOLD = (1.1, 1.2, 1.4), 10.0  # parts of a line's speed, and s at it
 _PARTS = {2: "Turn in the middle", 3: "Turns between three parts", 5: "Turns between five parts"}
 _SHORTEST_PART = 60.0  # s
 _BEYOND = 2.0  # s by which parts of a line overlap beyond an aperture
@@ -47,6 +48,7 @@ _OF_THE_NOISE = (1 / 3, 1 / 10, 1 / 30)
 """Parts of the gyro noise that another IMU has at most."""
 _NO_BETTER = 0.98
 _BEFORE = "before"
+_NO_PLAN = "No manoeuvre is among the options, as this flight has no waypoints: only lines and waypoints are a plan."
 _LONGER = 600.0  # s that a line is flown on, to see when it fails
 _MOST_NAMED = 3
 _PREFERRED = ("manoeuvre", "aid", "imu")
@@ -93,13 +95,15 @@ class Option:
 @dataclass(frozen=True)
 class Manoeuvres:
     """The answer for the lines of a flight that fail, `line` the first of them: whether all close as planned, their
-    figures then, and the options. First are those that close: manoeuvres before aids and IMUs, the shortest first."""
+    figures then, and the options. First are those that close: manoeuvres before aids and IMUs, the shortest first.
+    note: why no manoeuvre is among them, where none can be."""
 
     line: str
     lines: tuple[str, ...]
     closes: bool
     figures: Mapping[str, Limited]
     options: tuple[Option, ...] = ()
+    note: str = ""
 
 
 class _Plan(NamedTuple):
@@ -134,7 +138,11 @@ class _Question(NamedTuple):
 
 
 def manoeuvres(
-    design: Design, line: str = "", states: int = 0, progress: Callable[[float, str], None] = lambda share, what: None
+    design: Design,
+    line: str = "",
+    states: int = 0,
+    progress: Callable[[float, str], None] = lambda share, what: None,
+    flight: PlannedFlight | None = None,
 ) -> Manoeuvres:
     """What would close the lines of a design's flight that fail: those named `line`, or all.
 
@@ -148,6 +156,8 @@ def manoeuvres(
         Of the filter, as `simulation.design_study.specification` takes it.
     progress : callable
         Called with the share done and what is flown.
+    flight : PlannedFlight, optional
+        What is flown in place of the design's plan, such as a recording; it cannot be changed.
 
     Raises
     ------
@@ -155,7 +165,8 @@ def manoeuvres(
         For a flight that cannot be flown, has no such line or no limit.
     """
     progress(0.0, "The flight as planned")
-    plan = _planned(design)
+    plan = _Plan(design, flight) if flight else _planned(design)
+    note = _NO_PLAN if flight or design.trajectory.flight not in (LINES, WAYPOINTS) else ""
     lines = lines_along(along_flight(design, plan.flight, states))
     chosen = [result for result in lines if line in ("", result.name)]
     if not chosen:
@@ -167,18 +178,20 @@ def manoeuvres(
     if not names:
         return Manoeuvres(chosen[0].name, (), True, _figures(chosen))
     question = _Question(plan, states, lines, names)
-    kinds, options = list(_kinds(question)), []
+    kinds: list[Iterable[_Candidate]] = [] if note else [*_manoeuvres(question)]
+    kinds += _equipment(design)
+    options: list[Option] = []
     for n, kind in enumerate(kinds, 1):
         share = n / (len(kinds) + 2)
         options += _best(question, kind, lambda what, share=share: progress(share, what))  # type: ignore[misc]
-    if not any(option.closes and option.kind == "manoeuvre" for option in options):
+    if not note and not any(option.closes and option.kind == "manoeuvre" for option in options):
         share = 1.0 - 1.0 / (len(kinds) + 2)
         options += _best(question, _in_parts(question, after_turn=True), lambda what: progress(share, what))
     options.sort(key=lambda option: (not option.closes, _PREFERRED.index(option.kind), option.costs_s))
     if options and options[0].closes and options[0].where.startswith(_BEFORE):
         progress(1.0 - 0.5 / (len(kinds) + 2), f"{options[0].name}: how long before the line ends")
         options[0] = replace(options[0], before_s=_latest(question, options[0]))
-    return Manoeuvres(names[0], names, False, _figures(_named(lines, names)), tuple(options))
+    return Manoeuvres(names[0], names, False, _figures(_named(lines, names)), tuple(options), note)
 
 
 def _latest(question: _Question, option: Option) -> float:
@@ -276,30 +289,39 @@ def _excess(figures: Mapping[str, Limited]) -> float:
     return max(map(_ratio, figures.values()))
 
 
-def _kinds(question: _Question) -> Iterator[Iterable[_Candidate]]:
-    """Candidates by kind: within one, those that cost less come first."""
-    design, lines = question.plan.design, question.lines
-    trajectory = design.trajectory
-    if trajectory.flight in (LINES, WAYPOINTS):
-        failing = question.failing
-        places = [failing[:1], failing][: len(failing)]
-        lossy = trajectory.bank_limit is not None and trajectory.bank > trajectory.bank_limit
-        for bank in (trajectory.bank, _GENTLER * trajectory.bank_limit) if lossy else (trajectory.bank,):
-            gentle = "" if bank == trajectory.bank else f" at {math.degrees(bank):.3g}° bank"
-            if gentle:
-                yield [_Candidate(f"All turns{gentle}", "manoeuvre", partial(_changed, {"trajectory.bank": bank}))]
-            for name, arcs in _TURNS.items():
-                yield [_candidate(name + gentle, lines, place, [(_both_sides(arcs), 1)], bank) for place in places]
+def _manoeuvres(question: _Question) -> Iterator[Iterable[_Candidate]]:
+    """Changes of the plan by kind: within one, those that cost less come first."""
+    trajectory, lines, failing = question.plan.design.trajectory, question.lines, question.failing
+    places = [failing[:1], failing][: len(failing)]
+    lossy = trajectory.bank_limit is not None and trajectory.bank > trajectory.bank_limit
+    for bank in (trajectory.bank, _GENTLER * trajectory.bank_limit) if lossy else (trajectory.bank,):
+        gentle = "" if bank == trajectory.bank else f" at {math.degrees(bank):.3g}° bank"
+        if gentle:
+            yield [_Candidate(f"All turns{gentle}", "manoeuvre", partial(_banked, bank))]
+        for name, arcs in _TURNS.items():
+            yield [_candidate(name + gentle, lines, place, [(_both_sides(arcs), 1)], bank) for place in places]
+    run_ins: tuple[Mapping[str, Way], ...] = (
+        {f"Run-in of {time / 60:.0f} min": partial(before_line, run_in=time) for time in _RUN_INS},
+        {
+            f"Acceleration by {faster - 1:.0%} and back": partial(before_line, run_in=_HOLD, faster=faster)
+            for faster in _FASTER
+        },
+    )
+    for ways in run_ins:
         yield [
-            _candidate(f"Run-in of {time / 60:.0f} min", lines, place, [(way, 1)], trajectory.bank)
-            for time, way in ((time, [partial(before_line, arcs=(), run_in=time)]) for time in _RUN_INS)
+            _candidate(name, lines, place, [([way], 1)], trajectory.bank)
+            for name, way in ways.items()
             for place in places
         ]
-        yield _in_parts(question)
+    yield _in_parts(question)
+
+
+def _equipment(design: Design) -> Iterator[Iterable[_Candidate]]:
+    """Aids and IMUs by kind, with which the same is flown: within one, the coarser come first."""
     for key, aids in _AIDS.items():
         has = math.inf if design[key] is None else float(design[key])  # type: ignore[arg-type]
         yield [
-            _Candidate(name, "aid", partial(_changed, {key: value})) for name, value in aids.items() if value < has
+            _Candidate(name, "aid", partial(_equipped, {key: value})) for name, value in aids.items() if value < has
         ]
     yield _better_imus(design)
 
@@ -307,26 +329,27 @@ def _kinds(question: _Question) -> Iterator[Iterable[_Candidate]]:
 def _in_parts(question: _Question, *, after_turn: bool = False) -> Iterator[_Candidate]:
     """Lines flown in parts, with turns between them, and with one in front of each line too."""
     design, failing, lines = question.plan.design, question.failing, question.lines
-    trajectory = design.trajectory
-    if trajectory.flight not in (LINES, WAYPOINTS):
-        return
     longest = min(lines[n].stop_s - lines[n].start_s for n in failing) / _SHORTEST_PART
-    overlap = (float(inputs_of(design).aperture) + _BEYOND) * design.flight.speed
+    overlap = float(inputs_of(design).aperture) + _BEYOND
     for parts, name in _PARTS.items():
         if parts <= longest:
             steps: list[Step] = [([partial(in_parts, parts=parts, overlap=overlap)], parts)]
             if after_turn:
                 name, arcs = f"S-turn and {in_sentence(name)}", _TURNS["S-turn"]
                 steps.append((_both_sides(arcs), 1))
-            yield _candidate(name, lines, failing, steps, trajectory.bank)
+            yield _candidate(name, lines, failing, steps, design.trajectory.bank)
 
 
 def _both_sides(arcs: Sequence[float]) -> list[Way]:
     return [partial(before_line, arcs=[side * arc for arc in arcs]) for side in (1.0, -1.0)]
 
 
-def _changed(changes: Mapping[str, Value], plan: _Plan) -> _Plan:
-    return _planned(plan.design.replace(changes))
+def _banked(bank: float, plan: _Plan) -> _Plan:
+    return _planned(plan.design.replace({"trajectory.bank": bank}))
+
+
+def _equipped(changes: Mapping[str, Value], plan: _Plan) -> _Plan:
+    return _Plan(plan.design.replace(changes), plan.flight)
 
 
 def _better_imus(design: Design) -> Iterator[_Candidate]:
@@ -345,7 +368,7 @@ def _better_imus(design: Design) -> Iterator[_Candidate]:
             names[max(below, key=below.__getitem__)] = None
     for name in names:
         changes, written = preset_fill("imu", name)
-        yield _Candidate(f"IMU {name}", "imu", partial(_changed, changes), written=written)
+        yield _Candidate(f"IMU {name}", "imu", partial(_equipped, changes), written=written)
 
 
 def _candidate(
@@ -355,7 +378,7 @@ def _candidate(
 
     def apply(plan: _Plan) -> _Plan:
         if bank != plan.design.trajectory.bank:
-            plan = _changed({"trajectory.bank": bank}, plan)
+            plan = _banked(bank, plan)
         for number in reversed(place):  # so that lines before keep their numbers
             for ways, parts in steps:
                 plan = min(_inserted(plan, number, ways, parts), key=lambda changed: changed.flight.duration)

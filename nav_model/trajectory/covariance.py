@@ -31,7 +31,7 @@ from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, TURNED, Apertures, apertures_of
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
-from nav_model.trajectory.lines import judge
+from nav_model.trajectory.lines import along, judge
 from nav_model.trajectory.result import STATE_AXES, LineResult, Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.start import settled_start
@@ -66,58 +66,74 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     Raises InputError for a flight that cannot be flown or takes more steps, ArithmeticError where the covariance is
     not finite.
     """
-    given, spec = spec, replace(spec, study=short_as_white(spec.study))
-    model, run, apertures = _prepared(spec, most_steps)
-    ends, by_innovation = _ends(model, run, apertures)
-    free_rest = aperture.free_rest(model.states, spec.inputs)
-    reached = aperture.smoother_reaches(free_rest, spec.inputs, spec.study.gnss)
-    states, smooth, path = _later(model, run, apertures, ends, whole_path=reached)
-    free = _free(model, run, apertures)
-    _within(model, run, apertures, smooth, by_innovation)
-    variances, judged, images, squares = _forward(model, run, apertures, states, (free, smooth), path, spec.moment)
-    rests = [free_rest[:, None]] * 2
-    if reached:
-        whole = _mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
-        rests[1] = aperture.smoothed_rest(whole, images[1], free_rest)
-    real_time, post_processed = (
-        _processed(spec, model, apertures, values, of_figures, image, rest, post)
-        for values, of_figures, image, rest, post in zip(variances, judged, images, rests, (False, True), strict=True)
-    )
+    model, figures = _followed(spec, most_steps, (REAL_TIME, POST_PROCESSED))
     truth, sources = model.truth.at(model.outputs), _all_sources(spec, model)
+    real_time, post_processed = figures[REAL_TIME], figures[POST_PROCESSED]
     return TrajectoryResult(
-        spec=given,
+        spec=spec,
         time_s=truth.time_s,
         truth=truth,
         sources=sources,
         real_time=real_time,
         post_processed=post_processed,
-        lines=judge(spec, truth.time_s, real_time if spec.processing == REAL_TIME else post_processed, sources),
-        heading=heading_of(spec, truth, real_time.attitude[:, 2]),
+        lines=judge(spec, truth.time_s, figures[spec.processing], sources),
+        heading=heading_of(replace(spec, study=short_as_white(spec.study)), truth, real_time.attitude[:, 2]),
     )
 
 
 def lines_along(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> tuple[LineResult, ...]:
-    """The lines of `covariance` alone: in real time without smoothing, which takes a third of the work."""
-    if spec.processing != REAL_TIME:
-        return covariance(spec, most_steps).lines
+    """The lines of `covariance` alone, in the processing that is judged and where there are lines: less work."""
+    model, figures = _followed(spec, most_steps, (spec.processing,))
+    return judge(spec, model.time_s[model.outputs], figures[spec.processing], _all_sources(spec, model))
+
+
+def _followed(
+    spec: CovarianceSpec, most_steps: int, processings: Sequence[str]
+) -> tuple[ErrorModel, Mapping[str, Processed]]:
+    """The errors along a flight, and its figures by processing."""
     spec = replace(spec, study=short_as_white(spec.study))
-    model, run, apertures = _prepared(spec, most_steps)
-    n, noisy = model.states.size, model.states.noisy
-    none = _Sums(np.zeros((0, _AXES, n)), np.zeros((noisy, 0, _AXES)))
-    no_path = _Path(np.zeros((0, 6, n)), np.zeros((noisy, 0, 3, 6)))
-    free = _free(model, run, apertures)
-    variances, judged, images, _ = _forward(model, run, apertures, none, (free,), no_path, spec.moment)
-    rest = aperture.free_rest(model.states, spec.inputs)[:, None]
-    real_time = _processed(spec, model, apertures, variances[0], judged[0], images[0], rest, post=False)
-    return judge(spec, model.time_s[model.outputs], real_time, _all_sources(spec, model))
-
-
-def _prepared(spec: CovarianceSpec, most_steps: int) -> tuple[ErrorModel, _Filter, Apertures]:
     model = error_model(spec, most_steps)
     if spec.settled:
         start = settled_start(spec.study, model.states, model.truth.at(np.array([0])))
         model = replace(model, states=start)
-    return model, _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
+    if len(processings) == 1:
+        model = _of_lines(spec, model)
+    run, apertures = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
+    n, noisy = model.states.size, model.states.noisy
+    states, path = (
+        _Sums(np.zeros((0, _AXES, n)), np.zeros((noisy, 0, _AXES))),
+        _Path(np.zeros((0, 6, n)), np.zeros((noisy, 0, 3, 6))),
+    )
+    free_rest, images = aperture.free_rest(model.states, spec.inputs), list[_Sums]()
+    if REAL_TIME in processings:
+        images.append(_free(model, run, apertures))
+    if POST_PROCESSED in processings:
+        ends, by_innovation = _ends(model, run, apertures)
+        reached = aperture.smoother_reaches(free_rest, spec.inputs, spec.study.gnss)
+        states, smooth, path = _later(model, run, apertures, ends, whole_path=reached)
+        _within(model, run, apertures, smooth, by_innovation)
+        images.append(smooth)
+    moment = spec.moment if REAL_TIME in processings else ""
+    variances, judged, of_images, squares = _forward(model, run, apertures, states, images, path, moment)
+    figures = {}
+    for name, image in zip(processings, of_images, strict=True):
+        rest, place = free_rest[:, None], int(name == POST_PROCESSED)
+        if place and len(path.rows):
+            whole = _mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
+            rest = aperture.smoothed_rest(whole, image, free_rest)
+        figures[name] = _processed(spec, model, apertures, variances[place], judged[place], image, rest, name)
+    return model, figures
+
+
+def _of_lines(spec: CovarianceSpec, model: ErrorModel) -> ErrorModel:
+    """The model with the outputs that count for a line."""
+    time_s, ends = model.time_s[model.outputs], [(line.start, line.stop) for line in spec.lines]
+    on = np.full(len(time_s), not ends)
+    for start, stop in ends:
+        stop = min(stop, spec.study.duration) if start < spec.study.duration else stop
+        on |= along(start, stop, spec, time_s, image=True) | along(start, stop, spec, time_s, image=False)
+    of_outputs = ("outputs", "before", "after", "middle", "output_rows")
+    return replace(model, **{name: getattr(model, name)[on] for name in of_outputs})
 
 
 def _free(model: ErrorModel, run: _Filter, apertures: Apertures) -> _Sums:
@@ -301,9 +317,10 @@ def _forward(
     """Every source through the same gains.
 
     Returns in real time and smoothed, where there are such `states`, variances of position, velocity and roll, pitch,
-    yaw (sources, outputs, 9) and those by which a flight is judged, at the `moment` of the fix interval and in the
-    middle (sources, outputs, 9); of the sums of the apertures (images, sources, apertures, COLUMNS), and covariances
-    of the smoothed position with position and velocity at the nodes of the path (sources, nodes, 3, 6).
+    yaw (sources, outputs, 9) and those by which a flight is judged, at the `moment` of the fix interval, zeros
+    without one, and in the middle (sources, outputs, 9); of the sums of the apertures (images, sources, apertures,
+    COLUMNS), and covariances of the smoothed position with position and velocity at the nodes of the path (sources,
+    nodes, 3, 6).
     """
     errors = model.states
     m, n, s, size, sources = errors.estimated, errors.size, errors.noisy, errors.moving, len(errors.sources)
@@ -329,9 +346,10 @@ def _forward(
         return np.hstack([noisy, (rows @ constant) ** 2 @ owned.T]).T
 
     none = np.empty(0, dtype=np.int64)
-    starting, output_of, smoothed_of = _by_node(apertures.first), _by_node(model.outputs), _by_node(at_nodes)
-    before_of = _by_node(model.before if moment != "posterior" else none)
-    after_of = _by_node(model.after if moment != "prior" else none)
+    starting, smoothed_of = _by_node(apertures.first), _by_node(at_nodes)
+    output_of = _by_node(model.outputs if moment else none)
+    before_of = _by_node(model.before if moment in ("prior", "closed") else none)
+    after_of = _by_node(model.after if moment in ("posterior", "closed") else none)
     driven = [error.source for error in model.states.drives]
     for node in range(len(model.time_s)):
         if node:
@@ -432,7 +450,7 @@ def _processed(
     judged: FloatArray,
     image: FloatArray,
     rest: FloatArray,
-    post: bool,
+    processing: str,
 ) -> Processed:
     """The figures of one processing, of `variances` at the outputs and `judged` ones (sources, outputs, 9) and those
     of the sums of apertures (sources, apertures, COLUMNS), with the `rest` of `aperture.figures`."""
@@ -444,7 +462,6 @@ def _processed(
         groups[name][:, apertures.output] = np.maximum(values, 0.0)
         sigmas[name] = np.sqrt(groups[name].sum(axis=0))
     sigmas["ce90"][apertures.output] = aperture.circular(image.sum(axis=0), spec.inputs)
-    processing = POST_PROCESSED if post else REAL_TIME
     entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
     shares = {}
     for name, values in groups.items():

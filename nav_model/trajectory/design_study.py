@@ -33,7 +33,8 @@ PLAN = "plan"
 def plan_like(design: Design) -> Plan:
     """How the design flies waypoints, without any."""
     trajectory = design.trajectory
-    return Plan((), design.flight.speed, trajectory.bank, trajectory.climb_rate, trajectory.ground)
+    flown = trajectory.bank, trajectory.climb_rate, trajectory.ground, trajectory.acceleration
+    return Plan((), design.flight.speed, *flown)
 
 
 def lines_of(design: Design) -> Plan:
@@ -57,7 +58,7 @@ def plan_of(design: Design) -> Plan:
 
 def rows_of(points: Iterable[Waypoint]) -> Rows:
     """Waypoints as a design has them."""
-    return tuple(row_of(point.latitude, point.longitude, point.height, point.line) for point in points)
+    return tuple(row_of(p.latitude, p.longitude, p.height, p.line, p.speed) for p in points)
 
 
 def planned(design: Design, number: int = 0, longer: float = 0.0) -> PlannedFlight:
@@ -70,7 +71,7 @@ def planned(design: Design, number: int = 0, longer: float = 0.0) -> PlannedFlig
         return PlannedFlight(named_flight(design, trajectory.flight), trajectory.duration + longer, ())
     with under(f"trajectory.{trajectory.flight}"):
         plan = plan_of(design)
-        return fly(lengthened(plan, number, longer * plan.speed) if longer else plan)
+        return fly(lengthened(plan, number, longer) if longer else plan)
 
 
 def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> CovarianceSpec:

@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,14 @@ from nav_model.base.constants import DEGREE, STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import TrajectorySpec
-from nav_model.simulation.trajectory import coordinated, cumulative, flight_through, lay_on_earth, rise_and_fall
+from nav_model.simulation.trajectory import (
+    coordinated,
+    cumulative,
+    flight_through,
+    lay_on_earth,
+    rise_and_fall,
+    smooth_step,
+)
 from nav_model.trajectory.specification import Line
 
 FloatArray = NDArray[np.float64]
@@ -30,29 +38,41 @@ _WIDER = (1.1, 1.2, 1.4, 1.7, 2.0, 3.0)  # circles of a turn that is rolled in a
 _APART = 0.5  # s between the turns of a manoeuvre
 _LARGEST_TURN = math.radians(170.0)
 _LONGEST = 100 * 3600.0  # s
+_STEEPEST = 1.875  # of a smooth step: its largest slope
 
 
 @dataclass(frozen=True)
 class Waypoint:
     """A place of a plan: latitude, longitude [rad], height above the ellipsoid [m]. line: name of the line that
-    begins here and ends at the next waypoint; empty where none does."""
+    begins here and ends at the next waypoint; empty where none does. speed: over ground, of the leg that begins here
+    [m/s]; None: the plan's."""
 
     latitude: float
     longitude: float
     height: float
     line: str = ""
+    speed: float | None = None
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Waypoints in their order, ground speed [m/s], bank of turns [rad], fastest climb and descent [m/s], and the
-    height of the ground [m]."""
+    """Waypoints in their order, ground speed [m/s], bank of turns [rad], fastest climb and descent [m/s], the height
+    of the ground [m], and the largest acceleration along the track [m/s²]."""
 
     waypoints: tuple[Waypoint, ...]
     speed: float
     bank: float = 25 * DEGREE
     climb_rate: float = 5.0
     ground: float = 0.0
+    acceleration: float = 1.0
+
+    def speed_from(self, number: int) -> float:
+        """Ground speed of the leg that begins at a waypoint, counted from 0 [m/s]."""
+        return self.waypoints[number].speed or self.speed
+
+    def room(self, *speeds: float) -> float:
+        """How far it takes to fly one speed after the other [m]."""
+        return sum(0.5 * (u + v) * float(_change(u, v, self.acceleration)) for u, v in pairwise(speeds))
 
 
 @dataclass(frozen=True)
@@ -99,10 +119,10 @@ def strip(like: Plan, first: Waypoint, heading: float, length: float, spacing: f
 
 
 def lengthened(plan: Plan, number: int, by: float) -> Plan:
-    """The plan with its line `number` (from 0) longer by `by` [m], or shorter; all that follows it moves along."""
+    """The plan with its line `number` (from 0) longer by `by` [s], or shorter; all that follows it moves along."""
     points, legs = plan.waypoints, _legs(plan.waypoints)
     leg = [n for n, point in enumerate(points[:-1]) if point.line][number]
-    legs[leg] *= 1.0 + by / abs(legs[leg])
+    legs[leg] *= 1.0 + by * plan.speed_from(leg) / abs(legs[leg])
     places = zip(points, _places(points[0], legs.tolist()), strict=True)
     moved = (replace(point, latitude=place.latitude, longitude=place.longitude) for point, place in places)
     return replace(plan, waypoints=tuple(moved))
@@ -111,14 +131,20 @@ def lengthened(plan: Plan, number: int, by: float) -> Plan:
 def fly(plan: Plan) -> PlannedFlight:
     """The flight of a plan.
 
-    Raises InputError naming the waypoint: two at one place, a leg that is too short for its turns at this bank or too
-    steep, a turn back on the spot, a place below the ground or beyond the latitudes that can be flown.
+    A line is flown at its speed from end to end: the flight changes to it before the line, and after the line to the
+    next one, on the straight part of a leg; where two lines meet, on the second.
+
+    Raises InputError naming the waypoint: two at one place, a leg that is too short for its turns at this bank and
+    its changes of speed, or too steep, a turn back on the spot, a place below the ground or beyond the latitudes that
+    can be flown.
     """
     points = plan.waypoints
     if len(points) < 2:
         raise InputError("waypoints", "a flight needs two waypoints or more")
-    if not (1.0 <= plan.speed <= 3000.0 and 0.0 < plan.bank <= 80 * DEGREE and plan.climb_rate > 0.0):
-        reason = "needs a speed from 1 to 3000 m/s, a bank of at most 80°, and a climb rate above zero"
+    speeds = [plan.speed_from(number) for number in range(len(points))]
+    steady = min(plan.climb_rate, plan.acceleration) > 0.0
+    if not (min(speeds) >= 1.0 and max(speeds) <= 3000.0 and 0.0 < plan.bank <= 80 * DEGREE and steady):
+        reason = "needs speeds from 1 to 3000 m/s, a bank of at most 80°, climb rate and acceleration above zero"
         raise InputError("plan", reason)
     for number, point in enumerate(points, 1):
         if not point.height > plan.ground:
@@ -130,26 +156,29 @@ def fly(plan: Plan) -> PlannedFlight:
             reason = f"{_named(number, points[number - 1])} and the next are at one place; remove one"
             raise InputError("waypoints", reason)
     points, numbers = _with_turns(plan)
-    legs = _legs(points)
+    plan, legs = replace(plan, waypoints=points), _legs(points)
     heading = np.unwrap(np.angle(legs))
     turns = [_Turn()]
-    for number, point, angle in zip(numbers[1:], points[1:], np.diff(heading), strict=False):
+    for at, angle in enumerate(np.diff(heading).tolist(), 1):
         if abs(angle) > _LARGEST_TURN:
-            reason = f"{_named(number, point)} needs a 180° turn. Add a waypoint to one side"
+            reason = f"{_named(numbers[at], points[at])} needs a 180° turn. Add a waypoint to one side"
             raise InputError("waypoints", reason)
-        turns.append(_turn(float(angle), plan.speed, plan.bank))
+        turns.append(_turn(angle, _speed_at(plan, at), plan.bank))
     turns.append(turns[0])
-    return _flown(replace(plan, waypoints=points), numbers, heading, np.abs(legs), turns)
+    return _flown(plan, numbers, heading, np.abs(legs), turns)
 
 
-def before_line(plan: Plan, number: int, arcs: Sequence[float], run_in: float = _RUN_IN) -> Plan:
-    """The plan with turns in front of the line that begins at waypoint `number`, counted from 0.
+def before_line(
+    plan: Plan, number: int, arcs: Sequence[float] = (), run_in: float = _RUN_IN, faster: float = 1.0
+) -> Plan:
+    """The plan with turns in front of the line that begins at waypoint `number`, counted from 0, all at its speed.
 
     arcs: of the turns [rad, to the right], which begin and end in the line's direction; run_in: from the last to the
-    line [s]. The way to the first turn is the shortest, and what comes before stays whole. Raises InputError where no
-    way leads there.
+    line [s], `faster` than it by this factor: up and back to its speed. The way to the first turn is the shortest,
+    and what comes before stays whole. Raises InputError where no way leads there.
     """
-    points, speed, here = plan.waypoints, plan.speed, replace(plan.waypoints[number], line="")
+    points, speed = plan.waypoints, plan.speed_from(number)
+    here = replace(points[number], line="")
     leg = complex(_legs(points[number : number + 2])[0])
     ahead = direction = leg / abs(leg)
     legs, length = [], _APART * speed
@@ -159,25 +188,32 @@ def before_line(plan: Plan, number: int, arcs: Sequence[float], run_in: float = 
         for _ in range(parts):
             legs.append((length + room) * direction)
             direction, length = direction * complex(np.exp(1j * arc / parts)), room + _APART * speed
-    legs.append((length + run_in * speed) * ahead)
-    turns = tuple(_places(here, [-leg for leg in reversed(legs)])[:0:-1])
-    earlier = points[:number]
+    if faster != 1.0:
+        legs.append(length * ahead)
+        length = plan.room(speed, faster * speed, speed)
+    legs.append((length + run_in * faster * speed) * ahead)
+    *turns, last = _places(here, [-leg for leg in reversed(legs)])[:0:-1]
+    turns.append(last if faster == 1.0 else replace(last, speed=faster * speed))
+    earlier = [*points[:number]]
     if not earlier:
-        return replace(plan, waypoints=turns + points)
+        return replace(plan, waypoints=(*turns, *points))
     if earlier[-1].line:  # it ends where the other begins
-        earlier = (*earlier, here)
+        earlier.append(here)
+    earlier[-1] = replace(earlier[-1], speed=here.speed)
     came = complex(_legs((*earlier, turns[0])[-3:])[0])  # the last leg, if there is one
-    way = _connection(plan, (earlier[-1], came / abs(came)), (turns[0], ahead))
+    before = plan.speed_from(max(len(earlier) - 2, 0))
+    way = _connection(plan, (earlier[-1], came / abs(came)), (turns[0], ahead), before)
     return replace(plan, waypoints=(*earlier, *way, *turns, *points[number:]))
 
 
 def in_parts(plan: Plan, number: int, parts: int, overlap: float) -> Plan:
     """The plan with the line that begins at waypoint `number`, counted from 0, in `parts` of one length and of its
-    name, each `overlap` [m] longer at the front than the rest: the flight turns off between them and comes back.
+    name, each `overlap` [s] longer at the front than the rest: the flight turns off between them and comes back.
 
     Raises InputError where the line is too short.
     """
     first, last = plan.waypoints[number : number + 2]
+    overlap *= plan.speed_from(number)
     leg = complex(_legs((first, last))[0])
     ahead, part = leg / abs(leg), (abs(leg) - overlap) / parts + overlap
     if part <= 2.0 * overlap:
@@ -207,11 +243,14 @@ def _with_turns(plan: Plan) -> tuple[tuple[Waypoint, ...], tuple[int, ...]]:
     for n, point in enumerate(points):
         place = point
         if point.line and n < len(legs) and (not n or not points[n - 1].line):
-            place = replace(_places(point, [-_RUN_IN * plan.speed * ahead[n]])[1], line="")
+            speed = plan.speed_from(n)
+            run_in = _RUN_IN * speed + plan.room(plan.speed_from(max(n - 1, 0)), speed)
+            place = replace(_places(point, [-run_in * ahead[n]])[1], line="")
         if 1 < n < len(legs) and not points[n - 1].line and replaced != n - 2:
             lines = points[n - 2].line and point.line
-            if lines or _needed(plan, legs[n - 2 : n + 1]) > abs(legs[n - 1]):
-                between = _connection(plan, (points[n - 1], ahead[n - 2]), (place, ahead[n]))
+            if lines or _needed(plan, legs, n - 1) > abs(legs[n - 1]):
+                begin, before = (points[n - 1], ahead[n - 2]), plan.speed_from(n - 2)
+                between = _connection(plan, begin, (place, ahead[n]), before)
                 route += [(corner, n) for corner in between]
                 replaced = n - 1
         if place is not point and (not n or replaced == n - 1):
@@ -220,23 +259,42 @@ def _with_turns(plan: Plan) -> tuple[tuple[Waypoint, ...], tuple[int, ...]]:
     return tuple(point for point, _ in route), tuple(number for _, number in route)
 
 
-def _needed(plan: Plan, legs: NDArray[np.complex128]) -> float:
-    """Length that the turns at both ends of the middle one of three legs need [m]."""
-    angles = np.angle(legs[1:] / legs[:-1])
+def _speed_at(plan: Plan, number: int) -> float:
+    """Ground speed at which the flight passes a waypoint, counted from 0 [m/s]: that of a line which begins there,
+    else of the leg which ends there."""
+    last = len(plan.waypoints) - 1
+    begins = not number or (number < last and plan.waypoints[number].line and not plan.waypoints[number - 1].line)
+    return plan.speed_from(number if begins else number - 1)
+
+
+def _change(before: FloatArray | float, after: FloatArray | float, most: float) -> FloatArray:
+    """Time to change from one speed to another [s], accelerating with `most` [m/s²] in its middle."""
+    by = np.abs(np.subtract(after, before))
+    return np.where(by > 0.0, np.maximum(_STEEPEST * by / most, _ENTRY), 0.0)
+
+
+def _needed(plan: Plan, legs: NDArray[np.complex128], number: int) -> float:
+    """Length that the turns at both ends of a leg need [m]."""
+    angles = np.angle(legs[number : number + 2] / legs[number - 1 : number + 1])
     if np.abs(angles).max() > _LARGEST_TURN:
         return math.inf
-    return sum(_turn(float(angle), plan.speed, plan.bank).before for angle in angles)
+    return sum(_turn(float(angle), _speed_at(plan, at), plan.bank).before for at, angle in enumerate(angles, number))
 
 
-def _connection(plan: Plan, begin: tuple[Waypoint, complex], end: tuple[Waypoint, complex]) -> tuple[Waypoint, ...]:
+def _connection(
+    plan: Plan, begin: tuple[Waypoint, complex], end: tuple[Waypoint, complex], before: float
+) -> tuple[Waypoint, ...]:
     """Corners of the shortest way from one place and direction to another, by two turns or three (Dubins 1957).
 
     Where two right angles do not fit between two lines, it swings out to the other side first. The turns are rolled
-    in and out, so they need more room than circles; a wider circle leaves it.
+    in and out, so they need more room than circles; a wider circle leaves it. before: speed with which it begins
+    [m/s].
     """
     (first, ahead), (last, onward) = begin, end
-    lead = _ENTRY * plan.speed  # room for the roll of a small turn at either end
-    radius = plan.speed**2 / (STANDARD_GRAVITY * math.tan(plan.bank))
+    speed = first.speed or plan.speed
+    room, lead = plan.room(before, speed), _ENTRY * speed  # for the roll of a small turn at either end
+    radius = speed**2 / (STANDARD_GRAVITY * math.tan(plan.bank))
+    first = _places(first, [room * ahead])[1] if room else first
     across = complex(_legs((first, last))[0])
 
     def ways(across: complex, wider: float) -> list[list[complex]]:
@@ -247,7 +305,7 @@ def _connection(plan: Plan, begin: tuple[Waypoint, complex], end: tuple[Waypoint
     def straights(legs: list[complex]) -> FloatArray:
         """What the turns leave of each leg [m]."""
         angles = np.angle(np.array(legs[1:]) / np.array(legs[:-1]))
-        turns = (_turn(float(angle), plan.speed, plan.bank) for angle in angles)
+        turns = (_turn(float(angle), speed, plan.bank) for angle in angles)
         before = np.array([0.0, *(turn.before for turn in turns), 0.0])
         return np.array(np.abs(legs) - before[:-1] - before[1:])
 
@@ -323,16 +381,23 @@ def _flown(
     """The flight of legs [m] with their headings [rad], and the turns at the ends of each; the outer two are none."""
     before, time = np.array([(turn.before, turn.time) for turn in turns]).T
     needed = before[:-1] + before[1:]
-    straight = (legs - needed) / plan.speed
+    # On the straight part a leg changes from the speed of the turn before it to its own, and then to the next turn's.
+    own = np.array([plan.speed_from(n) for n in range(len(legs))])
+    passing = np.array([_speed_at(plan, n) for n in range(len(legs) + 1)])
+    early, late = _change(passing[:-1], own, plan.acceleration), _change(own, passing[1:], plan.acceleration)
+    changing = 0.5 * ((passing[:-1] + own) * early + (own + passing[1:]) * late)
+    steady = (legs - needed - changing) / own
+    straight = early + steady + late
     stops = np.cumsum(straight + time[:-1])
     starts, ramps = stops - straight, np.minimum(6.0, straight / 3.0)
-    rises, steepest = np.diff([point.height for point in plan.waypoints]), min(plan.climb_rate, plan.speed)
+    rises = np.diff([point.height for point in plan.waypoints])
     for n, point in enumerate(plan.waypoints[:-1]):
-        problem = f"the leg from {_named(numbers[n], point)}"
-        if straight[n] < 0.0:
+        problem, steepest = f"the leg from {_named(numbers[n], point)}", min(plan.climb_rate, own[n])
+        if steady[n] < 0.0:
             problem += f" is {legs[n]:.0f} m long, and its turns need {needed[n]:.0f} m"
             named = "; remove its name to let the turn swing out" if point.line else ""
-            raise InputError("waypoints", f"{problem} at a bank of {math.degrees(plan.bank):.3g}°{named}")
+            change = f", its change of speed {changing[n]:.0f} m" if changing[n] else ""
+            raise InputError("waypoints", f"{problem} at a bank of {math.degrees(plan.bank):.3g}°{change}{named}")
         if abs(rises[n]) > steepest * (straight[n] - ramps[n]):
             problem += f" has {straight[n]:.0f} s for {rises[n]:+.0f} m"
             raise InputError("waypoints", f"{problem}, at most {steepest:g} m/s")
@@ -340,14 +405,20 @@ def _flown(
     if duration > _LONGEST:
         raise InputError("plan", f"the flight takes {duration / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h")
     t = np.linspace(0.0, duration, max(math.ceil(duration / _STEP), 8) + 1)
-    rate, climb = np.zeros_like(t), np.zeros_like(t)
+    rate, climb, speed = np.zeros_like(t), np.zeros_like(t), np.full_like(t, passing[0])
     for begin, turn in zip(stops, turns[1:], strict=True):
         if turn.angle:
             rate += rise_and_fall(t - begin, turn.plateau, _ENTRY) * turn.angle / turn.plateau
     for start, time_of_leg, rise, ramp in zip(starts, straight, rises, ramps, strict=True):
         if rise:
             climb += rise_and_fall(t - start, time_of_leg - ramp, ramp) * rise / (time_of_leg - ramp)
-    course, ground, height, roll, pitch = coordinated(t, np.hypot(plan.speed, climb), float(heading[0]), rate, climb)
+    for begin, length, by in (
+        *zip(starts, early, own - passing[:-1], strict=True),
+        *zip(stops - late, late, passing[1:] - own, strict=True),
+    ):
+        if by:
+            speed += by * smooth_step((t - begin) / length)
+    course, ground, height, roll, pitch = coordinated(t, np.hypot(speed, climb), float(heading[0]), rate, climb)
     first, north, east = plan.waypoints[0], ground * np.cos(course), ground * np.sin(course)
     height += first.height
     place = lay_on_earth((first.latitude, first.longitude), t, north, east, height)

@@ -12,10 +12,10 @@ from app.console.progress import show_progress
 from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
 from nav_model.design import Design
-from nav_model.design.catalogue import Entry, Kind, catalogue, read_catalogue
+from nav_model.design.catalogue import Entry, Kind, catalogue
 from nav_model.design.figures import FIGURES
 from nav_model.design.file import read_bytes
-from nav_model.design.offers import not_of_the_product
+from nav_model.design.offers import named_apart, offered
 from nav_model.design.processing import REAL_TIME
 from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import rank, sentence, silent
@@ -123,12 +123,13 @@ def _entries(kind: Kind, files: Iterable[str]) -> Mapping[str, Entry]:
     entries = dict(catalogue(kind))
     for path in files:
         try:
-            brought = read_catalogue(read_bytes(path).decode("utf-8-sig"), kind)
+            brought = offered(read_bytes(path).decode("utf-8-sig"), kind)
         except UnicodeDecodeError as error:
             raise InputError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
         if not brought:
             raise InputError(path, f"has no [[{kind}]] entries")
-        not_of_the_product(kind, brought)
+        if apart := named_apart(brought):
+            print(f"navbudget: {path}: {apart}", file=sys.stderr)
         if repeated := next((name for name in brought if name in entries), None):
             raise InputError(f"{kind}.{repeated}", f"is in another file too, and again in {path}; give one of them")
         entries |= brought
@@ -205,7 +206,7 @@ def manoeuvred(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
         for option in answer.options
     ]
     whole = {"line": answer.line, "lines": list(answer.lines), "closes": answer.closes,
-             "figures": _limited(answer.figures), "options": rows}  # fmt: skip
+             "figures": _limited(answer.figures), "options": rows, "note": answer.note}  # fmt: skip
     flat = [
         {**{name: row[name] for name in _OPTION}, "lines": "; ".join(row["lines"])}
         | {f"{name}.{part}": value for name, figure in row["figures"].items() for part, value in figure.items()}

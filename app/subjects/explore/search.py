@@ -34,7 +34,7 @@ from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue
-from nav_model.design.offers import KINDS, Offers, merged_offers, read_offers
+from nav_model.design.offers import KINDS, Offers, merged_offers, named_apart, read_offers
 from nav_model.explore.margins import label_of
 from nav_model.explore.search import Biases, Candidate, check_pairs, one_currency
 
@@ -203,16 +203,17 @@ class SearchPanel(Question):
         except InputError as error:
             self._say(f"Not opened. {error}", wrong=True)
 
-    def _add(self, offers: Offers) -> None:
-        """Rank these units, too; one of the same name takes the place of the one before."""
+    def _add(self, offers: Offers, *notes: str) -> None:
+        """Rank these units, too, and say so; one of the same name takes the place of the one before."""
         brought = {kind: {**self._own[kind], **offers[kind]} for kind in KINDS}
         check_pairs(*(len(catalogue(kind)) + len(brought[kind]) for kind in KINDS))
         one_currency(entry for entries in brought.values() for entry in entries.values())
         replaced = [name for kind in KINDS for name in offers[kind] if name in self._own[kind]]
         self._own = brought
         self.show(self.session.budget)
-        added = f"Added {_listed(name for entries in offers.values() for name in entries)}."
-        self._say(f"{added} Replaced: {_listed(replaced)}." if replaced else added)
+        names = [name for entries in offers.values() for name in entries]
+        again = f"Replaced: {_listed(replaced)}." if replaced else ""
+        self._say(" ".join(filter(None, (f"Added {_listed(names)}.", again, named_apart(names), *notes))))
 
     async def _kept(self, _: Any) -> None:
         """Keep the file opened last in the library."""
@@ -229,17 +230,14 @@ class SearchPanel(Question):
             files = await asyncio.to_thread(lambda: kept_files(library()))
             self._list(files)
             offers, damaged, repeated = await run_in_pool(merged_offers, files)
+            lost = f"Left out because damaged: {_listed(damaged)}. Remove these files, or save them again."
             if any(offers.values()):
-                self._add(offers)
-            elif not damaged:
-                self._say("The library holds no offers yet. Open a file and save it.")
+                twice = f"In several files; the one saved last counts: {_listed(repeated)}."
+                self._add(offers, lost if damaged else "", twice if repeated else "")
+            else:
+                self._say(lost if damaged else "The library holds no offers yet. Open a file and save it.")
         except InputError as error:
             self._say(f"Not opened. {error}", wrong=True)
-            return
-        if damaged:
-            self._say(f"Left out because damaged: {_listed(damaged)}. Remove these files, or save them again.")
-        elif repeated:
-            self._say(f"In several files; the one saved last counts: {_listed(repeated)}.")
 
     async def _removed(self, _: Any) -> None:
         """Remove the file that is chosen from the library; what is ranked on this page stays."""

@@ -13,7 +13,7 @@ from app.declared import required
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.trajectory.options import option_label, options_answer, options_table
-from app.subjects.trajectory.run import closing_options
+from app.subjects.trajectory.run import File, closing_options
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
 from app.ui.sortable_table import SortableTable
@@ -33,20 +33,22 @@ class ManoeuvreBlock(View):
     Parameters
     ----------
     session : Session
-    states : callable
-        States of the filter; 0 as by design.
+    flown : callable
+        States of the filter, 0 as by design, and the file that is flown in place of the plan, if any.
     share : callable
-        Called with the design and its options, for the report.
+        Called with the design, the file and the options, for the report.
     """
 
     run = required(Run)
 
     def __init__(
-        self, session: Session, states: Callable[[], int], share: Callable[[Design, Manoeuvres], object]
+        self,
+        session: Session,
+        flown: Callable[[], tuple[int, File | None]],
+        share: Callable[[Design, File | None, Manoeuvres], object],
     ) -> None:
         super().__init__(run=session.new_run())
-        self._session, self._states, self._share = session, states, share
-        self._asked: Design | None = None  # what the options are of
+        self._session, self._flown, self._share = session, flown, share
         self._bar = RunBar(self.run, self.begin, "Fly the candidates")
         self._head = html_pane("", margin=(0, 10))
         self._table = SortableTable(self._take, margin=(0, 10))
@@ -55,42 +57,46 @@ class ManoeuvreBlock(View):
 
     def begin(self) -> asyncio.Task[None]:
         """Fly the candidates of the design; those under way are dropped."""
-        design, states = self._session.design, self._states()
+        design, (states, file) = self._session.design, self._flown()
 
-        async def work(run: Run) -> tuple[Design, Manoeuvres]:
+        async def work(run: Run) -> tuple[Design, File | None, Manoeuvres]:
             answer = await run_alone(
-                closing_options, design, states, progress=lambda share, what: run.tell(what, share)
+                closing_options, design, states, file, progress=lambda share, what: run.tell(what, share)
             )
-            return design, answer
+            return design, file, answer
 
         return self.run.start(work)
 
     def follow(self) -> None:
         """Mark options of another design."""
         if self.run.result is not None:
-            design, answer = self.run.result
-            words, stale = options_answer(answer), ""
-            if design != self._session.design:
+            words, stale = options_answer(self.run.result[-1]), ""
+            if self._outdated:
                 words, stale = (
                     replace(words, tone="open"),
-                    stale_mark("Of the plan and design before the last change."),
+                    stale_mark("Of the flight and design before the last change."),
                 )
             self._head.say(stale + html_of(words))
 
+    @property
+    def _outdated(self) -> bool:
+        design, file, _ = self.run.result
+        return bool(design != self._session.design or file != self._flown()[1])
+
     def _show(self, _: object) -> None:
-        design, answer = self.run.result
-        self._share(design, answer)
+        design, file, answer = self.run.result
+        self._share(design, file, answer)
         self._table.html = html_of(options_table(answer)) if answer.options else ""
         self.follow()
 
     def _take(self, name: str) -> None:
         """Take an option into the design that it was flown from; what is flown there stays where others changed."""
-        design, answer = self.run.result
+        answer = self.run.result[-1]
         option = next((option for option in answer.options if option.name == name), None)
         if option is None:
             return
-        if design != self._session.design:
-            self._bar.message = "Not applied: the design has changed. Fly the candidates again."
+        if self._outdated:
+            self._bar.message = "Not applied: the design or the flight has changed. Fly the candidates again."
             return
         problem: InputError | None = self._session.change(option.changes, option.written)
         done = f"{option_label(option)} is in the design now. You can undo."

@@ -22,14 +22,14 @@ def options_answer(answer: Manoeuvres) -> Answer:
 
     if answer.closes:
         return Answer("✓ Every line keeps its limits", "good", ("No manoeuvre is needed.",))
-    closing = [option for option in answer.options if option.closes]
+    closing, note = [option for option in answer.options if option.closes], filter(None, [answer.note])
     if not closing:
         word = f"✗ None of these closes {lines_in_words(answer.lines)}"
-        return Answer(word, "bad", ("The table has what each of them buys.",))
+        return Answer(word, "bad", ("The table has what each of them buys.", *note))
     shortest, bought = closing[0], [option for option in closing[1:] if option.kind != "manoeuvre"]
     ways = "; or ".join(map(_in_words, (shortest, *bought)))
     word = f"✓ {len(closing)} option{'' if len(closing) == 1 else 's'} for {lines_in_words(answer.lines)}"
-    return Answer(word, "good", (f"{ways[:1].upper()}{ways[1:]}.",))
+    return Answer(word, "good", (f"{ways[:1].upper()}{ways[1:]}.", *note))
 
 
 def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> Table:

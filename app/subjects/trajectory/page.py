@@ -66,7 +66,7 @@ _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, W
 _SETTLE_SECONDS = 0.05  # a slider has come to rest after this long
 _HEIGHT = "max(100dvh - 104px, 724px)"  # room for four charts above each other, and for fields in two rows
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
-_NUMBERS = ("climb_rate", "ground", *AIDING)
+_NUMBERS = ("climb_rate", "acceleration", "ground", *AIDING)
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
@@ -155,12 +155,14 @@ class TrajectoryPage(StudyPage[Followed]):
         ``lengths``: solve how long its lines may be too.
         """
         self._lengths = lengths
+        if self._manoeuvres is not None:
+            self._manoeuvres.follow()
         if self._bar.message == _UNSOLVED:  # of the design before
             self._say("")
         return super().begin(settle, by_itself=by_itself)
 
     async def _study(self, run: Run) -> Followed:
-        file = self._file if self.flight == _FILE else None
+        file = self._flown_file
         # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
         if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
@@ -178,6 +180,10 @@ class TrajectoryPage(StudyPage[Followed]):
             if self._lengths and all(line.longest_s is None for line in flown.result.lines):
                 self._say(_UNSOLVED)
         return flown
+
+    @property
+    def _flown_file(self) -> File | None:
+        return self._file if self.flight == _FILE else None
 
     @property
     def _key(self) -> tuple[str, ...] | None:
@@ -282,13 +288,14 @@ class TrajectoryPage(StudyPage[Followed]):
             self._of_result.follow()
 
     def _what_would_close(self) -> ManoeuvreBlock:
-        """The options of the plan, flown when this is first opened."""
+        """The options of the plan or file, flown when this is first opened."""
 
-        def share(design: Design, options: "Manoeuvres") -> None:
-            if self._result is not None and self._result.design == design and not self._result.file:
-                self._session.keep(self.kind, replace(self._result, options=options))
+        def share(design: Design, file: File | None, options: "Manoeuvres") -> None:
+            result, name = self._result, file.name if file else ""
+            if result is not None and (result.design, result.file) == (design, name):
+                self._session.keep(self.kind, replace(result, options=options))
 
-        self._manoeuvres = ManoeuvreBlock(self._session, lambda: self.states, share)
+        self._manoeuvres = ManoeuvreBlock(self._session, lambda: (self.states, self._flown_file), share)
         self._manoeuvres.begin()
         return self._manoeuvres
 

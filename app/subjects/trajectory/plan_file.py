@@ -3,13 +3,14 @@
 import json
 import math
 from collections.abc import Iterator
+from itertools import count
 
 from app.subjects.trajectory.kml import line_verdict
 from app.subjects.trajectory.run import Followed, waypoints_of_lines
 from nav_model.base.errors import InputError
-from nav_model.design.trajectory import LINES, WAYPOINTS
+from nav_model.design.trajectory import LINES, WAYPOINTS, Rows
 
-_NAVIGATE, _ABSOLUTE, _PLANE, _GENERIC = 16, 2, 1, 0  # of MAVLink and QGroundControl
+_NAVIGATE, _CHANGE_SPEED, _ABSOLUTE, _PLANE, _GENERIC = 16, 178, 2, 1, 0  # of MAVLink and QGroundControl
 
 
 def as_plan(followed: Followed) -> bytes:
@@ -35,14 +36,22 @@ def as_plan(followed: Followed) -> bytes:
     return json.dumps(plan, ensure_ascii=False, indent=1).encode()
 
 
-def _items(followed: Followed, rows: tuple[tuple[float, float, float, str], ...]) -> Iterator[dict[str, object]]:
+def _items(followed: Followed, rows: Rows) -> Iterator[dict[str, object]]:
     flown = iter(followed.result.lines if followed.result.spec.lines else ())
-    for number, (latitude, longitude, height, name) in enumerate(rows, 1):
+    numbers, usual = count(1), followed.design.flight.speed
+    now = usual
+    for latitude, longitude, height, name, speed in rows:
         place = [math.degrees(latitude), math.degrees(longitude), height]
         line = next(flown, None) if name else None  # lines are flown in the order of the plan
         yield {
-            "type": "SimpleItem", "command": _NAVIGATE, "frame": 0, "autoContinue": True, "doJumpId": number,
+            "type": "SimpleItem", "command": _NAVIGATE, "frame": 0, "autoContinue": True, "doJumpId": next(numbers),
             "AMSLAltAboveTerrain": None, "Altitude": height, "AltitudeMode": _ABSOLUTE,
             "params": [0, 0, 0, None, *place], "line": name,
             "verdict": line_verdict(line) if line else "",
         }  # fmt: skip
+        if (speed or usual) != now:  # it holds until the next change
+            now = speed or usual
+            yield {
+                "type": "SimpleItem", "command": _CHANGE_SPEED, "frame": 2, "autoContinue": True,
+                "doJumpId": next(numbers), "params": [1, now, -1, 0, 0, 0, 0],
+            }  # fmt: skip

@@ -18,6 +18,7 @@ from nav_model.design.trajectory import Rows
 
 if TYPE_CHECKING:
     from nav_model.explore.manoeuvre import Manoeuvres
+    from nav_model.trajectory.plan import PlannedFlight
     from nav_model.trajectory.result import TrajectoryResult
 
 _MOST_STEPS = 30_000  # seconds of work, and memory, of one person
@@ -84,16 +85,11 @@ def follow(
     """
     from nav_model.earth.wgs84 import metres_per_radian
     from nav_model.trajectory.covariance import covariance
-    from nav_model.trajectory.design_study import along_flight, plan_like, planned
-    from nav_model.trajectory.files.reader import parse_file
+    from nav_model.trajectory.design_study import along_flight, planned
     from nav_model.trajectory.line_length import with_lengths
 
     global _seconds_per_fix
-    if file is None:
-        flight = planned(design)
-    else:
-        heights = design.flight.altitude, design.trajectory.ground or None
-        flight = parse_file(file.path.read_bytes(), file.name, *heights).flown(plan_like(design))
+    flight = _read(file, design) if file else planned(design)
     if flight.duration > _MOST_STEPS * design.gnss.interval:
         message = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes: too long for this page; "
         raise InputError("Flight", message + "use the command `navbudget trajectory`")
@@ -116,6 +112,15 @@ def follow(
     )
 
 
+def _read(file: File, design: Design) -> PlannedFlight:
+    """What is flown of a file."""
+    from nav_model.trajectory.design_study import plan_like
+    from nav_model.trajectory.files.reader import parse_file
+
+    heights = design.flight.altitude, design.trajectory.ground or None
+    return parse_file(file.path.read_bytes(), file.name, *heights).flown(plan_like(design))
+
+
 def follow_if_short(design: Design, states: int) -> Followed | None:
     """`follow` of a flight of few enough fixes for the pool, whose processes are not ended; None of a longer one.
 
@@ -126,11 +131,16 @@ def follow_if_short(design: Design, states: int) -> Followed | None:
     return follow(design, states) if planned(design).duration <= _SHORT * design.gnss.interval else None
 
 
-def closing_options(design: Design, states: int, *, progress: Callable[[float, str], None]) -> Manoeuvres:
-    """What would close the flight of a design's plan; for a process of its own. Raises InputError as `manoeuvres`."""
+def closing_options(
+    design: Design, states: int, file: File | None = None, *, progress: Callable[[float, str], None]
+) -> Manoeuvres:
+    """What would close the flight of a design's plan, or of a file; for a process of its own.
+
+    Raises InputError as `follow` and `manoeuvres`.
+    """
     from nav_model.explore.manoeuvre import manoeuvres
 
-    return manoeuvres(design, states=states, progress=progress)
+    return manoeuvres(design, states=states, progress=progress, flight=_read(file, design) if file else None)
 
 
 def waypoints_in(content: bytes, name: str, design: Design) -> tuple[Rows, str]:

@@ -15,10 +15,11 @@ WAYPOINT_LIST = b"QGC WPL"
 # Commands and frames of MAVLink.
 _PASSED = {16, 17, 18, 19, 31, 82}  # waypoints, places to loiter at
 _NOT_FLOWN = {
-    20: "return", 21: "landing", 22: "take-off", 84: "take-off", 85: "landing", 177: "jump", 178: "change of speed",
+    20: "return", 21: "landing", 22: "take-off", 84: "take-off", 85: "landing", 177: "jump",
     195: "region of interest", 203: "picture",
 }  # fmt: skip
 _CAMERA_DISTANCE, _CAMERA_START, _CAMERA_STOP = 206, 2000, 2001
+_CHANGE_SPEED, _USUAL = 178, -2.0
 _REFERENCES: dict[int, Reference] = {0: "sea", 5: "sea", 3: "home", 6: "home", 10: "ground", 11: "ground"}
 
 
@@ -57,7 +58,7 @@ def read_ground_station(content: bytes, heights: Heights) -> tuple[Waypoint, ...
             case [_, _, float() | int() as home]:
                 heights.home = heights.number(home, "home")
         if "cruiseSpeed" in mission:
-            heights.note("flown at the design's speed, not the plan's")
+            heights.note("flown at the design's speed, not the plan's usual one")
     waypoints = _flown(items, heights)
     heights.note(f"{program}, {counted(len(waypoints), 'waypoint')}")
     return waypoints
@@ -103,6 +104,7 @@ def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:
     """The places of the items; a line begins at each while the camera is triggered, or at all without triggers."""
     unused: Counter[str] = Counter()
     triggered, shooting = False, False
+    speed: float | None = None
     places: list[tuple[Waypoint, bool]] = []
     names: dict[int, str] = {}
     for where, command, frame, params, line in items:
@@ -117,7 +119,14 @@ def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:
                 raise heights.refuse(f"{where}: frame {frame} of its height is not known")
             if isinstance(line, str):
                 names[len(places)] = plain_name(line)
-            places.append((heights.waypoint(tuple(params[4:7]), _REFERENCES[frame], where), shooting))
+            place = heights.waypoint(tuple(params[4:7]), _REFERENCES[frame], where)
+            places.append((replace(place, speed=speed), shooting))
+        elif command == _CHANGE_SPEED:
+            wanted = -1.0 if params[1] is None else heights.number(params[1], where)
+            if wanted > 0.0 or wanted == _USUAL:  # any other: without a change
+                speed = wanted if wanted > 0.0 else None
+                places[-1:] = [(replace(place, speed=speed), on) for place, on in places[-1:]]
+                heights.note("its changes of speed are flown")
         else:
             unused[_NOT_FLOWN.get(command, f"item of command {command}")] += 1
     if unused:

@@ -217,7 +217,7 @@ def test_turns_in_front_of_a_line_leave_it_and_what_comes_before_as_they_were(
 
 def test_a_line_in_parts_is_covered_whole() -> None:
     points = (Waypoint(0.8, 0.1, 3000.0, "a"), Waypoint(0.81, 0.11, 3100.0))
-    changed = in_parts(Plan(points, 70.0), 0, 3, 500.0)
+    changed = in_parts(Plan(points, 70.0), 0, 3, 500.0 / 70.0)
     assert [point.line for point in changed.waypoints] == ["a", "", "a", "", "a", ""]
     assert fly(changed).duration > fly(Plan(points, 70.0)).duration
     along = [(point.latitude - 0.8) / 0.01 for point in changed.waypoints]
@@ -227,7 +227,7 @@ def test_a_line_in_parts_is_covered_whole() -> None:
     heights = [point.height for point in changed.waypoints]
     np.testing.assert_allclose(heights, 3000.0 + 100.0 * np.array(along), atol=0.5)
     with pytest.raises(InputError, match="too short"):
-        in_parts(Plan(points, 70.0), 0, 3, 60_000.0)
+        in_parts(Plan(points, 70.0), 0, 3, 900.0)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import pytest
 
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR
 from nav_model.design import Design
-from nav_model.design.trajectory import LIMITED
+from nav_model.design.trajectory import LIMITED, Rows
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.study_inputs import read_study_inputs
@@ -87,16 +87,16 @@ def _flown(design: Design) -> TrajectoryResult:
     return covariance(along_flight(design, planned(design)))
 
 
-def _waypoints(latitude: float, legs: np.ndarray) -> tuple[tuple[float, float, float, str], ...]:
+def _waypoints(latitude: float, legs: np.ndarray) -> Rows:
     """The ends of legs [m], north and east as the imaginary part; lines begin with the first and the third."""
-    place, rows = np.array([latitude, 0.1]), [(latitude, 0.1, 1500.0, "line 1")]
+    place, rows = np.array([latitude, 0.1]), [(latitude, 0.1, 1500.0, "line 1", None)]
     for leg, name in zip(legs, ("", "line 2", ""), strict=True):
         north = 0.0
         for _ in range(3):  # with the metres of a degree half way
             scale = metres_per_radian(place[0] + north / 2, 1500.0)
             north = leg.real / scale[0]
         place = place + np.array([north, leg.imag / scale[1]])
-        rows.append((*place.tolist(), 1500.0, name))
+        rows.append((*place.tolist(), 1500.0, name, None))
     return tuple(rows)
 
 

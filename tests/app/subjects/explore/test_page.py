@@ -247,11 +247,19 @@ def test_many_pairs_are_ranked_in_a_worker_and_the_first_rows_shown(
         ("two\\nlines", "not one line of at most 100 characters"),
         ("Unit 1", "is the name of two entries"),
         ("unit 1", "is the name of two entries"),
-        ("ln-200", "is the name of a unit of the product&#x27;s catalogue"),
     ],
 )
 def test_names_that_would_be_mistaken_are_refused(explore: ExplorePage, name: str, said: str) -> None:
     assert said in _open(explore, _many(2, 0).replace('"Unit 0"', f'"{name}"').encode())
+
+
+def test_an_offer_with_a_name_of_the_catalogue_is_listed_beside_it_and_that_is_said(explore: ExplorePage) -> None:
+    said = _open(explore, _many(2, 1).replace('"Unit 0"', '"ln-200"').replace('"Receiver 0"', '"RTK"').encode())
+    assert "The product&#x27;s catalogue has ln-200, RTK; yours: ln-200 (offer), RTK (offer)." in said
+    search = _search(explore)
+    assert {"LN-200", "ln-200 (offer)"} <= {row.imu for row in search._ranking.rows}
+    twice = _many(2, 0).replace('"Unit 0"', '"ln-200"').replace('"Unit 1"', '"ln-200 (offer)"')
+    assert "is what another is called" in _open(explore, twice.encode())
 
 
 def test_a_unit_that_is_opened_again_takes_the_place_of_the_one_before_and_that_is_said(explore: ExplorePage) -> None:

@@ -9,7 +9,7 @@ from app.subjects.trajectory import manoeuvres as block
 from app.subjects.trajectory.manoeuvres import ManoeuvreBlock
 from app.subjects.trajectory.options import options_answer, options_table
 from app.subjects.trajectory.report import sections, study
-from app.subjects.trajectory.run import follow
+from app.subjects.trajectory.run import File, follow
 from nav_model.base.constants import DEGREE
 from nav_model.design import Design
 from nav_model.explore.manoeuvre import Limited, Manoeuvres, Option
@@ -28,7 +28,7 @@ def failing() -> Design:
             "radar.aperture_time": 5.0,
             "requirements.heading": 0.08 * DEGREE,
             "trajectory.flight": "waypoints",
-            "trajectory.waypoints": ((0.8, 0.1, 3000.0, "<b>line</b>"), (0.8012, 0.1, 3000.0, "")),
+            "trajectory.waypoints": ((0.8, 0.1, 3000.0, "<b>line</b>", None), (0.8012, 0.1, 3000.0, "", None)),
         }
     )
 
@@ -40,12 +40,12 @@ def session(monkeypatch: pytest.MonkeyPatch) -> Session:
 
 
 def test_an_option_that_is_pressed_turns_the_verdict_and_is_undone(session: Session) -> None:
-    shared: list[tuple[Design, Manoeuvres]] = []
-    page = ManoeuvreBlock(session, lambda: 0, lambda design, options: shared.append((design, options)))
+    shared: list[tuple[Design, File | None, Manoeuvres]] = []
+    page = ManoeuvreBlock(session, lambda: (0, None), lambda *options: shared.append(options))
     when_done(page.begin, page.run)
     assert not page.run.message
-    (design, answer), planned = shared[0], session.design
-    assert design == planned
+    (design, file, answer), planned = shared[0], session.design
+    assert (design, file) == (planned, None)
     assert "&lt;b&gt;line&lt;/b&gt;" in page._table.html
     assert "<b>line" not in page._table.html
     first = answer.options[0]
@@ -68,7 +68,7 @@ def test_an_option_that_is_pressed_turns_the_verdict_and_is_undone(session: Sess
 
 def test_a_flight_without_a_limit_says_so(session: Session) -> None:
     session.change({"requirements.heading": None})
-    page = ManoeuvreBlock(session, lambda: 0, lambda *_: None)
+    page = ManoeuvreBlock(session, lambda: (0, None), lambda *_: None)
     when_done(page.begin, page.run)
     assert "none limits a figure of the flight" in page.run.message
 
