@@ -83,7 +83,7 @@ def verdict_of(budget: Budget) -> Answer:
     verdict, design = budget.verdict, budget.design
     tightest = verdict.tightest
     if tightest is None and verdict.elsewhere:
-        return Answer(*_word_and_tone(verdict), (_elsewhere(verdict),))
+        return Answer(*_word_and_tone(verdict), judged_elsewhere(verdict))
     if tightest is None:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         return Answer(
@@ -107,15 +107,15 @@ def verdict_of(budget: Budget) -> Answer:
             f"{judged(verdict).capitalize()}, {met}.",
             f"Tightest: {name}, {words.value} against {words.limit}, {margin_in_sentence(tightest.margin)}.",
             f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
-            *((_elsewhere(verdict),) if verdict.elsewhere else ()),
+            *judged_elsewhere(verdict),
         ),
     )
 
 
-def _elsewhere(verdict: Verdict) -> str:
-    """Which requirements are judged along a flight alone."""
+def judged_elsewhere(verdict: Verdict) -> tuple[str, ...]:
+    """Which requirements are judged along a flight alone, in a sentence if there are any."""
     names = ", ".join(map(figure_in_sentence, verdict.elsewhere))
-    return f"Judged along a flight only, on the Flight page: {names}."
+    return (f"Judged along a flight only, on the Flight page: {names}.",) if names else ()
 
 
 def _through(check: Check) -> str:
@@ -124,7 +124,7 @@ def _through(check: Check) -> str:
 
 
 def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
-    if verdict.elsewhere and all(check.met for check in verdict.checks):
+    if verdict.elsewhere and verdict.met:
         return "Judged on Flight", "open"
     return ("✓ Closes", "good") if verdict.closes else ("✗ Does not close", "bad")
 
@@ -132,8 +132,8 @@ def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
 def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
     """The verdict in one line: the tightest requirement, shown like the figures below it, and what dominates it."""
     tightest = budget.verdict.tightest
-    if budget.verdict.elsewhere and all(check.met for check in budget.verdict.checks):
-        return Answer(*_word_and_tone(budget.verdict), (_elsewhere(budget.verdict),))
+    if budget.verdict.elsewhere and budget.verdict.met:
+        return Answer(*_word_and_tone(budget.verdict), judged_elsewhere(budget.verdict))
     if tightest is None:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."

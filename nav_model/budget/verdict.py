@@ -110,6 +110,11 @@ class Verdict:
     tightest: Check | None
     elsewhere: tuple[str, ...] = ()
 
+    @property
+    def met(self) -> bool:
+        """Whether every requirement that a budget can judge is met."""
+        return all(check.met for check in self.checks)
+
 
 def required(design: Design) -> dict[str, Required]:
     """Name of each check of a budget -> its requirement, in the order of the verdict, without computing figures."""
@@ -132,6 +137,18 @@ def all_required(design: Design) -> dict[str, Required]:
         unit = limit.unit or DIMENSIONS[limit.dimension].default_unit
         requirements[limit.name] = Required(limit.on, limit.at, limit.value, limit.dimension, unit, factor)
     return requirements
+
+
+def judged_elsewhere(design: Design) -> tuple[str, ...]:
+    """Names of the requirements that only a flight can judge."""
+    return tuple(name for name, given in all_required(design).items() if given.on in of_kind("flight"))
+
+
+def lowest_limit(design: Design, figure: str) -> Required | None:
+    """That which decides on a figure, of its requirement and the user's own limits on it; those at a time of the
+    outage aside. None without any."""
+    given = [each for each in all_required(design).values() if (each.on, each.at) == (figure, None)]
+    return min(given, key=lambda each: each.at_one_sigma, default=None)
 
 
 def _factor(figure: str, confidence: float) -> float | None:
@@ -191,6 +208,6 @@ def judge(
             )
         )
     tightest = min(checks, key=lambda check: check.margin, default=None)
-    elsewhere = tuple(name for name, given in all_required(design).items() if given.on in of_kind("flight"))
+    elsewhere = judged_elsewhere(design)
     closes = all(check.met for check in checks) and not elsewhere
     return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest, elsewhere)

@@ -235,7 +235,7 @@ def offer(design: Design, solution: Solution) -> Offer | None:
 
 
 def _closes(design: Design, candidate: Offer) -> bool:
-    return analyse(design.replace(candidate.changes)).verdict.closes
+    return analyse(design.replace(candidate.changes)).verdict.met
 
 
 def rounded_offer(design: Design, key: str, value: float, digits: int = 3) -> Offer:

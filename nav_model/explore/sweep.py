@@ -29,8 +29,9 @@ from nav_model.base.errors import InputError, under
 from nav_model.base.processes import worker_pool
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.verdict import judged_elsewhere
 from nav_model.design import Design, Value
-from nav_model.design.figures import FIGURES, REQUIRED
+from nav_model.design.figures import FIGURES, REQUIRED, of_kind
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
 from nav_model.explore.sweep_plan import Plan
@@ -216,7 +217,8 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     """The rows from `start` to `stop` as columns.
 
     ``row``; every input varied (SI); ``processing.mode``, for which the results are; one sigma of every result; the
-    margin of every requirement given; whether the design closes (empty when it has no requirement); what
+    margin of every requirement given; whether the design closes (empty when it has no requirement); the names of
+    requirements that only a flight can judge, and which therefore have no part in that, where there are any; what
     `nav_model.explore.sweep_flight.fly` found, where the plan says how to fly.
     """
     places = plan.indices(start, stop)
@@ -249,6 +251,9 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
     columns |= {FIGURES[name].column: values for name, values in results.items()}
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
+    varied = (name for name in of_kind("flight") if f"requirements.{name}" in columns)
+    if elsewhere := dict.fromkeys((*judged_elsewhere(plan.design), *varied)):
+        columns["elsewhere"] = ["; ".join(elsewhere)] * (stop - start)
     if plan.flight is not None:
         flown = [fly(plan.flight, design) for design in _designs(plan, start, stop)]
         columns |= {name: [row[name] for row in flown] for name in flown[0]}

@@ -42,7 +42,7 @@ MOST_ROWS = 50_000_000
 MOST_POINTS = 100_000  # of all lists and ranges of a sweep
 _ROWS_PER_PART = 2000
 _FLIGHTS_PER_PART = 1  # a flight takes seconds
-_FORMAT = 1  # of the parts; part of a plan's identity
+_FORMAT = 2  # of the parts; part of a plan's identity
 _KEYS = ("design", "combine", "results", "rows_per_part", "simulate", "vary")
 
 

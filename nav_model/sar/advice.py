@@ -37,8 +37,11 @@ LEFT = {1: "after linear detrend", 2: "after quadratic autofocus", 3: "after cub
 """Order of the autofocus -> what its residual is called."""
 
 
-def advise(conditions: Conditions, wavelength: float, required_phase: float | None = None) -> Advice:
-    """Advice for one design. ``required_phase`` [rad]: limit on the detrended phase, at one sigma.
+def advise(
+    conditions: Conditions, wavelength: float, required_phase: float | None = None, confidence: float = 1.0
+) -> Advice:
+    """Advice for one design. ``required_phase`` [rad]: limit on the detrended phase, at the ``confidence`` at which
+    the sentences tell every residual.
 
     The fix noise at which 2 and 5 break even is given at the design's state at the last fix (which itself
     depends on that noise, so it is a first estimate and said to be "about"); zero when fewer than three fixes
@@ -47,25 +50,26 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
     result = map_of_winners(conditions)
     sigma = {key: float(value) for key, value in zip(result.strategies, result.sigma, strict=True)}
     chosen = result.strategies[int(result.winner)]
-    phase = 4 * np.pi / wavelength
+    phase, spread = 4 * np.pi / wavelength, spread_of(confidence)
+    length = {key: _length(confidence * value) for key, value in sigma.items()}
     span, coast = float(np.asarray(conditions.aperture_time)), float(np.asarray(conditions.coast_time))
     sentence = (
-        f"Use {NAMES[chosen]}: {_DONE[chosen]}. The residual is {_length(sigma[chosen])} rms "
-        f"({np.degrees(phase * sigma[chosen]):.3g}° of phase) {LEFT[conditions.autofocus_order]}."
+        f"Use {NAMES[chosen]}: {_DONE[chosen]}. The residual is {length[chosen]} {spread} "
+        f"({np.degrees(phase * confidence * sigma[chosen]):.3g}° of phase) {LEFT[conditions.autofocus_order]}."
     )
     if chosen == "9":
         sentence += f" {_NEEDS}"
     fitted = np.isfinite(sigma["5"])
-    because = f"{NAMES['2']}: {_length(sigma['2'])}"
+    because = f"{NAMES['2']}: {length['2']}"
     because += (
-        f"; {NAMES['5']}: {_length(sigma['5'])}; {NAMES['5w']}: {_length(sigma['5w'])}."
+        f"; {NAMES['5']}: {length['5']}; {NAMES['5w']}: {length['5w']}."
         if fitted
         else ". With fewer than three fixes in the aperture there is no quadratic to fit."
     )
     if coast > 0:
-        because += f" {NAMES['3']} ({coast:.4g} s without fixes): {_length(sigma['3'])}."
+        because += f" {NAMES['3']} ({coast:.4g} s without fixes): {length['3']}."
     if "9" in sigma:
-        because += f" {NAMES['9']}: {_length(sigma['9'])}."
+        because += f" {NAMES['9']}: {length['9']}."
         if not conditions.post_processed:
             because += " It needs post-processing, so it cannot be chosen while the design is processed in real time."
     break_even = float(break_even_aperture(conditions))
@@ -81,14 +85,14 @@ def advise(conditions: Conditions, wavelength: float, required_phase: float | No
             f"yours is {_length(float(np.asarray(conditions.gnss_sigma)))}."
         )
     if required_phase is not None:
-        ratio = phase * sigma[chosen] / required_phase
+        ratio = phase * confidence * sigma[chosen] / required_phase
         verdict = "meets" if ratio <= 1 else "misses"
         change += (
             f" {NAMES[chosen]} {verdict} the limit of {np.degrees(required_phase):.3g}° "
             f"by a factor of {max(ratio, 1 / ratio):.3g}."
         )
         if "9" in sigma and chosen != "9":
-            smoothed = phase * sigma["9"] / required_phase
+            smoothed = phase * confidence * sigma["9"] / required_phase
             met = "would meet" if smoothed <= 1 else "would miss"
             change += f" Post-processed, {NAMES['9']} {met} it by a factor of {max(smoothed, 1 / smoothed):.3g}."
     return Advice(chosen, sentence, because, change, sigma, break_even, limit)
@@ -111,6 +115,11 @@ def _break_even_noise(conditions: Conditions) -> float:
     rest = float(map_of_winners(small).sigma[2]) ** 2
     room = (float(free) - rest) / (float(fitted) - rest)
     return given * float(np.sqrt(max(room, 0.0)))
+
+
+def spread_of(confidence: float) -> str:
+    """What a residual at a confidence is called."""
+    return "rms" if confidence == 1 else f"at {confidence:g}σ"
 
 
 def _length(metres: float) -> str:

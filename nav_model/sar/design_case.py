@@ -14,6 +14,7 @@ from nav_model.budget import smoothed as post_processed
 from nav_model.budget.fast import not_flown
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime
+from nav_model.budget.verdict import lowest_limit
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.axis_model import AxisModel
@@ -172,10 +173,13 @@ def judged(design: Design) -> str:
     return "3" if design.coast.before_aperture > 0 else "2"
 
 
-def required_phase(design: Design) -> float | None:
-    """Limit on the detrended phase brought to one sigma [rad], None when the design gives none."""
-    limit = design.requirements.detrended_phase
-    return None if limit is None else float(limit) / design.requirements.confidence
+def decisive(design: Design, figure: str) -> tuple[float, float | None]:
+    """The confidence at which a phase of the strategies is told, and the limit on it [rad]: those of the lowest
+    limit, else those of the requirements and None."""
+    lowest = lowest_limit(design, figure)
+    if lowest is None:
+        return design.requirements.confidence, None
+    return lowest.confidence or 1.0, lowest.limit
 
 
 def study_cautions(budget: Budget) -> tuple[str, ...]:
@@ -198,6 +202,11 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
             "all axes into phase. Cells and widths are measured across the line of sight."
         )
     cautions += not_flown(design)
+    if design.contributors:
+        cautions.append(
+            "The design's contributors are in the detrended and the quadratic phase of formulas and runs. Parts of "
+            "the error, histories, responses and images are of navigation errors alone."
+        )
     if design.coast.before_aperture > 0:
         cautions.append(
             f"Only {NAMES['3']} flies {design.coast.before_aperture:.4g} s without fixes before the aperture; all "

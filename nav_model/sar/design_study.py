@@ -8,19 +8,22 @@ own seeds, so the result does not depend on where or in which order they run; th
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.aperture.geometry import metres_to_phase
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
+from nav_model.budget.contributors import with_contributors
 from nav_model.design import Design
-from nav_model.design.processing import POST_PROCESSED
-from nav_model.sar.advice import LEFT, Advice, advise
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.sar.advice import LEFT, Advice, advise, spread_of
 from nav_model.sar.decomposition import Band, autofocus, band
-from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case, required_phase
+from nav_model.sar.design_case import DesignCase, Engine, conditions, decisive, design_case
 from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy, StrategyErrors, Tuning
@@ -114,9 +117,29 @@ class SarStudy:
     def _allowed(self, strategy: Strategy) -> bool:
         return strategy.timing != POST_PROCESSED or self.budget.design.processing.mode == POST_PROCESSED
 
+    def composed(self, figure: str, sigmas: Array) -> Array:
+        """Errors of a phase, strategies first [m], with the design's contributors to it, but for the ideal."""
+        contributors, to_phase = self.budget.x.contributors, metres_to_phase(1.0, self.budget.sar.wavelength)
+        whole = sigmas.copy()
+        for row, strategy in enumerate(STRATEGIES[1:], start=1):
+            processing = POST_PROCESSED if strategy.timing == POST_PROCESSED else REAL_TIME
+            if parts := contributors.entering(figure, processing):
+                whole[row] = with_contributors(to_phase * sigmas[row], parts) / to_phase
+        return whole
+
+    @cached_property
+    def residuals(self) -> Array:
+        """Residual of each strategy after autofocus, rms over the runs, contributors included [m]."""
+        return self.composed("detrended_phase", self.rms)
+
+    @cached_property
+    def whole_residuals(self) -> Array:
+        """The same along the line of sight as it turns [m]."""
+        return np.sqrt(self.whole_rms**2 + self.residuals**2 - self.rms**2)
+
     def residual(self, key: str) -> float:
-        """Residual of a strategy after autofocus, rms over the runs [m]."""
-        return float(self.rms[STRATEGY_KEYS.index(key)])
+        """The same of one strategy."""
+        return float(self.residuals[STRATEGY_KEYS.index(key)])
 
     @property
     def sentence(self) -> str:
@@ -126,22 +149,28 @@ class SarStudy:
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
         least = self.residual(best.key) <= min(map(self.residual, self._able()))
         why = "the least" if least else "the simplest within 5 % of the least"
+        spread = spread_of(decisive(self.budget.design, "detrended_phase")[0])
         sentence = (
-            f"Over {self.runs} {what}, {best.name} leaves {_millimetres(self.residual(best.key))} rms "
+            f"Over {self.runs} {what}, {best.name} leaves {self._in_words(best.key)} {spread} "
             f"{LEFT[self.budget.sar.autofocus_order]}, {why}."
         )
         if best.timing == POST_PROCESSED:
             sentence += " It needs post-processing."
         if now.key != best.key:
-            sentence += f" The best in flight is {now.name} with {_millimetres(self.residual(now.key))}."
+            sentence += f" The best in flight is {now.name} with {self._in_words(now.key)}."
         if not smoothed:
-            sentence += f" Post-processed, {NAMES['9']} leaves {_millimetres(self.residual('9'))}."
+            sentence += f" Post-processed, {NAMES['9']} leaves {self._in_words('9')}."
         if advised not in (best.key, now.key):
             sentence += (
                 f" By the formulas, which cover five of the strategies, the best is {NAMES[advised]} "
-                f"({_millimetres(self.residual(advised))})."
+                f"({self._in_words(advised)})."
             )
         return sentence
+
+    def _in_words(self, key: str) -> str:
+        """Residual of a strategy at the confidence of the limit on it, as the advice has it."""
+        confidence, _ = decisive(self.budget.design, "detrended_phase")
+        return f"{1000 * confidence * self.residual(key):.3g} mm"
 
 
 def _named(key: str) -> Strategy:
@@ -152,13 +181,13 @@ def closed_forms(budget: Budget) -> ClosedForms:
     """The closed forms of a design: a few milliseconds."""
     inputs = conditions(budget)
     variances = strategy_variances(inputs)
-    limit = required_phase(budget.design)
+    confidence, limit = decisive(budget.design, "detrended_phase")
     return ClosedForms(
-        advice=advise(inputs, budget.sar.wavelength, limit),
+        advice=advise(inputs, budget.sar.wavelength, limit, confidence),
         quadratic=_by_strategy(variances.quadratic),
         detrended=_by_strategy(variances.detrended),
         whole=_by_strategy(whole_variances(inputs, variances.detrended)),
-        required_phase=limit,
+        required_phase=None if limit is None else limit / confidence,
     )
 
 
@@ -305,7 +334,3 @@ def _by_strategy(variances: Array) -> dict[str, float | None]:
     return {
         key: float(value) if np.isfinite(value) else None for key, value in zip(MAP_STRATEGIES, sigma, strict=True)
     }
-
-
-def _millimetres(metres: float) -> str:
-    return f"{1000 * metres:.3g} mm"

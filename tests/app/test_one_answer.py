@@ -142,20 +142,22 @@ def test_pages_report_and_command_give_one_verdict() -> None:
             assert 1 - float(explored[check.name]) == pytest.approx(check.margin, rel=1e-9, abs=1e-9)
             tile = tiles[check.label]  # none hides another
             assert (tile.met, tile.used) == (check.met, 1 - check.margin)
-        check = next(check for check in verdict.checks if check.name == "detrended_phase")
+        # A limit of one's own on the detrended phase may decide there.
+        phases = [check for check in verdict.checks if check.on == "detrended_phase"]
+        check = min(phases, key=lambda check: check.margin)
         closed = closed_forms(budget)
         said, _ = answer(budget, closed, None)
         words = check_words(design, check)
         assert said.tone == ("good" if check.met else "bad")
         assert f"{words.value}, limit {words.limit}" in said.sentences[0]
         assert f", {margin_in_sentence(check.margin)}." in said.sentences[0]
-        phase = 4 * math.pi / budget.sar.wavelength * design.requirements.confidence
+        phase = 4 * math.pi / budget.sar.wavelength * check.confidence
         assert phase * closed.detrended[judged(design)] == pytest.approx(check.value, rel=1e-9)
         drawn = map_of_winners(conditions(budget))
         assert phase * drawn.sigma[drawn.strategies.index(judged(design))] == pytest.approx(check.value, rel=1e-9)
         if judged(design) == closed.advice.strategy:
             meets = re.search(r"(meets|misses) the limit", closed.advice.would_change)
-            assert (meets[1] == "meets") is check.met
+            assert (meets[1] == "meets") is check.met is all(each.met for each in phases)
     assert min(seen.values()) > COUNT
 
 

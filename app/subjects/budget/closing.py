@@ -44,8 +44,8 @@ def ways_block(budget: Budget, single_ways: tuple[Way, ...]) -> Block:
     if not budget.verdict.checks:
         return Text("Give a limit under Requirements. The values that meet it then appear here.")
     if not single_ways:
-        text = "Every requirement is met, whatever a single input is." if budget.verdict.closes else (
+        text = "Every requirement is met, whatever a single input is." if budget.verdict.met else (
             f"No single input and no unit of the catalogue closes the design. {beyond_one(budget)}"
         )  # fmt: skip
         return Text(text)
-    return ways_table(single_ways, closes=budget.verdict.closes)
+    return ways_table(single_ways, closes=budget.verdict.met)

@@ -10,6 +10,7 @@ from app.charts.kinds import Array, Chart, Limit, Line, Span
 from app.document.numbers import number, percent
 from nav_model.budget import Budget
 from nav_model.budget.navigation import steady_marks
+from nav_model.budget.verdict import lowest_limit
 from nav_model.design.figures import label_of
 from nav_model.design.processing import REAL_TIME
 
@@ -22,9 +23,9 @@ DEGREES = 180 / math.pi
 
 
 def limit_at_sigma(budget: Budget, name: str, scale: float = 1.0) -> float:
-    """A requirement's limit scaled to one sigma, NaN when it is not given."""
-    limit = getattr(budget.design.requirements, name)
-    return math.nan if limit is None else scale * float(limit) / budget.design.requirements.confidence
+    """The lowest limit on a figure at one sigma, NaN when none is given."""
+    lowest = lowest_limit(budget.design, name)
+    return math.nan if lowest is None else scale * lowest.at_one_sigma
 
 
 def _limits(budget: Budget, spans: Iterable[tuple[str, float, float]], scale: float = 1.0) -> tuple[Limit, ...]:

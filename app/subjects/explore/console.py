@@ -11,6 +11,7 @@ from app.console.arguments import put_json
 from app.console.progress import show_progress
 from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
+from nav_model.budget.verdict import judged_elsewhere
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, Kind, catalogue
 from nav_model.design.figures import FIGURES
@@ -28,6 +29,7 @@ from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 from nav_model.explore.vendor_table import invert
 
 _OPTION = ("name", "kind", "where", "before_s", "costs_s", "closes", "useless", "lost_s")
+_JUDGED_BY_BUDGET = ("solve", "map", "search", "uncertainty")
 _CANDIDATE = ("imu", "gnss", "closes", "margin", "tightest", "dominant", "share")
 Rows = Iterable[Mapping[str, Any]]
 
@@ -238,12 +240,19 @@ def explore(design: Design, options: argparse.Namespace) -> int:
     if options.question == "rank" and options.result is None:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
-    whole = {"processing": {"mode": design.processing.mode}, **whole}
+    # What only a flight judges has no part in the answers of the budget.
+    elsewhere = judged_elsewhere(design) if options.question in _JUDGED_BY_BUDGET else ()
+    named = {"elsewhere": list(elsewhere)} if elsewhere else {}
+    whole = {"processing": {"mode": design.processing.mode}, **named, **whole}
     answers = whole.get("options", ())
     failed = not whole.get("agree", True) or not (whole.get("closes", True) or any(row["closes"] for row in answers))
     if not options.csv:
         return put_json(lambda: whole) or int(failed)
-    sys.stdout.write(csv_of({**row, "processing.mode": whole["processing"]["mode"]} for row in rows))
+    in_rows = {
+        "processing.mode": whole["processing"]["mode"],
+        **({"elsewhere": "; ".join(elsewhere)} if named else {}),
+    }
+    sys.stdout.write(csv_of({**row, **in_rows} for row in rows))
     return int(failed)
 
 

@@ -10,7 +10,7 @@ import param
 
 from app.declared import declared, required
 from app.document.blocks import Answer
-from app.document.verdict import SAID
+from app.document.verdict import SAID, judged_elsewhere
 from app.session import Session
 from app.subjects.explore.map import MapPanel
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -81,7 +81,7 @@ class ExplorePage(View):
         basis: tuple[str, ...] = ()
         if verdict.checks and self.question.of_design:
             assumed = biases_said(self.session.design, self.question.biases)
-            basis = (f"{assumed}, {SAID[verdict.processing]}.",)
+            basis = (f"{assumed}, {SAID[verdict.processing]}.", *judged_elsewhere(verdict))
         self._strip.show(replace(answer, sentences=(*answer.sentences, *basis)))
 
     def go_to(self, place: str) -> None:

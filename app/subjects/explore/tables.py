@@ -37,11 +37,11 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way])
     """The input that matters most, how far it may go, and what it is now, for a budget with a requirement."""
     tightest = budget.verdict.tightest
     assert tightest is not None
-    tone = "good" if budget.verdict.closes else "bad"
+    tone = "good" if budget.verdict.met else "bad"
     wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.sensor), "")
     lever = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
     if lever is None:
-        head = "Every input may take any allowed value" if budget.verdict.closes else "No single change closes it"
+        head = "Every input may take any allowed value" if budget.verdict.met else "No single change closes it"
         return Answer(head, tone, _stuck(budget, solutions))
     ((key, value),) = lever.changes.items()
     now = next(solution.current for solution in solutions if solution.key == key)
@@ -57,7 +57,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way])
 
 
 def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
-    if budget.verdict.closes:
+    if budget.verdict.met:
         return ("No requirement limits any input within its allowed range.",)
     sentences = []
     for check in budget.verdict.checks:
@@ -90,7 +90,7 @@ def _value(design: Design, solved: Solved) -> str:
 def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Iterator[Block]:
     """Every input with a value that closes the design, and the others by name."""
     if ways:
-        yield ways_table(ways, closes=budget.verdict.closes)
+        yield ways_table(ways, closes=budget.verdict.met)
     helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
     if helpless:
         yield Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}.")

@@ -16,6 +16,7 @@ from nav_model.base.units import from_si
 from nav_model.budget import Budget
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import LEFT
+from nav_model.sar.design_case import decisive
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.pictures import Pictures
@@ -85,20 +86,18 @@ def _typical(study: SarStudy) -> str:
 
 def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """Detrended phase of each strategy, the least first: formula beside the runs."""
-    required = budget.design.requirements.detrended_phase
     return _dot_chart(
         "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms", budget,
-        closed.detrended, closed.whole, study, "rms", "residual_rms", required,
+        closed.detrended, closed.whole, study, "rms", "residual_rms", "detrended_phase",
         f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
 
 
 def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """Quadratic phase of each strategy before autofocus, the least first: formula beside the runs."""
-    required = budget.design.requirements.quadratic_phase
     return _dot_chart(
         "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends", budget,
-        closed.quadratic, {}, study, "quadratic_rms", "quadratic", required,
+        closed.quadratic, {}, study, "quadratic_rms", "quadratic", "quadratic_phase",
         f"Before autofocus, without the along-track quadratic phase, which has a check of its own. Formulas [S-5], "
         f"[S-7], {NAMES['9']} [P-5]. {_chosen(budget)}",
     )  # fmt: skip
@@ -116,11 +115,11 @@ def _chosen(budget: Budget) -> str:
 
 def _dot_chart(
     key: str, title: str, x_label: str, budget: Budget, closed: Mapping[str, float | None],
-    wholes: Mapping[str, float | None], study: SarStudy | None, over_runs: str, part: str, required: float | None,
+    wholes: Mapping[str, float | None], study: SarStudy | None, over_runs: str, part: str, figure: str,
     knowledge: str,
 ) -> DotChart:  # fmt: skip
-    """Everything is at the confidence of the requirements, as is their limit."""
-    confidence = budget.design.requirements.confidence
+    """Everything is at the confidence of the lowest limit on the figure."""
+    confidence, required = decisive(budget.design, figure)
     limit = math.nan if required is None else _DEG * required
     label = f"{x_label} [°]" if confidence == 1 else f"{x_label} at {confidence:g}σ [°]"
     to_degrees = confidence * _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
@@ -131,10 +130,10 @@ def _dot_chart(
         whole = math.nan if known is None else to_degrees * known
         if study is not None:  # in the study's own wavelength, until it is run again
             scale = confidence * _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
-            band = study.parts[part]
-            ensemble, low, high = (scale * float(x[row]) for x in (getattr(study, over_runs), band.low, band.high))
+            errors = getattr(study, over_runs), study.parts[part].low, study.parts[part].high
+            ensemble, low, high = (scale * float(study.composed(figure, x)[row]) for x in errors)
             if wholes:
-                whole = scale * float(study.whole_rms[row])
+                whole = scale * float(study.whole_residuals[row])
         closed_phase = math.nan if form is None else to_degrees * form
         dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole, kind_of(strategy)))
     dots.sort(key=_rank)
@@ -235,12 +234,12 @@ def arw_winner_chart(budget: Budget) -> MapChart:
 def _winner_chart(
     budget: Budget, drawn: DesignMap, key: str, title: str, y_label: str, scale: float, catalogue: str, source: str
 ) -> MapChart:
-    required = budget.design.requirements.detrended_phase
-    limit = None if required is None else float(required) / budget.design.requirements.confidence
-    x, y = drawn.aperture_time, drawn.other * scale
+    confidence, limit = decisive(budget.design, "detrended_phase")
+    x, y, phase = drawn.aperture_time, drawn.other * scale, confidence * drawn.phase
+    at = "" if confidence == 1 else f" at {confidence:g}σ"
     line = np.full((1, 2), np.nan)
     if limit is not None:
-        line = np.exp(contour(np.log(x), np.log(y), np.log(drawn.phase), math.log(limit)))
+        line = np.exp(contour(np.log(x), np.log(y), np.log(phase), math.log(limit)))
     here = Points(
         "design", "this design", np.array([drawn.here[0]]), np.array([drawn.here[1] * scale]), ("this design",),
         "this design", "cross", "aperture and noise of the design",
@@ -250,11 +249,11 @@ def _winner_chart(
         title=title,
         x_label="aperture time [s]",
         y_label=y_label,
-        value_label="detrended phase of the best strategy [°]",
+        value_label=f"detrended phase of the best strategy{at} [°]",
         x=x,
         y=y,
         winner=drawn.winner,
-        values=drawn.phase * _DEG,
+        values=phase * _DEG,
         names=tuple(NAMES[k] for k in drawn.strategies),
         styles=tuple(f"strategy {k}" for k in drawn.strategies),
         points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
@@ -266,7 +265,7 @@ def _winner_chart(
             f"detrended phase, of the {_COUNT[len(drawn.strategies)]} that have a formula and that the processing "
             f"allows. {_chosen(budget)} "
             + ("Set a limit on the detrended phase to see where it is met." if limit is None else
-               f"The limit of {degrees(limit)}° at 1σ is met towards shorter apertures.")
+               f"The limit of {degrees(limit)}° at {confidence:g}σ is met towards shorter apertures.")
         ),
     )  # fmt: skip
 

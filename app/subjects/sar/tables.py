@@ -19,7 +19,7 @@ from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_case import flight_cautions, judged, study_cautions
+from nav_model.sar.design_case import decisive, flight_cautions, judged, study_cautions
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy
 
@@ -53,11 +53,12 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
         key, sigma, whole = advice.strategy, advice.sigma[advice.strategy], closed.whole[advice.strategy]
     else:
         best, now = study.best(), study.best(causal=True)
-        key, sigma, whole = best.key, study.residual(best.key), float(study.whole_rms[STRATEGY_KEYS.index(best.key)])
+        key, sigma = best.key, study.residual(best.key)
+        whole = float(study.whole_residuals[STRATEGY_KEYS.index(key)])
     assert whole is not None  # the formula that is chosen has one
     source = "formula" if study is None else f"{study.runs} runs"
-    # All at the confidence of the requirements, as the check is.
-    confidence = budget.design.requirements.confidence
+    # All at the confidence of the check that decides.
+    confidence, _ = decisive(budget.design, "detrended_phase")
 
     def phase(sigma: float) -> str:
         return f"{_degrees(confidence * sigma, budget)}°"
@@ -70,7 +71,8 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     if budget.verdict.processing == REAL_TIME and smoothed is not None:
         sentences.append(f"{NAMES['9']}, post-processed: {phase(smoothed)} by formula.")
     word, tone = f"Use {NAMES[key]}", "open"
-    check = next((check for check in budget.verdict.checks if check.name == "detrended_phase"), None)
+    checks = (check for check in budget.verdict.checks if check.on == "detrended_phase")
+    check = min(checks, key=lambda check: check.margin, default=None)
     if check is not None:
         words = check_words(budget.design, check)
         strategy, at = NAMES[judged(budget.design)], "" if confidence == 1 else f" at {confidence:g}σ"
@@ -115,28 +117,30 @@ def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
 
 def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> Table:
     """One row per strategy: closed form and runs, along the line of sight of mid-aperture and with the along-track
-    part."""
+    part; all at the confidence of the limit."""
     rows = []
+    confidence, _ = decisive(budget.design, "detrended_phase")
     for index, strategy in shown_strategies(budget):
         form, whole = closed.detrended.get(strategy.key), closed.whole.get(strategy.key)
-        cells = [NONE, NONE] if form is None else [_number(scale * form) for scale in _scales(budget)]
-        wholes = [NONE if whole is None else _degrees(whole, budget)]
+        cells = [NONE, NONE] if form is None else [_number(confidence * scale * form) for scale in _scales(budget)]
+        wholes = [NONE if whole is None else _degrees(confidence * whole, budget)]
         if study is None:
             cells += [_NOT_RUN] * 3
             wholes += [_NOT_RUN]
         else:
-            millimetres, degrees = _scales(study.budget)
-            cells += [_number(scale * float(study.rms[index])) for scale in (millimetres, degrees)]
-            cells += [_banded(study.parts["residual_rms"], index, degrees)]
-            wholes += [_number(degrees * float(study.whole_rms[index]))]
+            millimetres, degrees = (confidence * scale for scale in _scales(study.budget))
+            cells += [_number(scale * float(study.residuals[index])) for scale in (millimetres, degrees)]
+            band = study.parts["residual_rms"]
+            whole_band = Band(*(study.composed("detrended_phase", x) for x in (band.median, band.low, band.high)))
+            cells += [_banded(whole_band, index, degrees)]
+            wholes += [_number(degrees * float(study.whole_residuals[index]))]
         cells += wholes
         rows.append((strategy.name, kind_of(strategy), *cells))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
-    if budget.design.contributors:
-        runs += "Formulas include the design's contributors; runs include navigation errors only. "
     return table(
         f"{key}-sar-errors",
-        f"Detrended phase by strategy: rms over the aperture {LEFT[budget.sar.autofocus_order]}",
+        f"Detrended phase by strategy: rms over the aperture {LEFT[budget.sar.autofocus_order]}"
+        f"{'' if confidence == 1 else f', at {confidence:g}σ'}",
         (
             ("Strategy", 1.75),
             ("Kind", 1.3),

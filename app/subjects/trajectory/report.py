@@ -12,7 +12,6 @@ from app.subjects.trajectory.run import Followed, closing_options, follow
 from app.subjects.trajectory.tables import line_table, verdict
 from nav_model.design import Design
 
-_STATES = 9
 _HOW = "Covariance [P-13], smoothed [P-14]; image errors of each line [P-15]."
 
 
@@ -25,10 +24,10 @@ def study(design: Design, options: argparse.Namespace) -> Followed:
         For a key of the design that cannot be flown.
     """
     del options  # those of runs
-    followed = follow(design, _STATES, lengths=True)
+    followed = follow(design, lengths=True)
     if all(line.closes for line in followed.result.lines):
         return followed
-    return replace(followed, options=closing_options(design, _STATES, progress=lambda share, what: None))
+    return replace(followed, options=closing_options(design, progress=lambda share, what: None))
 
 
 def another_design(study: Followed, design: Design) -> str:

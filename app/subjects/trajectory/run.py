@@ -68,7 +68,7 @@ class Followed:
 
 def follow(
     design: Design,
-    states: int,
+    states: int = 0,
     file: File | None = None,
     lengths: bool = False,
     *,
@@ -132,7 +132,7 @@ def follow_if_short(design: Design, states: int) -> Followed | None:
 
 
 def closing_options(
-    design: Design, states: int, file: File | None = None, *, progress: Callable[[float, str], None]
+    design: Design, states: int = 0, file: File | None = None, *, progress: Callable[[float, str], None]
 ) -> Manoeuvres:
     """What would close the flight of a design's plan, or of a file; for a process of its own.
 

@@ -219,6 +219,16 @@ def test_the_same_file_from_a_cluster_of_two_processes(plan_file, tmp_path):
     assert (tmp_path / "here.csv").read_bytes() == (tmp_path / "there.csv").read_bytes()
 
 
+def test_requirements_that_only_a_flight_judges_are_named_in_each_row():
+    text = b"""design = { requirements = { %s = "0.1 deg", tilt = "1 deg" } }
+    [vary]
+    %s = ["1 deg", "2 deg"]"""
+    for given, varied in ((b"heading", b"requirements.tilt"), (b"quadratic_phase", b"requirements.heading")):
+        columns = whole_sweep(parse_plan(text % (given, varied)))
+        assert columns["elsewhere"] == ["heading"] * 2
+    assert "elsewhere" not in whole_sweep(parse_plan(text % (b"quadratic_phase", b"requirements.tilt")))
+
+
 def test_side_by_side_and_inline_designs():
     plan = parse_plan(
         b"""

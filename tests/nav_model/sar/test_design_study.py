@@ -10,6 +10,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.json import to_json as budget_json
 from nav_model.design import Design
+from nav_model.design.user_entries import UserEntries, read_entries
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import conditions, design_case, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map
@@ -257,3 +258,36 @@ def test_the_sentence_names_the_best_of_the_runs(study):
     assert replace(study, rms=rms).best().key == "2"
     rms[STRATEGY_KEYS.index("8")] = 1.8e-3
     assert replace(study, rms=rms).best().key == "8"
+
+
+def test_contributors_count_in_the_runs_as_in_the_formulas():
+    entries = read_entries(
+        {
+            "contributors": [
+                {"name": "lever arm", "value": "2 cm", "enters": "detrended_phase"},
+                {"name": "filter", "value": "0.3 mm", "enters": "detrended_phase", "kind": "systematic"},
+                {"name": "base", "value": "1 mm", "enters": "detrended_phase", "processing": "post-processed"},
+                {"name": "mount", "value": "1 mm", "enters": "quadratic_phase", "processing": "real time"},
+            ],
+            "limits": [{"name": "own", "on": "detrended_phase", "limit": "9°", "confidence": 3}],
+        }
+    )
+    plain, full = (design_study(design().replace({}, entries=own), runs=40) for own in (UserEntries(), entries))
+    np.testing.assert_array_equal(full.rms, plain.rms)  # the runs themselves
+    post = np.array([strategy.key == "9" for strategy in STRATEGIES])
+    wanted = np.sqrt(plain.rms**2 + 0.02**2 + np.where(post, 1e-3**2, 0.0)) + 0.3e-3
+    np.testing.assert_allclose(full.residuals[1:], wanted[1:], rtol=1e-12)
+    assert full.residuals[0] == plain.rms[0]  # without any error there is none
+    by_key = {row["key"]: row for row in to_json(full)["strategies"]}
+    without = {row["key"]: row for row in to_json(plain)["strategies"]}
+    for key in STRATEGY_KEYS[1:]:
+        part = 1e-6 if key != "9" else 0.0
+        quadratic = np.sqrt(without[key]["quadratic_sigma_m"] ** 2 + part)
+        assert by_key[key]["quadratic_sigma_m"] == pytest.approx(quadratic, rel=1e-12)
+        turn = without[key]["whole_residual_rms_over_runs_m"] ** 2 - without[key]["residual_rms_over_runs_m"] ** 2
+        whole = np.sqrt(by_key[key]["residual_rms_over_runs_m"] ** 2 + turn)
+        assert by_key[key]["whole_residual_rms_over_runs_m"] == pytest.approx(whole, rel=1e-9)
+    # All errors are so alike now that the simplest is named, and sentences tell what the limit compares.
+    assert full.best().key == full.closed.advice.strategy == "2"
+    assert f"leaves {3000 * full.residual('2'):.3g} mm at 3σ" in full.sentence
+    assert "misses the limit of 9° by" in full.closed.advice.would_change

@@ -20,6 +20,14 @@ def test_every_question_answers_in_json_and_csv(question, capsys):
     assert main(["explore", question, MEMS, "--csv", *extra]) == 0
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
     assert {row["processing.mode"] for row in rows} == {"real time"}
+    if question != "rank":  # what only a flight judges is named beside what it has no part in
+        heading = ["--set", "requirements.heading=0.01 deg", *extra]
+        whole = told(capsys, "explore", question, MEMS, *heading)
+        assert whole.pop("elsewhere") == ["heading"]
+        assert whole == told(capsys, "explore", question, MEMS, *extra)
+        assert main(["explore", question, MEMS, "--csv", *heading]) == 0
+        rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+        assert {row["elsewhere"] for row in rows} == {"heading"}
 
 
 def test_solve_says_what_would_help(capsys):

@@ -459,6 +459,16 @@ async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> Non
     assert explore.session.design.imu.preset == "LN-200"
 
 
+def test_what_only_a_flight_judges_is_named_and_hinders_no_advice() -> None:
+    design = read_design("examples/tactical_x_band.toml")
+    plain, explore = (ExplorePage(Session(each)) for each in (design, design.replace({"requirements.heading": 1e-4})))
+    assert explore.question.answer == plain.question.answer
+    assert explore.question._ways == plain.question._ways != ()
+    for name in ("What would close it", "Sensors that pass", "Trade-off map"):
+        _ask(explore, name)
+        assert "Judged along a flight only, on the Flight page: heading." in explore._strip._text.object, name
+
+
 def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named() -> None:
     arm = {"name": "Lever arm", "enters": "detrended_phase", "value": "2 mm"}
     design = read_design("examples/tactical_x_band.toml").replace({}, entries=read_entries({"contributors": [arm]}))

@@ -345,12 +345,14 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
         "Map", FIGURES[main_figure(followed.result)].label,
     ]  # fmt: skip
     design, target = tmp_path / "two.toml", tmp_path / "r.html"
-    design.write_text(format_design(followed.design), encoding="utf-8")
+    biased = followed.design.replace({"imu.gyro_bias": 1e-7})
+    design.write_text(format_design(biased), encoding="utf-8")
     assert cli.main(["report", str(design), "--with", "trajectory", "-o", str(target)]) == 0
     html = target.read_text(encoding="utf-8")
     assert "0 of 2 lines within the limits in real time" in html
     assert "Flight: parallel lines, 2 lines, " in html
     assert "outages: 100\xa0s to 130\xa0s" in html
+    assert "filter of 15 states" in html  # as page and command fly it
     assert "wrote" in capsys.readouterr().err
 
 
