@@ -250,23 +250,20 @@ class _Reader:
         labels = ", ".join(column.label for column in columns)
         if axes == [None]:
             self.notes.append(f"{role} {labels!r} names no axis; taken as x")
-        elif None in axes or len(set(axes)) < len(axes):
-            raise self.refuse(f"several or unclear {role} columns ({labels}); say which by `columns` or `arrays`")
-        if len(axes) > 1 and axes != [0, 1, 2]:
+        elif len(axes) > 1 and axes != [0, 1, 2]:
             # Two of three are more often a name that was not understood than a sensor of two axes.
-            raise self.refuse(f"{role} columns {labels}; x, y and z are needed, each once, or one of them alone")
+            needed = "x, y and z are needed, each once, or one of them alone. Say which by `columns` or `arrays`"
+            raise self.refuse(f"several or unclear {role} columns ({labels}); {needed}")
         return columns
 
     def check_size(self, role: str, signal: Array, rows: Rows | None) -> None:
         """Refuse what no sensor measures."""
-        if signal.min() >= -_LARGEST and signal.max() <= _LARGEST:
-            return
-        bad, axes = np.nonzero(~(np.abs(signal) <= _LARGEST))
-        finite = np.isfinite(signal[bad[0], axes[0]])
-        what = f"larger than {_LARGEST:g} in SI units" if finite else "not a finite number"
-        where = self.content.place(int(bad[0] if rows is None else rows[bad[0]]))
-        count = len(np.unique(bad))
-        raise self.refuse(f"{where}: {role}_{AXIS_LETTERS[axes[0]]} is {what} ({count} such rows)")
+        for letter, values in zip(AXIS_LETTERS, signal.T, strict=False):
+            if (bad := np.flatnonzero(~(np.abs(values) <= _LARGEST))).size:
+                finite = np.isfinite(values[bad[0]])
+                what = f"larger than {_LARGEST:g} in SI units" if finite else "not a finite number"
+                where = self.content.place(int(bad[0] if rows is None else rows[bad[0]]))
+                raise self.refuse(f"{where}: {role}_{letter} is {what} ({len(bad)} such rows)")
 
     def temperature(self, signals: Mapping[str, _Signal]) -> Array | None:
         """Temperature at the samples, where it has one for each of them and all sensors share them."""
@@ -296,7 +293,7 @@ def _time_unit(label: str, stamps: Array, interval: float, rate_hz: float | None
 
     Raises InputError under "rate" where that leaves two.
     """
-    sizes = {unit: scale_of("time", unit).factor for unit in ("s", "ms", "us", "ns")}
+    sizes = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
     rates = {unit: 1.0 / (interval * size) for unit, size in sizes.items()}
     if rate_hz is not None and (near := [unit for unit in rates if abs(rate_hz / rates[unit] - 1.0) < 0.05]):
         return near[0]
@@ -310,7 +307,5 @@ def _time_unit(label: str, stamps: Array, interval: float, rate_hz: float | None
     if len(likely) == 1 and interval != 1.0:
         return likely[0]
     readings = " or ".join(f"{rates[unit]:g} Hz in {unit}" for unit in likely) or "no likely rate in s, ms, us or ns"
-    raise InputError(
-        "rate",
-        f"{label!r} goes up by {interval:g} a sample, which is {readings}. Enter the rate, for example 100 Hz.",
-    )
+    reason = f"{label!r} goes up by {interval:g} a sample, which is {readings}. Enter the rate, for example 100 Hz."
+    raise InputError("rate", reason)

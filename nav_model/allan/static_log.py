@@ -131,25 +131,18 @@ def _coefficient(
 ) -> Coefficient | _Missing:
     """The coefficient, or the reason why the log does not show it."""
     if fit.model_error > WORST_MODEL_ERROR:
-        return _Missing(
-            f"not resolved: the spectrum departs from the five noise terms by {100 * fit.model_error:.0f} % "
-            "across the band; the log is disturbed (movement or vibration), not at rest",
-            "disturbed",
-        )
+        reason = f"the spectrum departs from the five noise terms by {100 * fit.model_error:.0f} % across the band"
+        disturbed = "the log is disturbed (movement or vibration), not at rest"
+        return _Missing(f"not resolved: {reason}; {disturbed}", "disturbed")
     if term == "quantization" and fit.band_cut:
-        return _Missing(
-            f"not resolved: above {fit.band_hz:g} Hz the spectrum is shaped by the sensor's filter or by "
-            "vibration, which hides quantization",
-            "filtered",
-        )
+        shaped = "the spectrum is shaped by the sensor's filter or by vibration, which hides quantization"
+        return _Missing(f"not resolved: above {fit.band_hz:g} Hz {shaped}", "filtered")
     if term == "random_walk" and not fit.clean and effective is not None:
         share = (estimate.value / effective) ** 2
         if share < _LEAST_WHITE_SHARE:
-            return _Missing(
-                f"not resolved: the Allan deviation about 1 s is {1.0 / math.sqrt(max(share, 1e-12)):.1f} "
-                "times what the white floor explains; a disturbance dominates there",
-                "vibrating",
-            )
+            times = f"{1.0 / math.sqrt(max(share, 1e-12)):.1f} times what the white floor explains"
+            reason = f"the Allan deviation about 1 s is {times}; a disturbance dominates there"
+            return _Missing(f"not resolved: {reason}", "vibrating")
         if share < _WHITE_SHARE:
             nearest = int(np.argmin(np.abs(np.log(deviation.tau_s))))
             widen = float(deviation.high[nearest] / deviation.deviation[nearest])

@@ -83,14 +83,9 @@ class Dimension:
 
 def _dimension(name: str, units: list[str], examples: list[str], decibels: int = 0) -> Dimension:
     products = {unit: product_of(unit) for unit in units}
-    return Dimension(
-        name,
-        {unit: size_of(product)[0] for unit, product in products.items()},
-        {frozenset(product.items()): unit for unit, product in products.items()},
-        size_of(products[units[0]])[1],
-        tuple(examples),
-        decibels,
-    )
+    sizes = {unit: size_of(product)[0] for unit, product in products.items()}
+    symbols = {frozenset(product.items()): unit for unit, product in products.items()}
+    return Dimension(name, sizes, symbols, size_of(products[units[0]])[1], tuple(examples), decibels)
 
 
 DIMENSIONS: dict[str, Dimension] = {name: _dimension(name, **row) for name, row in TABLES.items()}
@@ -163,12 +158,12 @@ def _sigmas(accuracies: list[re.Match[str]], kind: Dimension) -> tuple[Fraction,
         raise InputError("quantity", f"The number states its accuracy twice, {stated}. Write one of them.")
     if unit == " " and word[:1] != "L" and kind.name not in ("length", "speed", "angle"):
         raise InputError("quantity", f"{first['accuracy']} is of a place, not of {kind.name}.")
+    name = f"{word}{share or ''}"
     if unit == "%" or word[:1] == "L":
-        name = f"{word}{share or ''}" or f"{first['number']} %"
-        share = first["number"] or share or "50"
+        name, share = name or f"{first['number']} %", first["number"] or share or "50"
         sigmas = 1.0 if share == "68" else NormalDist().inv_cdf(0.5 + float(share) / 200)
     elif word:
-        sigmas, name = math.sqrt(-2 * math.log(1 - float(share or 50) / 100)), f"{word}{share or ''}"
+        sigmas = math.sqrt(-2 * math.log(1 - float(share or 50) / 100))
     elif unit != " ":
         sigmas, name = float(first["number"]), f"{first['number']}σ"
     elif first["times"] is None:

@@ -137,10 +137,9 @@ def _pieces(segment: Segment, heights: Heights) -> list[Segment]:
     if (back := np.flatnonzero(steps < 0.0)).size:
         where = f"{segment.name or 'track'}, place {back[0] + 2}"
         raise heights.refuse(f"{where}: time runs backwards by {-steps[back[0]]:g} s")
-    again = np.concatenate([[False], steps == 0.0]) if len(rows) else np.zeros(0, dtype=bool)
-    if again.any():
-        heights.note(f"{counted(int(again.sum()), 'place')} left out, as their time is that of the one before")
-    rows = rows[~again]
+    if again := int(np.sum(steps == 0.0)):
+        heights.note(f"{counted(again, 'place')} left out, as their time is that of the one before")
+        rows = rows[np.concatenate([[True], steps > 0.0])]
     if len(rows) < 2:
         return []
     rows[:, 2] = np.unwrap(rows[:, 2], period=360.0)
@@ -199,7 +198,7 @@ def _coordinated(time: Array, place: Array) -> tuple[Array, Array, Array]:
     speed = np.linalg.norm(velocity, axis=1)
     moving = speed > _SLOWEST
     if not moving.any():
-        return np.zeros_like(time), np.zeros_like(time), np.zeros_like(time)
+        return (np.zeros_like(time),) * 3
     course = np.unwrap(np.arctan2(velocity[moving, 1], velocity[moving, 0]))
     yaw = np.interp(time, time[moving], course)
     roll = np.arctan(speed * np.gradient(yaw, time) / STANDARD_GRAVITY)
