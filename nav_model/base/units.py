@@ -33,11 +33,11 @@ class Parsed(NamedTuple):
     unit: str
 
 
-_NUMBER = re.compile(r"[+\-−]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+\-−]?\d+)?")
-_BEFORE = re.compile(r"(?:([A-Za-z]\w*\.?)[\s:=]+(?=[\d.,±<≤~≈+]))?(?:[±<≤~≈]|\+\s*/\s*[-−])?\s*(?=[\d.,])")
-_TIMES_TEN = re.compile(r"^([+\-−]?[\d.]+)\s*[x×·*]\s*10\s*(?:\^|\*\*)?\s*([-−+⁻⁺]?[\d⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3})(?=\D)")
+# Of texts with `plain_signs`.
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
+_BEFORE = re.compile(r"(?:([A-Za-z]\w*\.?)[\s:=]+(?=[\d.,±<≤~≈+]))?(?:[±<≤~≈]|\+\s*/\s*-)?\s*(?=[\d.,])")
+_TIMES_TEN = re.compile(r"^([+-]?[\d.]+)\s*[x·*]\s*10\s*(?:\^|\*\*)?\s*([-+⁻⁺]?[\d⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3})(?=\D)")
 _IN_BRACKETS = re.compile(r"\((?=[\d.])([^()]*)\)(.*)")
-_OF_PLACES = frozenset("NSEW'’‘´′\"″”“")
 _PLACE = re.compile(
     r"""([NSEW])?\s*([+-])?(\d+(?:\.\d*)?)\s*
     (?:(?:°|deg\b)\s*(?:(\d+(?:\.\d*)?)\s*'\s*(?:(\d+(?:\.\d*)?)\s*"\s*)?)?)?([NSEW])?""",
@@ -69,7 +69,7 @@ def parse_exact(
     may have, "NS" or "EW".
     """
     table = DIMENSIONS[dimension]
-    stripped = with_point(text.strip())
+    stripped = with_point(plain_signs(text.strip()))
     match = _NUMBER.match(stripped)
     if match and len(stripped) <= LONGEST and (unit := stripped[match.end() :].strip()) in table.units:
         return table.amount(_decimal(match[0], text), unit), unit
@@ -77,10 +77,8 @@ def parse_exact(
     refused = f"{quoted(text)} is not {article} {table.name}. {advice or f'Try {table.examples[0]}.'}"
     if len(stripped) > LONGEST:
         raise InputError(_KEY, refused, text)
-    if dimension == "angle" and not _OF_PLACES.isdisjoint(stripped):
-        place = _place(plain_signs(stripped), letters)
-        if place is not None:
-            return place * table.units["°"], "°"
+    if dimension == "angle" and (place := _place(stripped, letters)) is not None:
+        return place * table.units["°"], "°"
     if match is None or "10" in stripped:
         stripped = _from_its_number(stripped)
         match = _NUMBER.match(stripped)
@@ -113,7 +111,7 @@ def parse_exact(
 def _from_its_number(text: str) -> str:
     """A quantity without ± or < before its number and brackets about a sum; a word such as CEP goes behind.
 
-    >>> _from_its_number("CEP: ±2×10⁻³ m")
+    >>> _from_its_number("CEP: ±2·10⁻³ m")
     '2e-3 m CEP'
     """
     match = _IN_BRACKETS.fullmatch(text)
@@ -158,7 +156,6 @@ def with_point(text: str) -> str:
 
 
 def _decimal(number: str, text: str) -> Fraction:
-    number = number.replace("−", "-")
     exponent = number.lower().partition("e")[2]
     if exponent and abs(int(exponent)) > MAX_EXPONENT:
         raise InputError(_KEY, f"{quoted(text)} is too large or too small.", text)
