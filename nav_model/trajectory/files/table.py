@@ -71,15 +71,16 @@ def read_columns(table: NumberTable, heights: Heights) -> list[Segment] | Planne
 
 def in_two_columns(content: bytes, heights: Heights) -> bytes:
     """A table whose places stand in one field, as Flightradar24 writes them, with latitude and longitude apart."""
-    head, end, rows = content.partition(b"\n")
+    end = content.find(b"\n")
+    head = content[: max(end, 0)]
     named = re.sub(rb"(?i)\bposition\b", b"latitude,longitude", head)
-    if named == head or not _PAIR.search(rows):
+    if named == head or not _PAIR.search(content, end):
         return content
     heights.note("position taken as latitude, longitude")
     if b"callsign" in head.lower():
         named = re.sub(rb"(?i)\baltitude\b", b"altitude_ft", named)
         heights.note("altitude taken as feet, as Flightradar24 writes it")
-    return named + end + _PAIR.sub(rb"\1,\2", rows)
+    return named + _PAIR.sub(rb"\1,\2", content[end:])
 
 
 def _recorded(table: NumberTable, heights: Heights) -> Segment:
