@@ -125,12 +125,14 @@ class _Candidate(NamedTuple):
 
 
 class _Question(NamedTuple):
-    """A plan, the states of the filter, its lines as flown, and the names of the lines that fail."""
+    """A plan, the states of the filter, its lines as flown, the names of the lines that fail, and those of them at
+    which a manoeuvre alone does nothing for the others."""
 
     plan: _Plan
     states: int
     lines: tuple[LineResult, ...]
     names: tuple[str, ...]
+    alone: set[tuple[str, ...]]
 
     @property
     def failing(self) -> list[int]:
@@ -177,7 +179,7 @@ def manoeuvres(
     names = tuple(dict.fromkeys(result.name for result in chosen if not result.closes))
     if not names:
         return Manoeuvres(chosen[0].name, (), True, _figures(chosen))
-    question = _Question(plan, states, lines, names)
+    question = _Question(plan, states, lines, names, set())
     kinds: list[Iterable[_Candidate]] = [] if note else [*_manoeuvres(question)]
     kinds += _equipment(design)
     options: list[Option] = []
@@ -216,6 +218,8 @@ def _best(question: _Question, kind: Iterable[_Candidate], progress: Callable[[s
     flown: list[Option] = []
     least = _excess(_figures(_named(question.lines, question.names)))
     for candidate in kind:
+        if candidate.lines in question.alone:
+            continue
         progress(candidate.name)
         try:
             option = _option(question, candidate)
@@ -234,9 +238,17 @@ def _planned(design: Design) -> _Plan:
 
 
 def _option(question: _Question, candidate: _Candidate) -> Option:
-    (design, flight), states, lines, names = question
+    (design, flight), states, lines, names, alone = question
     changed = candidate.apply(question.plan)
     flown = lines_along(along_flight(*changed, states))
+
+    def gain(which: Sequence[str]) -> float:
+        now, planned = (_excess(_figures(_named(results, which))) for results in (flown, lines))
+        return now / planned
+
+    others = [name for name in names if name not in candidate.lines]
+    if candidate.lines and others and gain(candidate.lines) <= _NO_BETTER < gain(others):
+        alone.add(candidate.lines)
     before, after = (_figures(_named(results, names)) for results in (lines, flown))
     closed = {line.name for line in lines if line.closes} | set(names)
     limit = changed.design.trajectory.bank_limit

@@ -149,9 +149,8 @@ def _filtered(model: ErrorModel) -> _Filter:
     (k, r, _), m = model.rows.shape, model.states.estimated
     run = _Filter(np.empty((k, m, m)), np.zeros((k, m, r)), np.zeros((k, m, r)))
     identity, p = np.eye(m), model.states.believed
-    for node in range(k):
+    for node, phi in enumerate(_transitions(model, m)):
         if node:
-            phi = _transition(model, node, m)
             p = phi @ p @ phi.T + model.filter_noise[node - 1]
         if model.is_fix[node]:
             rows, variance = model.rows[node, :, :m], model.variance[node]
@@ -168,12 +167,16 @@ def _filtered(model: ErrorModel) -> _Filter:
     return run
 
 
-def _transition(model: ErrorModel, node: int, size: int) -> FloatArray:
-    """The transition from the node before of the first `size` states."""
-    phi = np.zeros((size, size))
-    phi.reshape(-1)[_AXES * (size + 1) :: size + 1] = model.decay_factor[node - 1, : size - _AXES]
-    phi[:_AXES] = model.phi[node - 1, :, :size]
-    return phi
+def _transitions(model: ErrorModel, size: int, *, back: bool = False) -> Iterator[FloatArray]:
+    """The transitions to each node from the one before of the first `size` states; to the first node it is zero."""
+    blocks = [range(first, min(first + _BLOCK, len(model.time_s))) for first in range(0, len(model.time_s), _BLOCK)]
+    for nodes in reversed(blocks) if back else blocks:
+        phi = np.zeros((len(nodes), size, size))
+        after = slice(1 if nodes.start == 0 else 0, None)
+        steps = slice(max(nodes.start - 1, 0), nodes.stop - 1)
+        phi[after, :_AXES] = model.phi[steps, :, :size]
+        phi.reshape(len(nodes), -1)[after, _AXES * (size + 1) :: size + 1] = model.decay_factor[steps, : size - _AXES]
+        yield from reversed(phi) if back else phi
 
 
 def _along(apertures: Apertures, *, back: bool = False) -> Iterator[tuple[int, Indices, Indices]]:
@@ -232,7 +235,8 @@ def _later(
     driven = [error.source for error in model.states.drives]
     ending, output_of = _by_node(apertures.last), _by_node(at_nodes)
     L, N = np.zeros((m, n)), np.zeros((noisy, m, m))  # at the end of the flight nothing comes later
-    for node in range(len(model.time_s) - 1, -1, -1):
+    last = len(model.time_s) - 1
+    for node, phi in zip(range(last, -1, -1), _transitions(model, n, back=True), strict=True):
         # What is asked for at this node: a sum s of the errors here, less s P λ.
         for at in output_of.get(node, ()):
             output_rows = model.output_rows[at % count]
@@ -258,7 +262,6 @@ def _later(
         # Back over the step: z here is Phi z of the node before, and the noise in between.
         factors = L[:, : model.states.moving] @ _factors(model, node)
         N[driven] += factors @ factors.swapaxes(1, 2)
-        phi = _transition(model, node, n)
         L, N = phi[:m, :m].T @ L @ phi, phi[:m, :m].T @ N @ phi[:m, :m]
     return states, images, path
 
@@ -351,9 +354,8 @@ def _forward(
     before_of = _by_node(model.before if moment in ("prior", "closed") else none)
     after_of = _by_node(model.after if moment in ("posterior", "closed") else none)
     driven = [error.source for error in model.states.drives]
-    for node in range(len(model.time_s)):
+    for node, phi in enumerate(_transitions(model, n)):
         if node:
-            phi = _transition(model, node, n)
             constant, phi = phi @ constant, phi[:size, :size]
             Z = ((phi @ Z.reshape(size, -1)).reshape(-1, size) @ phi.T).reshape(size, s, size)
             factors = _factors(model, node)
