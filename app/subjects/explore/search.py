@@ -39,7 +39,7 @@ from nav_model.explore.margins import label_of
 from nav_model.explore.search import Biases, Candidate, check_pairs, one_currency
 
 MAX_BYTES = 200_000
-_MOST_AT_ONCE = 250  # pairs ranked here, in a fifth of a second; more in a worker
+_MOST_AT_ONCE = 100  # pairs ranked here, in a fifth of a second where they have slow errors; more in a worker
 _MOST_NAMES = 20  # in a message
 _MOST_ROWS = 200  # of the table on the page
 _COMPUTING = Answer("Sensors that pass", "open", ("Computing …",))
