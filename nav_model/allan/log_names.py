@@ -60,7 +60,7 @@ _NEUTRAL: Final = (
     "scaled out uncomp"
 )
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
-_AXES: Final = ("x", "y", "z")
+_AXIS: Final = re.compile("([xyzpqr])(?:[ _]?(?:rot|rate))?")
 _SI: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
 # What a name says of the unit, and by whose convention.
 _BY_NAME: Final = {
@@ -150,9 +150,9 @@ def meaning_of(name: str) -> Meaning | None:
 def _meaning(text: str) -> Meaning | None:
     for name, unit, sure in parted(text):
         meaning = _from_words(_words(name))
-        if sure and name.lower() in _AXES:  # "x [rad/s]": what it is of, the unit says
+        if sure and (axis := _AXIS.fullmatch(name.lower())):  # "x [rad/s]": what it is of, the unit says
             rates = [role for role in _SI if size_of_unit(unit, _DIMENSIONS[role][0][0])]
-            return Meaning(rates[0], _AXES.index(name.lower()), unit) if rates else None
+            return Meaning(rates[0], "xyzpqr".index(axis[1]) % 3, unit) if rates else None
         if meaning is None:
             continue
         if (sure and meaning.role in _SI) or (unit and _known(meaning.role, unit)):

@@ -21,6 +21,7 @@ _TEXTS: Final = (
     ("<", "XML"),
     (r"(\{\s*[\"}]|\[\s*[\[{\"\d-])", "JSON"),
     (r"\$[A-Z]{2,5},", "NMEA sentences"),
+    (r"A[A-Z0-9]{3}[^,;\t\n]*\nHF", "an IGC file of a flight recorder"),
     (r"[#%](RAW|CORR|INS|BEST|IMU)[A-Z]+A,", "messages of a NovAtel receiver"),
 )
 _START = 4096

@@ -265,6 +265,8 @@ def test_names_and_units():
     meaning = meaning_of("Gyro Y (mdps)")
     assert (meaning.role, meaning.axis, meaning.unit) == ("gyro", 1, "mdps")
     assert scale_of("gyro", meaning.unit).factor == pytest.approx(np.radians(1e-3))
+    assert meaning_of("q [deg/s]")[:3] == ("gyro", 1, "deg/s")
+    assert meaning_of("q [m]") is None
     assert meaning_of("latitude") is None
     assert scale_of("accelerometer", "125 ug s").per_sample
     assert scale_of("gyro", "0.1 arcsec").factor == pytest.approx(np.radians(0.1 / 3600))
@@ -372,6 +374,7 @@ PROGRAMS = {
         "angular_velocity.%", "linear_acceleration.%", "xyz", "REP 103",
     ),
     "axes by their units": ("t [s]", lambda row: f"{row / 100}", "% [°/h]", "% [mg]", "xyz", "deg/h mg"),
+    "axes before a rate": ("Time (s)", lambda row: f"{row / 100}", "% Rot (rad/s)", "% Acc (mg)", "XYZ", "mg"),
     "Greek and German": ("Zeit [s]", lambda row: f"{row / 100}", "ω% [°/s]", "a% [mg]", "xyz", "deg mg"),
     "milliseconds without a unit": ("timestamp", lambda row: 10 * row, "w% [rad·s⁻¹]", "a% [mg]", "xyz", "mg"),
 }  # fmt: skip

@@ -405,6 +405,7 @@ def test_sbet_is_held_to_the_bounds_of_columns(column: int, value: float, messag
     ("content", "message"),
     [
         (b"%PDF-1.7 ...", "is a PDF document. Give a KML"),
+        (b"AXXX001 FLIGHT\r\nHFDTE160701\r\nB110135", "is an IGC file of a flight recorder"),
         (b'{"type": "FeatureCollection"}', "is JSON, but not a plan"),
         (b"<svg/>", "is XML of the kind 'svg'"),
         (
