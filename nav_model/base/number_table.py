@@ -69,7 +69,7 @@ class NumberTable:
         rows, or more than `most_bytes` of numbers.
         """
         allowed = min(most_rows, most_bytes // (8 * max(1, len(places))))
-        possible = max(self.content.count(b"\n"), self.content.count(b"\r")) + 1
+        possible = 1 + max((self.content.count(end) for end in (b"\n", b"\r") if end in self.content), default=0)
         values = np.empty((min(allowed, possible), len(places)))
         line_of = np.empty(len(values), dtype=np.int32)
         text = _text(self.content, self.encoding)
@@ -111,7 +111,7 @@ class NumberTable:
         some = places if self.delimiter and (len(places) < self.width or self.ends_open) else None
         if some and piece.count(self.delimiter or "") != lines * (self.width - 1 + self.ends_open):
             return None
-        rows = io.StringIO(piece)
+        rows = piece.split("\n")  # parsed in half the time of a file
         try:
             block = np.loadtxt(rows, delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, usecols=some)
         except ValueError:
