@@ -38,6 +38,7 @@ from nav_model.explore.supplier import (
     Unit,
     accepted_share,
     degrees_of,
+    exceeding,
     required,
 )
 
@@ -102,6 +103,8 @@ def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float)
     note = f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ."
     if design.allocation and (others := [printable(c.name) for c in design.limits if c.on in RESPONSE]):
         note += f" Not allocated, so not in these values: limits on the impulse response ({', '.join(others)})."
+    if over := exceeding(design):
+        note += f" Over their part in this design: {', '.join(map(printable, over))}."
     if bounded := [in_sentence(declaration_of(line.key).label) for line in lines if line.bounded]:
         note += f" At the bound of the input, as no limit asks for less: {', '.join(bounded)}."
     rows = (
@@ -125,7 +128,10 @@ def _meaning(plan: Allotment | None) -> str:
     if plan is not None and plan.required:
         return f"Largest values of all units together, frozen with design {plan.frozen}"
     if plan is not None:
-        return "Largest values within the design's allocation: all at once meet each allocated limit less its reserve"
+        return (
+            "Largest values within the design's allocation: all at once meet each allocated limit less its reserve, "
+            "as long as every other source keeps to its part"
+        )
     return "Largest values, IMU and receiver together, that meet every limit; every other input as assumed"
 
 

@@ -1,7 +1,7 @@
 """Aperture and line of sight of a broadside synthetic-aperture radar. Everything broadcasts over arrays."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from nav_model.base.arrays import Array, as_numbers
 
@@ -58,6 +58,11 @@ def cell_length(
     wavelength, slant_range, speed, aperture = (as_numbers(x) for x in (wavelength, slant_range, speed, aperture))
     length: Array = wavelength * slant_range / (2 * speed * np.cos(as_numbers(squint)) * aperture)
     return length
+
+
+def hidden(squint: ArrayLike, grazing_angle: ArrayLike) -> NDArray[np.bool_]:
+    """Whether no line of sight has both angles [rad]."""
+    return np.asarray(np.cos(squint) < np.sin(grazing_angle) - 1e-12)
 
 
 def line_of_sight_weights(grazing_angle: ArrayLike) -> tuple[Array, Array]:

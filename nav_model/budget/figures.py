@@ -5,6 +5,8 @@ Everything that explores (solving backwards, ranking, maps, search, uncertainty,
 
 from collections.abc import Collection
 
+import numpy as np
+
 from nav_model.base.arrays import Array
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.smoothed import model_of
@@ -23,9 +25,11 @@ def figures(x: Inputs, names: Collection[str] = tuple(REQUIRED)) -> dict[str, Ar
     Returns
     -------
     dict
-        Name -> array of the inputs' broadcast shape, or of a smaller shape that broadcasts to it. Phase figures
-        are NaN where the aperture is longer than a design may have.
+        Name -> array of the inputs' broadcast shape, or of a smaller shape that broadcasts to it; NaN where a design
+        would be refused, as it has no line of sight or too long an aperture.
     """
     model = model_of(x)
     limits = {limit.name: (limit.on, limit.at) for limit in x.limits}
-    return {name: model.sigma(*limits.get(name, (name, None))) for name in names}
+    sigmas = {name: model.sigma(*limits.get(name, (name, None))) for name in names}
+    imaged = x.imaged
+    return sigmas if imaged.all() else {name: np.where(imaged, sigma, np.nan) for name, sigma in sigmas.items()}

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import SlowError
@@ -90,8 +90,14 @@ class Inputs:
 
     @property
     def to_phase(self) -> Array:
-        """Two-way phase of a metre, rad; NaN where the aperture is longer than a design may have. [T-13]"""
-        return np.where(self.aperture.real <= LONGEST_APERTURE, 4 * math.pi, np.nan) / self.wavelength
+        """Two-way phase of a metre, rad. [T-13]"""
+        return 4 * math.pi / self.wavelength
+
+    @property
+    def imaged(self) -> NDArray[np.bool_]:
+        """Whether there is a line of sight, and the aperture is no longer than a design may have."""
+        seen = ~geometry.hidden(self.squint.real, self.grazing_angle.real)
+        return np.asarray(seen & (self.aperture.real <= LONGEST_APERTURE))
 
     @property
     def s(self) -> Array:

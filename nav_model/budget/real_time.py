@@ -23,7 +23,7 @@ from nav_model.aperture import phase
 from nav_model.base.arrays import Array
 from nav_model.budget.contributors import with_contributors
 from nav_model.budget.fast import levels
-from nav_model.budget.inputs import LONGEST_APERTURE, RECTIFICATION, Inputs
+from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.budget.response import measures
 from nav_model.design.figures import FIGURES
 from nav_model.design.processing import REAL_TIME
@@ -270,8 +270,7 @@ class RealTime:
 
     @property
     def along_track_quadratic_phase(self) -> Array:
-        x = self.x
-        return np.where(x.aperture.real <= LONGEST_APERTURE, self.along_track(x.before_aperture), np.nan)
+        return self.along_track(self.x.before_aperture)
 
     def along_track(self, time: Array) -> Array:
         """Quadratic phase [rad] of the along-track velocity error a time [s] after the last fix. [S-2]"""

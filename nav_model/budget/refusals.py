@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import cast
 
+from nav_model.aperture.geometry import hidden
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_bound
 from nav_model.budget.inputs import LONGEST_APERTURE
@@ -38,7 +39,7 @@ def _shown(design: Design, key: str) -> str:
 
 
 def refuse_hidden_target(squint: float, grazing: float) -> None:
-    if math.cos(squint) < math.sin(grazing) - 1e-12:
+    if hidden(squint, grazing):
         forward = squint > 0
         most = format_bound(math.copysign(math.pi / 2 - grazing, squint), "°", "angle", low=not forward)
         raise InputError(

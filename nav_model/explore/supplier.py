@@ -21,8 +21,9 @@ import numpy as np
 from nav_model.allan.degrees import degrees_of_freedom, pooled_degrees
 from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
-from nav_model.budget import analyse
+from nav_model.budget import Budget, analyse
 from nav_model.budget.allocation import allocate
+from nav_model.budget.verdict import Check
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
 from nav_model.design.parts import quantity
@@ -101,6 +102,22 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
     return tuple(Required(key, rounded_offer(design, key, largest[key]).value, value) for key, value in now.items())
 
 
+def exceeding(design: Design) -> tuple[str, ...]:
+    """Sources beside the noises of all sheets that take more of a limit than the design's allocation leaves them: the
+    values of the sheets meet that limit only once these keep to it too."""
+    if design.allocation is None:
+        return ()
+    budget, of_sheets = analyse(design), {quantity(key).source for key in _noises(design, *_NOISES)}
+    entries = (entry for check in _allocated_checks(budget) for entry in allocate(budget, check.name).entries)
+    over = (entry.source for entry in entries if entry.estimated > entry.allocated * (1 + _ROUNDING))
+    return tuple(dict.fromkeys(source for source in over if source not in of_sheets))
+
+
+def _allocated_checks(budget: Budget) -> list[Check]:
+    """Limits that are allocated: those on measures of the impulse response are not."""
+    return [check for check in budget.verdict.checks if check.on not in RESPONSE]
+
+
 def _allowed(key: str, largest: float) -> float:
     """A required value within what a design may have: less noise than asked for meets the limits as well."""
     declaration = quantity(key)
@@ -164,10 +181,10 @@ def _allocated(design: Design, unit: Unit, now: Mapping[str, float]) -> dict[str
 
     With the filter as it is, the entry of a noise scales with it, what it adds to the initial tilt included [T-18].
     The filter that fits the new noises is better than the old one with them, so that each limit less its reserve is
-    met with all values at once. Limits on measures of the impulse response are not allocated.
+    met with all values at once, if no other source is `exceeding` its part.
     """
     budget, factors = analyse(design), dict[str, float]()
-    for check in (judged for judged in budget.verdict.checks if judged.on not in RESPONSE):
+    for check in _allocated_checks(budget):
         allocation = allocate(budget, check.name)
         if not allocation.closes:
             raise InputError(

@@ -1,5 +1,7 @@
 """Derivatives: against finite differences of `analyse`, against [T-18], and what a halving really does."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -15,6 +17,7 @@ from nav_model.design.figures import REQUIRED
 from nav_model.design.parts import declaration_of, quantity
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.design.user_entries import read_entries
+from nav_model.explore.margins import ratios
 from nav_model.explore.rank import SENSORS, log_derivatives, rank, sentence, silent, stated
 
 
@@ -164,3 +167,17 @@ def test_an_angle_that_cannot_be_flown_is_not_offered_and_a_coarser_image_is_nam
     assert np.isfinite(flown["radar.grazing_angle"].doubled)
     assert "which makes the image coarser" in sentence(flown["radar.azimuth_resolution"], "Detrended phase")
     assert not flown["radar.grazing_angle"].bought
+
+
+def test_a_change_that_leaves_no_line_of_sight_is_not_possible():
+    """The design would be refused, and so are its figures on maps, in sweeps and backwards."""
+    steep = Design({"radar.squint_angle": math.radians(22), "radar.grazing_angle": math.radians(55)})
+    with pytest.raises(InputError, match="no line of sight"):
+        analyse(steep.replace({"radar.squint_angle": math.radians(44)}))
+    for name in ("azimuth_shift", "quadratic_phase"):
+        by_key = {item.key: item for item in rank(steep, name)}
+        assert np.isnan(by_key["radar.squint_angle"].doubled)
+        assert math.isfinite(by_key["radar.squint_angle"].halved)
+    limited = steep.replace({"requirements.tilt": 1.0})
+    values = ratios(limited, {"radar.squint_angle": np.radians([22.0, 44.0])})["tilt"]
+    assert np.isnan(values).tolist() == [False, True]

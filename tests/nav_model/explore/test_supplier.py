@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from app.report.supplier import supplier_bytes
 from nav_model import analyse, read_design
 from nav_model.allan.deviation import overlapping_allan_deviation
 from nav_model.allan.imu_log import ImuLog
@@ -13,7 +14,16 @@ from nav_model.budget.allocation import allocate
 from nav_model.design.figures import REQUIRED
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.user_entries import Allotment, UserEntries, read_entries
-from nav_model.explore.supplier import AVERAGING, accepted_share, degrees_of, frozen, judge_log, released, required
+from nav_model.explore.supplier import (
+    AVERAGING,
+    accepted_share,
+    degrees_of,
+    exceeding,
+    frozen,
+    judge_log,
+    released,
+    required,
+)
 
 DESIGN = read_design("examples/tactical_x_band.toml")
 _NO_LIMITS = {f"requirements.{key}": None for key in set(REQUIRED.values())}
@@ -68,6 +78,23 @@ def test_values_from_the_allocation_meet_each_limit_less_its_reserve(name: str, 
         if entry.source in ("gyro noise", "initial tilt", "coast before aperture")
     ]
     assert min(ratios) * 0.99 < gyro.value / gyro.current <= min(ratios)
+
+
+def test_sources_beyond_their_part_of_the_allocation_are_named_beside_the_values() -> None:
+    """With values of all sheets every limit is met less its reserve, unless a source without a sheet takes more."""
+    arm = {"name": "lever <arm>", "value": "9 cm", "enters": "horizontal_position"}
+    small, large = (
+        DESIGN.replace({}, entries=read_entries({"allocation": {}, "contributors": [arm | {"value": value}]}))
+        for value in ("1 mm", "9 cm")
+    )
+    for design, over in ((small, ()), (large, ("lever <arm>",))):
+        assert exceeding(design) == over
+        at = {line.key: line.value for unit in ("imu", "gnss") for line in required(design, unit)}
+        checks = analyse(design.replace(at)).verdict.checks
+        assert all(check.value <= 0.8 * check.limit * (1 + 1e-9) for check in checks) is not bool(over)
+        sheet = supplier_bytes(design, "imu").decode()
+        assert ("Over their part in this design: lever &lt;arm&gt;." in sheet) is bool(over)
+    assert exceeding(DESIGN) == ()
 
 
 def test_an_allocation_that_does_not_close_has_no_sheet() -> None:
