@@ -204,20 +204,19 @@ class _Reader:
         unit = self.content.unit(role, self.options) or ""
         scale = scale_of(role, unit)
         signal = np.empty((len(columns[0].values), len(columns)))
-        for axis, column in enumerate(columns):
-            signal[:, axis] = column.values
         if clock.stamps is not None and len(clock.stamps) != len(signal):
             raise self.refuse(f"{len(clock.stamps)} times but {len(signal)} samples of {labels}")
+        # Rows without a value or a time are lost samples.
+        usable = np.ones(len(signal), dtype=bool) if clock.stamps is None else np.isfinite(clock.stamps)
+        for axis, column in enumerate(columns):
+            signal[:, axis] = column.values
+            usable &= ~np.isnan(column.values)
         source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
         values = "increments per sample" if scale.per_sample else "rates"
         by = "" if self.options.unit(role) else columns[0].meaning.convention
         notes.append(f"{role} from {source}, {values} in {unit.strip()}" + (f" by convention ({by})" if by else ""))
-        # Rows without a value or a time are lost samples.
         rows: Rows | None = None
         rate, breaks, lost = clock.rate_hz, clock.breaks, clock.lost
-        usable = ~np.isnan(signal).any(axis=1)
-        if clock.stamps is not None:
-            usable &= np.isfinite(clock.stamps)
         if not usable.all():
             rows = of_rows = np.flatnonzero(usable)
             if len(rows) < 2:

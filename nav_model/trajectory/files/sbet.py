@@ -31,8 +31,7 @@ def name_of(content: bytes) -> str:
 def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:
     """The flight of an SBET file, heading less the wander angle.
 
-    Raises InputError under the file's name, with the record: no finite numbers, time that runs backwards, and what
-    `as_flown` refuses.
+    Raises InputError under the file's name, with the record: no finite numbers, and what `as_flown` refuses.
     """
     records = _records(content, _DOUBLES)
     if len(broken := np.flatnonzero(~np.isfinite(records[:, :11]).all(axis=1))):
@@ -41,8 +40,6 @@ def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:
     if rest := len(content) % (8 * _DOUBLES):
         heights.note(f"the last record is cut off after {rest} bytes and left out")
     time = unrolled(records[:, 0], heights)
-    if len(back := np.flatnonzero(np.diff(time) <= 0.0)):
-        raise heights.refuse(f"record {back[0] + 2}: time runs backwards")
     samples = np.column_stack([time - time[0], records[:, [1, 2, 3, 7, 8]], records[:, 9] - records[:, 10]])
     if _in_degrees(samples, np.hypot(records[:, 4], records[:, 5])):
         samples[:, 1:3] = np.radians(samples[:, 1:3])
