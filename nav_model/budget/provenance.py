@@ -185,6 +185,12 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "Residual biases are set to zero: fully estimated before the last fix.",
     ),
     (
+        lambda design: design.imu.accelerometer_bias > 0 or design.imu.gyro_bias > 0,
+        "Residual biases count in full in the outage, and in real time in phase and image shift: as after a turn of "
+        "60°. On a straight line the filter cancels that of the accelerometers by a tilt. Post-processed they cost "
+        "that tilt alone, as the smoother absorbs them.",
+    ),
+    (
         lambda design: bool(design.gnss.correlated),
         "A slow GNSS error is on. Figures before and after a fix, the outage with Schuler and Coriolis terms, and "
         "the tilt at the aperture's start include it (augmented discrete filter); the curves by formula do not.",

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.constants import EARTH_RATE
 from nav_model.design.figures import FIGURES
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.truth import TruthStates
@@ -26,6 +27,7 @@ STATE_AXES: Mapping[str, slice] = {
 _SHARES = {
     f"{axis}_{state}": f"{state}_{axis}" for axis in ("horizontal", "vertical") for state in ("position", "velocity")
 }  # in JSON, where these names came first
+_HEADING_SHOWS = 0.35  # from there it adds a per cent of tilt
 _MOMENTS = {
     "prior": "just before a fix",
     "posterior": "just after a fix",
@@ -140,6 +142,36 @@ class TrajectoryResult:
         return all(line.closes for line in self.lines) and all(check.met for check in self.spec.elsewhere)
 
 
+def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
+    """Why figures of a straight line differ from those of the budget of the same design, in sentences."""
+    x, study, real_time = spec.inputs, spec.study, spec.processing == REAL_TIME
+    # What a wrong heading makes of the Earth's rate, over what the gyros add in the filter's time constant. [T-3]
+    turned = study.initial.yaw * EARTH_RATE * math.cos(x.latitude)
+    heading = turned / (float(x.sigma_w) * float(x.g * x.sigma_w / x.s) ** (1 / 6))
+    cases = (
+        (
+            heading > _HEADING_SHOWS,
+            f"The heading at the start, {math.degrees(study.initial.yaw):.2g}° (1σ), turns the Earth's rate into a "
+            "drift, which beside gyros as good as these shows in tilt and velocity. The budget has no heading.",
+        ),
+        (
+            real_time and x.bias > 0,
+            "The budget counts the residual accelerometer bias in full in real time, as after a turn of 60°. On a "
+            "straight line the filter cancels it by a tilt.",
+        ),
+        (
+            x.before_aperture > 0,
+            f"The budget's {float(x.before_aperture):g} s without fixes before the aperture are flown only where the "
+            "flight has such an outage.",
+        ),
+        (
+            not study.filter.slow and any(study.gnss.axis_markov_noise),
+            "The budget's filter knows the slow GNSS error, this one does not.",
+        ),
+    )
+    return tuple(sentence for holds, sentence in cases if holds)
+
+
 def to_json(result: TrajectoryResult) -> dict[str, Any]:
     """The result as plain data for JSON, in SI; null where an aperture does not lie within the flight."""
     return {
@@ -161,6 +193,7 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
             for check in result.spec.elsewhere
         ],
         "closes": result.closes,
+        "beside_budget": list(beside_budget(result.spec)),
     }
 
 

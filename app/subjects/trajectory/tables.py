@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from nav_model.trajectory.result import LineResult, TrajectoryResult
 
 
+_MOMENT = "An image's aperture lies within its line. Position, velocity, tilt and heading are"
+
+
 def verdict(followed: Followed, name: str) -> Answer:
     """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
     result = followed.result
@@ -104,6 +107,8 @@ def line_table(followed: Followed, name: str) -> Table:
     result = followed.result
     having_one = [key for line in result.lines for key in line.limits]
     figures = [FIGURES[key] for key in dict.fromkeys([*having_one, name])]
+    from nav_model.trajectory.result import beside_budget
+
     rows: list[Row] = []
     for line in result.lines:
         span = f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"
@@ -124,5 +129,5 @@ def line_table(followed: Followed, name: str) -> Table:
         f"Figures by line, {result.spec.processing}",
         ("Quantity", *numbers("At start", "Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
         rows,
-        f"An image's aperture lies within its line. Position, velocity, tilt and heading are {result.moment}.",
+        " ".join((f"{_MOMENT} {result.moment}.", *beside_budget(result.spec))),
     )

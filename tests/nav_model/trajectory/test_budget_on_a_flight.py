@@ -18,8 +18,10 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.design.user_entries import read_entries
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
+from nav_model.simulation.study_inputs import SimulationInputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
+from nav_model.trajectory.result import beside_budget
 
 pytestmark = pytest.mark.long
 
@@ -153,3 +155,29 @@ def test_budget_flight_and_simulation_know_one_slow_error(sigma: float, time: fl
         fly_without_errors(study).filter_sigma[POSTERIOR],
     ):
         np.testing.assert_allclose(sigmas[1, [1, 4, 6]], budget, rtol=0.005)
+
+
+def test_what_makes_a_straight_line_differ_is_said_beside_it() -> None:
+    """Each reason by itself, and that without it the figures are the budget's; measured here for the heading."""
+    plain = BASES[1].replace({"requirements.tilt": 1.0})
+
+    def flown(changes: dict[str, float | bool], states: int = 0, yaw: float = 0.1) -> tuple[float, str]:
+        design, more = plain.replace(changes), SimulationInputs((("filter.initial_yaw", math.radians(yaw)),))
+        study = specification(design, trajectory="straight", duration=LEG, every=LEG / 2, states=states, more=more)
+        result = covariance(covariance_specification(design, study))
+        ratio = float(result.chosen.figures["tilt"][1]) / analyse(design).figure("tilt").sigma
+        return ratio, " ".join(beside_budget(result.spec))
+
+    assert flown({})[1] == ""
+    assert "as after a turn of 60°" in flown({"imu.accelerometer_bias": 1e-3})[1]
+    assert "10 s without fixes before the aperture" in flown({"coast.before_aperture": 10.0})[1]
+    slow = {"gnss.correlated": True, "gnss.correlated_noise": 0.3, "gnss.correlation_time": 100.0}
+    assert "this one does not" in flown(slow, states=9)[1]
+    assert flown(slow)[1] == ""
+    # The noise of a navigation unit: 0.001 °/√h.
+    precise = {"imu.angle_random_walk": 2.9e-7, "imu.velocity_random_walk": 5e-5, "imu.vibration_factor": 1.0}
+    precise |= {"gnss.position_noise": 0.2, "gnss.interval": 0.5}
+    (known, without), (unknown, heading) = flown(precise, yaw=1e-3), flown(precise)
+    assert known == pytest.approx(1.0, abs=0.04)
+    assert unknown > 1.1
+    assert (without, "turns the Earth's rate into a drift" in heading) == ("", True)
