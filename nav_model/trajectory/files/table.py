@@ -84,7 +84,7 @@ def in_two_columns(content: bytes, heights: Heights) -> bytes:
 
 
 def _recorded(table: NumberTable, heights: Heights) -> Segment:
-    columns, reference = _columns(table.headers, heights)
+    columns, reference, others = _columns(table.headers, heights)
     places, times = [column.place for column in columns.values()], [columns["time"].place]
     read = table.columns(places, FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes, times)
     whole = np.isfinite(read.values).all(axis=1)
@@ -124,11 +124,15 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     up = values.get("height", np.zeros(len(lines))) + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
     attitude = [np.degrees(values[key]) for key in ("roll", "pitch", "yaw") if key in values]
     heights.note(f"{counted(len(lines), 'recorded row')} of {', '.join(c.header for c in columns.values())}")
+    if others:
+        heights.note(f"not used: {listed(others)}")
     return Segment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
 
 
-def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[str, _Column], Reference]:
-    """The columns of a recorded flight, and what its heights are above.
+def _columns(
+    headers: Sequence[Sequence[str]], heights: Heights
+) -> tuple[dict[str, _Column], Reference, Sequence[str]]:
+    """The columns of a recorded flight, what its heights are above, and the names of the other columns.
 
     Roll, pitch and yaw are taken together or not at all."""
     for header in headers or [("no names",)]:
@@ -150,9 +154,7 @@ def _columns(headers: Sequence[Sequence[str]], heights: Heights) -> tuple[dict[s
     if {"roll", "pitch", "yaw"} <= columns.keys():
         taken |= {key: columns[key] for key in ("roll", "pitch", "yaw")}
     places = {column.place for column in taken.values()}
-    if others := [cell for place, cell in enumerate(header) if place not in places and cell]:
-        heights.note(f"not used: {listed(others)}")
-    return taken, reference
+    return taken, reference, [cell for place, cell in enumerate(header) if place not in places and cell]
 
 
 def _meaning(cell: str, place: int, heights: Heights) -> tuple[str, _Column] | None:
