@@ -16,7 +16,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.analytic.coast import carried
 from nav_model.analytic.doubling import drift
+from nav_model.analytic.steady_state import Horizontal
 from nav_model.base.arrays import Array, as_numbers
 
 # Covariance of the three functionals under white accelerometer noise (times S_a T³) and gyro noise (g² S_g T⁵).
@@ -59,6 +61,29 @@ def turn_weights(
     powers = np.stack([np.ones_like(kappa), kappa * s, kappa**2 * (3 * s**2 - 1) / 2], axis=-1)
     track = np.stack([np.zeros_like(kappa), kappa, kappa**2 * s], axis=-1)
     return Turn(s[..., None] * powers - track, across[..., None] * powers, down[..., None] * powers)
+
+
+def along_track_velocity(
+    start: Horizontal,
+    sigma_a: ArrayLike,
+    sigma_w: ArrayLike,
+    bias_a: ArrayLike,
+    bias_w: ArrayLike,
+    g: ArrayLike,
+    coast: ArrayLike,
+    aperture: ArrayLike,
+) -> Array:
+    """Variance [m²/s²] of the constant velocity error that has the second functional of a free INS. [S-2]
+
+    Arguments as `nav_model.processing.geolocation.free_line`; complex numbers pass through.
+    """
+    sigma_a, sigma_w, b, d, g, c, t = (as_numbers(x) for x in (sigma_a, sigma_w, bias_a, bias_w, g, coast, aperture))
+    p, age = carried(start, sigma_a, sigma_w, g, c), c + t / 2
+    # A constant velocity has T/2 of the functional. What the aperture begins with counts as in its middle.
+    state = p.p22 + g * p.p23 * t + g**2 * p.p33 * t**2 / 4
+    noise = 213 / 616 * sigma_a**2 * t + 1739 / 36036 * (g * sigma_w) ** 2 * t**3
+    variance: Array = state + noise + (b * age) ** 2 + (g * d * (age**2 / 2 + t**2 / 28)) ** 2
+    return variance
 
 
 def free_quadratic_variance(

@@ -17,7 +17,6 @@ from nav_model.design.parts import OUTDATED
 from nav_model.design.trajectory import LINES, WAYPOINTS
 
 _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
-_GROWTH_SAID = 0.05  # growth of the along-track velocity error in the aperture, likewise
 
 _LOWEST, _HIGHEST = -500.0, 9000.0  # ground on Earth [m], from the Dead Sea's shore to the highest summit
 
@@ -107,12 +106,6 @@ def cautions(budget: Budget) -> tuple[str, ...]:
         sentences.append(
             f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle per aperture. Slower noise is "
             "not included."
-        )
-    growth = budget.sar.along_track_growth
-    if not budget.post_processed and growth > 1 + _GROWTH_SAID:
-        sentences.append(
-            "In real time the along-track quadratic phase uses the velocity error at the aperture's start [S-2]. "
-            f"At mid-aperture it is {growth:.3g} times as large; the verdict does not include this."
         )
     if budget.post_processed:
         change = budget.beside("turn_of_quadratic")

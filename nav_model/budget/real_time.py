@@ -19,6 +19,7 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
 from nav_model.analytic.refined_coast import refined_growth
 from nav_model.analytic.steady_state import Horizontal, Vertical
+from nav_model.analytic.turning import along_track_velocity
 from nav_model.aperture import phase
 from nav_model.base.arrays import Array
 from nav_model.budget.contributors import with_contributors
@@ -270,16 +271,11 @@ class RealTime:
 
     @property
     def along_track_quadratic_phase(self) -> Array:
-        return self.along_track(self.x.before_aperture)
-
-    def along_track(self, time: Array) -> Array:
-        """Quadratic phase [rad] of the along-track velocity error a time [s] after the last fix. [S-2]"""
         x = self.x
-        free = growth.horizontal_growth(self.at_last_fix.horizontal, x.sigma_a, x.sigma_w, x.g, time).velocity
-        drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
-        return phase.along_track_quadratic(
-            free + drift_a**2 + drift_w**2, x.speed, x.aperture, x.wavelength, x.slant_range, x.squint
+        velocity = along_track_velocity(
+            self.at_last_fix.horizontal, x.sigma_a, x.sigma_w, x.bias, x.bias_w, x.g, x.before_aperture, x.aperture
         )
+        return phase.along_track_quadratic(velocity, x.speed, x.aperture, x.wavelength, x.slant_range, x.squint)
 
     # The place of the image.
 

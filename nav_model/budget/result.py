@@ -48,8 +48,7 @@ _NO_SOURCE: Shares = FrozenMapping({"no such source": 1.0})
 
 @dataclass(frozen=True)
 class Aperture:
-    """The aperture of a design: s, m. ``cell_length`` is one cell in azimuth, ``along_track_growth`` the velocity
-    error of mid-aperture over that at its start, which [S-2] takes."""
+    """The aperture of a design: s, m. ``cell_length`` is one cell in azimuth."""
 
     wavelength: float
     aperture_time: float
@@ -57,7 +56,6 @@ class Aperture:
     cell_length: float
     window: str
     autofocus_order: int
-    along_track_growth: float
 
 
 @dataclass(frozen=True)
@@ -290,15 +288,11 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     @cached_property
     def sar(self) -> Aperture:
-        """Wavelength, length and cell of the aperture, and how the along-track error grows in it."""
+        """Wavelength, length and cell of the aperture."""
         x, radar, speed = self.x, self.design.radar, self.design.flight.speed
-        real_time = self.models[REAL_TIME]
         wavelength, time = float(x.wavelength), float(x.aperture)
-        growth = real_time.along_track(x.before_aperture + x.aperture / 2) / real_time.along_track(x.before_aperture)
         cell = geometry.cell_length(wavelength, radar.slant_range, speed, time, x.squint)
-        return Aperture(
-            wavelength, time, time * speed, float(cell), radar.window, radar.autofocus_order, float(growth)
-        )
+        return Aperture(wavelength, time, time * speed, float(cell), radar.window, radar.autofocus_order)
 
     @cached_property
     def spectral(self) -> Spectral:

@@ -40,15 +40,14 @@ _SMOOTHED_AWAY = 0.05  # of what they leave of the free noise, by a smoother: le
 
 class Apertures(NamedTuple):
     """Apertures of a flight, one a row: the output it belongs to, where it begins [s], its line of sight (apertures,
-    3), its first and last node, the quadratic that a velocity error (apertures, 3) at its start makes [m], and
-    weights on position and velocity errors from the first node on (apertures, nodes, COLUMNS, 6)."""
+    3), its first and last node, and weights on position and velocity errors from the first node on (apertures, nodes,
+    COLUMNS, 6)."""
 
     output: NDArray[np.int64]
     begin: FloatArray
     sight: FloatArray
     first: NDArray[np.int64]
     last: NDArray[np.int64]
-    starting: FloatArray
     weights: FloatArray
 
 
@@ -105,7 +104,7 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
             parabola = each[:, 1:2] + 9 / 14 * each[:, 3:4]  # [P-5]
             weights[on, step + offset, TURNED, states] += parabola * turn[on]
     weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
-    return Apertures(output, begin, sight, first, last, half * turn, weights)
+    return Apertures(output, begin, sight, first, last, weights)
 
 
 def directions(velocity: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:

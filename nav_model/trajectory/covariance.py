@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 
 from nav_model.budget.contributors import composed
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-from nav_model.simulation.layout import ATTITUDE, VELOCITY
 from nav_model.trajectory import aperture
-from nav_model.trajectory.aperture import COLUMNS, TURNED, Apertures, apertures_of
+from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import along, judge
@@ -141,7 +140,6 @@ def _free(model: ErrorModel, run: _Filter, apertures: Apertures) -> _Sums:
     count = len(apertures.output)
     free = _Sums(np.zeros((count, COLUMNS, model.states.size)), np.zeros((model.states.noisy, count, COLUMNS)))
     _within(model, run, apertures, free, None)
-    _from_start(model, apertures, free)
     return free
 
 
@@ -296,16 +294,6 @@ def _within(
             moved[:, :, _AXES:] += A[:, :, _AXES:] * model.decay_factor[node - 1, None]
             A = moved
         sums.rows[on] = A
-
-
-def _from_start(model: ErrorModel, apertures: Apertures, free: _Sums) -> None:
-    """In real time, the quadratic that the line of sight makes of the error along the track is that of the velocity
-    at the aperture's start. [S-2]"""
-    free.rows[:, TURNED], free.added[:, :, TURNED] = 0.0, 0.0
-    free.rows[:, TURNED, VELOCITY:ATTITUDE] = apertures.starting
-    if (radar := model.states.first.get(RADAR_TIME)) is not None:
-        rate = model.rates[apertures.first, VELOCITY:ATTITUDE]
-        free.rows[:, TURNED, radar] = (apertures.starting * rate).sum(axis=1)
 
 
 def _forward(

@@ -12,6 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nav_model.analytic.steady_state import Horizontal
+from nav_model.analytic.turning import along_track_velocity
 from nav_model.aperture.phase import SOURCES, along_track_quadratic, phase_budget, total
 
 G = 9.81
@@ -150,6 +152,29 @@ def test_along_track_against_exact_ranges(wavelength, slant_range, speed, apertu
         ratio_off(ours, quadratic),
         3e-3,
     )
+
+
+@pytest.mark.parametrize(("t_ap", "t_c"), [(5.0, 0.0), (3.0, 4.0), (20.0, 1.5)])
+def test_the_velocity_that_bends_the_phase_against_the_projection(t_ap, t_c):
+    """The quadratic of x times the error along the track, x from -1 to 1 as the line of sight turns, by source."""
+    p22, p23, p33, a, w, b, d = 4e-4, 3e-6, 4e-8, 8e-4, 1.5e-4, 2e-3, 3e-6
+    x, _ = _grid()
+    t = (x + 1) / 2 * t_ap + t_c
+    sway = G * t**2 / 2
+    together = np.outer(t, sway) + np.outer(sway, t)
+    by_source = {source: level for source, (level, _) in _processes(t_ap, t_c, p33, a, w, b, d).items()}
+    by_source["start"] = p22 * np.outer(t, t) + p23 * together + p33 * np.outer(sway, sway)
+    errors = {
+        "start": (p22, p23, p33, 0.0, 0.0, 0.0, 0.0),
+        "accelerometer noise": (0.0, 0.0, 0.0, a, 0.0, 0.0, 0.0),
+        "gyro, all": (0.0, 0.0, 0.0, 0.0, w, 0.0, 0.0),
+        "accelerometer bias": (0.0, 0.0, 0.0, 0.0, 0.0, b, 0.0),
+        "gyro bias": (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, d),
+    }
+    for source, (velocity, both, tilt, *noises) in errors.items():
+        _, quadratic = _project(by_source[source] * np.outer(x, x), 2)
+        ours = along_track_velocity(Horizontal(0.0, 0.0, 0.0, velocity, both, tilt), *noises, G, t_c, t_ap)
+        assert float(ours) * t_ap**2 / 4 == pytest.approx(quadratic, rel=2e-5), source
 
 
 def test_a_constant_velocity_error_is_not_harmless(differs):
