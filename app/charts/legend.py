@@ -60,7 +60,7 @@ def _map_entries(chart: MapChart) -> list[tuple[str, str]]:
 def _entries(chart: Chart) -> list[tuple[str, str]]:
     entries = [(_line(STYLES[line.style]), line.label) for line in chart.lines if not np.isnan(line.y).all()]
     entries += [(_box(STYLES[band.style], 0.3), band.label) for band in chart.bands]
-    entries += [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points]
+    entries += [(_dot(STYLES[points.style], points.marker), points.label) for points in chart.points if points.names]
     if any(not math.isnan(limit.level) for limit in chart.limits):
         entries.append((_line(STYLES["limit"]), f"limit (scaled to {spread_of(chart.y_label)})"))
     return entries

@@ -19,6 +19,8 @@ class Drawer(View):
     ----------
     button : Button
         For a place on the page.
+    note : TextPane
+        Under the title, for what the page says.
     """
 
     def __init__(self, title: str, icon: str, *parts: Any) -> None:
@@ -26,6 +28,7 @@ class Drawer(View):
         self.button = pmui.Button(label=title, icon=icon, variant="outlined", margin=(8, 6))
         close = pmui.Button(label="Close", icon="close", variant="text", margin=(4, 6))
         head = pn.Row(html_pane(f"<h2>{title}</h2>", margin=(4, 10)), close)
-        self._view = pn.Column(head, *parts, visible=False, stylesheets=[_SHEET])
+        self.note = html_pane("", margin=(0, 10))
+        self._view = pn.Column(head, self.note, *parts, visible=False, stylesheets=[_SHEET])
         for button in (self.button, close):
             button.on_click(lambda _: self._view.param.update(visible=not self._view.visible))

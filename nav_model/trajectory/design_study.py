@@ -130,6 +130,18 @@ def covariance_specification(design: Design, study: SimulationSpec, lines: tuple
     )
 
 
+def at_range(spec: CovarianceSpec, design: Design) -> CovarianceSpec:
+    """The flight of `spec`, looked at from the slant range and grazing angle of a design that has others."""
+    x = inputs_of(design)
+    return replace(
+        spec,
+        inputs=x,
+        contributors=_besides(x),
+        elsewhere=_divided(design)[1],
+        smoothed_after=_smoothed_after(x),
+    )
+
+
 def _smoothed_after(x: Inputs) -> float:
     """How long after a fix the smoothed states of the budget are [s]: in the middle of an aperture that begins with
     one [P-3]. Zero where they are those at a fix to half a percent, which takes fewer steps."""

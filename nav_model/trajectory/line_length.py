@@ -19,7 +19,8 @@ from nav_model.trajectory.specification import CovarianceSpec, Line
 
 _CLOSE = 0.01  # of its length: how near the solved line is to one that fails
 _MOST_TRIALS = 24  # for a line
-_MOST_FIXES = 100_000  # of all lines' flights together: a few minutes
+MOST_FIXES = 100_000
+"""Of all flights of a solution together: a few minutes."""
 
 Progress = Callable[[float, str], None]
 
@@ -32,7 +33,7 @@ def with_lengths(
     A line keeps None where it has no limit, cannot be flown longer or shorter, or where the flights are too many.
     """
     study, lines, solved = result.spec.study, result.lines, []
-    if len(lines) * (study.duration + MOST_RESERVE) > _MOST_FIXES * study.gnss.interval:
+    if len(lines) * (study.duration + MOST_RESERVE) > MOST_FIXES * study.gnss.interval:
         return result
     for number, line in enumerate(lines):
         progress(number / len(lines), f"How long {line.name} may be, {number + 1} of {len(lines)}")

@@ -111,9 +111,24 @@ class Heading:
     text: str
 
 
+@dataclass(frozen=True)
+class Swath:
+    """Slant ranges [m] between which a flight closes, `height_m` above the scene; None where it closes at none.
+
+    near_by, far_by: what fails first beyond, in words; empty where the search ends.
+    """
+
+    height_m: float
+    near_m: float | None = None
+    far_m: float | None = None
+    near_by: str = ""
+    far_by: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class TrajectoryResult:
-    """The covariance along a flight. truth: of the flight at `time_s` (outputs)."""
+    """The covariance along a flight. truth: of the flight at `time_s` (outputs). swath: near and far range, as
+    `nav_model.trajectory.swath` solves them; None before."""
 
     spec: CovarianceSpec
     time_s: FloatArray
@@ -123,6 +138,7 @@ class TrajectoryResult:
     post_processed: Processed
     lines: tuple[LineResult, ...]
     heading: Heading
+    swath: Swath | None = None
 
     @property
     def chosen(self) -> Processed:
@@ -188,6 +204,7 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
         "moment": result.moment,
         "lines": [_line(line) for line in result.lines],
         "heading": asdict(result.heading),
+        "swath": asdict(result.swath) if result.swath else None,
         "elsewhere": [
             {"name": check.name, "value": check.value, "limit": check.limit, "met": check.met}
             for check in result.spec.elsewhere

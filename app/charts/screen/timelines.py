@@ -123,7 +123,7 @@ class Timelines:
             chart,
             y_log=chart.y_log,
             sizing_mode="stretch_both",
-            min_height=130,
+            min_height=100,
             x_axis_label=chart.x_label if last else None,
             x_range=self._x_range,
             y_range=Range1d(*height),
@@ -133,7 +133,7 @@ class Timelines:
             min_border_left=_LEFT,
             min_border_right=_RIGHT,
             min_border_top=18 * _rows(chart),  # the read-out
-            min_border_bottom=0 if last else 7,  # half a label of the axis
+            min_border_bottom=0 if last else 10,  # half a label, or the rest of a name longer than its axis
         )
         plot.toolbar.autohide = True
         plot.xaxis.visible = last

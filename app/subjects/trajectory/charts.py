@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,7 +75,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     limits = () if followed is None else limits_along(followed.result, name)
     drawn = tuple(Limit("limit", "limit", start, stop, figure.scale * level) for start, stop, level in limits)
     attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
-    chosen = pair("figure", figure.in_sentence, "figure", figure.scale, ("exact", "asymptote"))
+    chosen = pair("figure", figure.in_sentence, "figure", figure.scale, ("exact", "horizontal refined"))
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
     return (
         chart("figure", figure.label, figure.axis, chosen, drawn, judged_how(followed, name)),
@@ -121,20 +122,26 @@ def map_chart(followed: Followed) -> Chart:
     """The flight seen from above: its lines numbered, green or red by their verdict, its turns thin and grey."""
     result = followed.result
     east, north = followed.east / 1000, followed.north / 1000
-    drawn = {style: np.full(len(north), np.nan) for style in ("closes", "does not close", "path")}
+    off = np.full(len(north), np.nan)
+    drawn = {style: off.copy() for style in ("closes", "does not close", "path")}
     for line in result.lines:
         on = (result.time_s >= line.start_s - 1e-9) & (result.time_s <= line.stop_s + 1e-9)
         drawn[_verdict_style(line)][on] = north[on]
     middles = np.array([(line.start_s + line.stop_s) / 2 for line in result.lines if result.spec.lines])
     labels = {"closes": "within the limits", "does not close": "beyond a limit", "path": "no limit"}
+    on_lines = np.where(np.isnan([*drawn.values()]).all(axis=0), np.nan, 0.0)
     return Chart(
         key="trajectory-map",
         title="Map",
         x_label="east of the start [km]",
         y_label="north of the start [km]",
         lines=(
-            Line("flight", "turns", east, north, "turn", "the flight"),
+            Line("flight", "turns", east, north if result.spec.lines else off, "turn", "the flight"),
             *(Line(style, labels[style], east, y, style, result.spec.processing) for style, y in drawn.items()),
+            *(
+                Line(f"{end} range", "near and far range", x, y + on_lines, "reference", "limits kept")
+                for end, x, y in _swath(followed)
+            ),
         ),
         points=(
             Points("lines", "line", np.interp(middles, result.time_s, east), np.interp(middles, result.time_s, north),
@@ -144,6 +151,17 @@ def map_chart(followed: Followed) -> Chart:
         knowledge=f"A line is green if it meets every limit, {result.spec.processing}. The radar looks "
         "to the right of the flight.",
     )  # fmt: skip
+
+
+def _swath(followed: Followed) -> Iterator[tuple[str, Array, Array]]:
+    """Where near and far range are on the ground, right of the flight: east and north [km], NaN before they are
+    solved."""
+    swath, velocity = followed.result.swath, followed.result.truth.velocity
+    ahead = velocity[:, :2].T / np.maximum(np.hypot(velocity[:, 0], velocity[:, 1]), 1e-9)
+    for end in ("near", "far"):
+        slant = getattr(swath, f"{end}_m", None)
+        away = math.sqrt(max(slant**2 - swath.height_m**2, 0.0)) if swath and slant else math.nan
+        yield end, (followed.east + away * ahead[0]) / 1000, (followed.north - away * ahead[1]) / 1000
 
 
 def shares_chart(followed: Followed, name: str) -> Chart:

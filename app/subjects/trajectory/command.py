@@ -34,6 +34,7 @@ def _trajectory(options: argparse.Namespace) -> int:
     from nav_model.trajectory.design_study import PLAN, covariance_specification
     from nav_model.trajectory.line_length import with_lengths
     from nav_model.trajectory.result import to_json
+    from nav_model.trajectory.swath import with_swath
 
     (path,) = paths_of(options)
     of_design, of_study = split_changes(options.changes)
@@ -43,6 +44,7 @@ def _trajectory(options: argparse.Namespace) -> int:
     result = covariance(covariance_specification(design, study, lines=lines))
     if options.trajectory == PLAN and options.duration is None:
         with show_progress() as show:
-            result = with_lengths(result, design, lambda share, what: show(what, share))
+            for solve in (with_lengths, with_swath):
+                result = solve(result, design, lambda share, what: show(what, share))
     put_json(lambda: to_json(result), options.output)
     return 0 if result.closes else _DOES_NOT_CLOSE

@@ -5,6 +5,7 @@ import importlib
 import json
 import math
 from dataclasses import replace
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import panel as pn
@@ -57,6 +58,7 @@ from nav_model.simulation.specification import FILTER_STATES
 
 if TYPE_CHECKING:
     from nav_model.explore.manoeuvre import Manoeuvres
+    from nav_model.trajectory.result import TrajectoryResult
 
 _FILE = "file"
 _NAMED = {f"{label[:1].upper()}{label[1:]}": name for name, label in Trajectory.param["flight"].options.items()}
@@ -64,7 +66,7 @@ _FLIGHTS = {**_NAMED, "From a file": _FILE}
 _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.05  # a slider has come to rest after this long
-_HEIGHT = "max(100dvh - 104px, 724px)"  # room for four charts above each other, and for fields in two rows
+_HEIGHT = "max(100dvh - 104px, 640px)"  # room for four charts above each other
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
 _NUMBERS = ("climb_rate", "acceleration", "ground", *AIDING)
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
@@ -72,7 +74,7 @@ _RUNS = {"dotted": "simulated on this flight"}
 _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 _ADDED = " A double click on the map adds one at the end."
 _NOT_ADDED = "A double click adds a waypoint where the flight is one of waypoints: choose that first."
-_LENGTHS = "How long may lines be?"
+_LENGTHS = "Longest lines, near and far range"
 _UNSOLVED = "Not solved: lines of another length cannot be flown here, or their flights together take too long."
 _NO_FILE = "Open a file: plans (KML, KMZ, GPX, .plan) are flown at the design's speed, recordings as they were."
 
@@ -101,14 +103,16 @@ class TrajectoryPage(StudyPage[Followed]):
         self._bar = RunBar(self.run, lambda: self.begin(by_itself=False, lengths=True), _LENGTHS, strip=True)
         self._bar.start.param.update(icon="straighten", variant="outlined", size="small")
         self._drawer = Drawer("Plan", "route", *self._plan_parts())
-        figure = pmui.Select.from_param(self.param.figure, width=170, **_LOOK)
+        quantity = pmui.Select.from_param(self.param.figure, width=170, **_LOOK)
         self._stack = Timelines(timelines(None, self.figure))
         self._marker = PathMarker(self._stack.plots)
         self._head = html_pane("", margin=(6, 10, 0, 10))
+        figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
+        for figure, share in zip(figures, ("1", "1", "1", "1.5"), strict=True):  # the last has the axis
+            figure.styles = {"flex": f"{share} 1 0"}
         curves = pn.Column(
-            self._head, *(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots),
-            sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE],
-        )  # fmt: skip
+            self._head, *figures, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE]
+        )
         whole: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
         self._shares = pn.Column(html_pane(_COMING))
@@ -116,7 +120,7 @@ class TrajectoryPage(StudyPage[Followed]):
         verdicts = of_flight.text(lambda flown: html_of(line_list(flown, self.figure)))
         lines = pn.Column(verdicts, styles={"overflow": "auto"}, **whole)
         run = pn.Column(self._bar, styles={"flex": "1 1 240px", "min-width": "0"})
-        tools = pn.FlexBox(figure, self._drawer.button, run, align_items="center", margin=(0, 4))
+        tools = pn.FlexBox(quantity, self._drawer.button, run, align_items="center", margin=(0, 4))
         self._body = first_screen(tools, left=[curves], right=[above, lines], height=_HEIGHT)
         self._view = pn.Column(
             self._strip,
@@ -177,7 +181,7 @@ class TrajectoryPage(StudyPage[Followed]):
             flown = await run_alone(
                 follow, *asked, self._lengths, progress=lambda share, what: run.tell(what, share or None)
             )
-            if self._lengths and all(line.longest_s is None for line in flown.result.lines):
+            if self._lengths and not _solved(flown.result):
                 self._say(_UNSOLVED)
         return flown
 
@@ -206,6 +210,11 @@ class TrajectoryPage(StudyPage[Followed]):
             self._redraw()
         else:
             self.begin()
+
+    def _say(self, text: str) -> None:
+        """On the page and in the drawer, which lies over it."""
+        super()._say(text)
+        self._drawer.note.say(f'<p role="status">{escape(text)}</p>' if text else "")
 
     # --- the parts ------------------------------------------------------------------------------------
 
@@ -283,7 +292,7 @@ class TrajectoryPage(StudyPage[Followed]):
         faint = self._refused or self.run.message
         self._body.styles = {"opacity": "0.5" if faint else "1"}  # an empty one would leave it as it was
         lines = result.result.lines if result and not result.file else ()
-        self._bar.start.visible = any(line.limits for line in lines) and all(line.longest_s is None for line in lines)
+        self._bar.start.visible = any(line.limits for line in lines) and not (result and _solved(result.result))
         if not self.run.running:
             self._of_result.follow()
 
@@ -363,6 +372,11 @@ class TrajectoryPage(StudyPage[Followed]):
         else:
             self._say(f"{name}: {note}.")
             self.begin()
+
+
+def _solved(result: "TrajectoryResult") -> bool:
+    """Whether lengths of lines, or near and far range, are known."""
+    return bool(result.swath) or any(line.longest_s is not None for line in result.lines)
 
 
 def as_json(followed: Followed) -> str:

@@ -76,7 +76,7 @@ def follow(
 ) -> Followed:
     """Follow the covariance along the flight of the design's plan, or of a file; for a process of its own.
 
-    lengths: solve how long each line of the plan may be, which takes many flights.
+    lengths: solve how long each line of the plan may be, and its near and far range, which takes many flights.
 
     Raises
     ------
@@ -87,6 +87,7 @@ def follow(
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import along_flight, planned
     from nav_model.trajectory.line_length import with_lengths
+    from nav_model.trajectory.swath import with_swath
 
     global _seconds_per_fix
     flight = _read(file, design) if file else planned(design)
@@ -100,7 +101,7 @@ def follow(
     if fixes > _SHORT:
         _seconds_per_fix = (time.monotonic() - began) / fixes
     if lengths and file is None:
-        result = with_lengths(result, design, progress)
+        result = with_swath(with_lengths(result, design, progress), design, progress)
     position = result.truth.position
     north, east = metres_per_radian(position[0, 0], position[0, 2])
     return Followed(

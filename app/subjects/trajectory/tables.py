@@ -91,8 +91,15 @@ def line_list(followed: Followed, name: str) -> Table:
         f"Verdict by line, {result.spec.processing}",
         ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit (1σ)"), *(["Length"] if any(lengths) else [])),
         rows,
-        result.heading.text,
+        f"{result.heading.text} {_swath(result)}".strip(),
     )
+
+
+def _swath(result: TrajectoryResult) -> str:
+    """Near and far range; empty where they are not solved."""
+    from nav_model.trajectory.swath import swath_in_words
+
+    return swath_in_words(result.swath)
 
 
 def _length(line: LineResult) -> str:
@@ -129,5 +136,5 @@ def line_table(followed: Followed, name: str) -> Table:
         f"Figures by line, {result.spec.processing}",
         ("Quantity", *numbers("At start", "Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
         rows,
-        " ".join((f"{_MOMENT} {result.moment}.", *beside_budget(result.spec))),
+        " ".join((f"{_MOMENT} {result.moment}.", *beside_budget(result.spec), _swath(result))).strip(),
     )

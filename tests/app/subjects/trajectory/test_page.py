@@ -111,7 +111,7 @@ def test_the_page_solves_how_long_lines_may_be_when_asked_and_forgets_it_with_th
     session.change({"trajectory.length": 3100.0})
     after(page, page.begin)
     assert page._bar.start.visible
-    monkeypatch.setattr(line_length, "_MOST_FIXES", 1000)
+    monkeypatch.setattr(line_length, "MOST_FIXES", 1000)
     after(page, lambda: page.begin(by_itself=False, lengths=True))
     assert page._bar.message.startswith("Not solved: ")
     assert page._bar.start.visible
