@@ -27,7 +27,8 @@ def region_names(chart: MapChart) -> dict[int, tuple[float, float, str]]:
     boxes: list[tuple[float, float, float, float]] = []
     drawn_x = np.concatenate([chart.contour.x, *(points.x for points in chart.points)])
     drawn_y = np.concatenate([chart.contour.y, *(points.y for points in chart.points)])
-    marks = share(drawn_x, chart.x), share(drawn_y, chart.y)
+    drawn = np.isfinite(drawn_x)  # between parts of a contour there is nothing
+    marks = share(drawn_x[drawn], chart.x), share(drawn_y[drawn], chart.y)
     # The smallest region first: it has the least choice.
     for index in np.argsort(np.bincount(chart.winner.ravel(), minlength=len(chart.names)), kind="stable"):
         rows, columns = np.nonzero(chart.winner == index)
@@ -40,8 +41,9 @@ def region_names(chart: MapChart) -> dict[int, tuple[float, float, str]]:
         cost += 100 * (np.maximum(half_x - np.minimum(x, 1 - x), 0) + np.maximum(half_y - np.minimum(y, 1 - y), 0))
         for other_x, other_y, wide, high in boxes:
             cost += 10 * ((np.abs(x - other_x) < half_x + wide) & (np.abs(y - other_y) < half_y + high))
-        covered = (np.abs(x[:, None] - marks[0]) < half_x) & (np.abs(y[:, None] - marks[1]) < half_y)
-        cost += 0.01 * covered.any(axis=1)
+        # How far from the middle of the name the nearest mark is, in halves of the name: 1 is beside it.
+        away = np.maximum(np.abs(x[:, None] - marks[0]) / half_x, np.abs(y[:, None] - marks[1]) / half_y)
+        cost += 0.1 * np.maximum(1.0 - away.min(axis=1, initial=1.0), 0.0)
         best = int(np.argmin(cost))
         boxes.append((x[best], y[best], half_x, half_y))
         placed[int(index)] = float(chart.x[columns[best]]), float(chart.y[rows[best]]), "\n".join(lines)

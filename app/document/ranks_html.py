@@ -51,13 +51,13 @@ def _tip(dot: Dot, chart: DotChart) -> str:
 
 
 class _Scale:
-    """Whole decades around everything that is shown."""
+    """From a 1, 2 or 5 below everything that is shown to one above it."""
 
     def __init__(self, chart: DotChart) -> None:
         values = [v for dot in chart.dots for v in (dot.closed, dot.ensemble, dot.low, dot.high)] + [chart.limit]
-        exponents = [math.log10(value) for value in values if math.isfinite(value) and value > 0] or [0.0, 1.0]
-        self._low = math.floor(min(exponents))
-        self._high = max(math.ceil(max(exponents)), self._low + 1)
+        shown = [value for value in values if math.isfinite(value) and value > 0] or [1.0, 10.0]
+        self._low = _step(min(shown) / 1.5)
+        self._high = max(-_step(1 / max(shown)), self._low + 1)
         self._limit = chart.limit
 
     def _share(self, value: float) -> float:
@@ -77,9 +77,15 @@ class _Scale:
         return html
 
     def axis(self) -> str:
-        """A mark at each decade."""
-        decades = range(self._low, self._high + 1)
+        """A mark at both ends, and at the decades that are not near them."""
+        inner = range(math.ceil(self._low + 0.5), math.floor(self._high - 0.5) + 1)
         return "".join(
-            f'<span style="left:{100 * (d - self._low) / (self._high - self._low):.1f}%">10<sup>{d}</sup></span>'
-            for d in decades
+            f'<span style="left:{self._share(10.0**d):.1f}%">{number(10.0**d, 1, given=True)}</span>'
+            for d in (self._low, *inner, self._high)
         )
+
+
+def _step(value: float) -> float:
+    """Logarithm of the largest 1, 2 or 5 of a decade that is not above a value."""
+    decade = math.floor(math.log10(value))
+    return decade + math.log10(max(step for step in (1, 2, 5) if step <= value / 10.0**decade))

@@ -17,6 +17,9 @@ from nav_model.design import Design
 from nav_model.design.contributors import BOTH, SYSTEMATIC, Contributor
 from nav_model.design.figures import FIGURES
 
+_LASTS = {f"{axis}_position": (f"coast_{axis}_position",) for axis in ("horizontal", "vertical")}
+# What is off in position while fixes come in, such as a datum or a time offset, is off without them too.
+
 Shares = Mapping[str, float]
 """Source -> its share of a figure; they add up to one."""
 
@@ -80,7 +83,10 @@ def contributors_of(design: Design, wavelength: Any, counted: Mapping[str, Any] 
             into = FIGURES[contributor.enters].dimension
             part = Part(name, counted[name], contributor.kind == SYSTEMATIC, contributor.processing)
             entering = replace(part, size=as_phase(part.size, contributor.dimension, into, wavelength))
-            in_figures[contributor.enters] = (*in_figures.get(contributor.enters, ()), entering)
+            # The outage's figure is one in both processings, so that what holds in one alone is not in it.
+            lasts = _LASTS.get(contributor.enters, ()) if contributor.processing == BOTH else ()
+            for figure in (contributor.enters, *lasts):
+                in_figures[figure] = (*in_figures.get(figure, ()), entering)
             alone[name] = (part,)
     return Contributors(FrozenMapping(in_figures), FrozenMapping(alone))
 

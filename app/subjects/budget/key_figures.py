@@ -12,8 +12,7 @@ from nav_model.budget.verdict import Check
 from nav_model.design.figures import FIGURES, Figure, Kind, of_kind
 from nav_model.design.processing import REAL_TIME
 
-_KINDS: tuple[Kind, ...] = ("steady", "outage", "phase", "place", "level", "response")
-_TILES = tuple(name for kind in _KINDS for name in of_kind(kind) if FIGURES[name].tile)
+_KINDS: tuple[Kind, ...] = ("steady", "outage", "phase", "place")
 
 
 def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures | None = None) -> KeyFigures:
@@ -28,6 +27,8 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
     """
     display = display.of(budget.design)
     checks = {check.name: check for check in budget.verdict.checks}
+    entered = {contributor.enters for contributor in budget.design.contributors}
+    shown = [name for kind in _KINDS for name in of_kind(kind) if FIGURES[name].tile or name in entered]
     units = {figure.label: figure.amount for figure in was.items} if was else {}
 
     def tile(name: str) -> KeyFigure:
@@ -35,8 +36,11 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
         detail = _detail(budget, figure, amount, display)
         if name in checks:
             return limited(checks[name], detail)
-        spread = display.named(pair=figure.pair)
-        value = display.show(amount, figure.dimension, pair=figure.pair, like=units.get(figure.label))
+        spread, like = display.named(pair=figure.pair), units.get(figure.label)
+        if not figure.scaled:  # a percentage
+            value = display.plain(amount, figure.dimension, like=like)
+            return KeyFigure(figure.label, value, figure.mark, "no limit", amount=amount)
+        value = display.show(amount, figure.dimension, pair=figure.pair, like=like)
         return KeyFigure(figure.label, value, detail, f"{spread}, no limit" if spread != "1σ" else "", amount=amount)
 
     def limited(check: Check, detail: str) -> KeyFigure:
@@ -47,10 +51,10 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
     others = tuple(
         limited(check, check_words(budget.design, check).figure)
         for check in budget.verdict.checks
-        if check.name not in _TILES
+        if check.name not in shown
     )
     title = f"Key figures, {display.spread}{display.scaled}"
-    return KeyFigures(title, (*map(tile, _TILES), *(others or (_width(budget, display, units),))))
+    return KeyFigures(title, (*map(tile, shown), *(others or (_width(budget, display, units),))))
 
 
 def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> str:

@@ -22,7 +22,8 @@ ALONG_TRACK = "along-track"
 """What the along-track phase is called beside the sources across it."""
 CONTRIBUTORS_ENTER = (
     "Random contributors add in quadrature, systematic ones linearly, each with its allowance. A length along the "
-    "line of sight enters a phase by 4π/λ. What enters CE90 or LE90 is given as a 90 % value."
+    "line of sight enters a phase by 4π/λ. What enters a position lasts through the outage. What enters CE90 or LE90 "
+    "is given as a 90 % value."
 )
 """How the design's own contributors enter its figures."""
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table

@@ -9,10 +9,11 @@ import numpy as np
 from app.charts.kinds import Array, Chart, Limit, Line, Span
 from app.document.numbers import number, percent
 from nav_model.budget import Budget
+from nav_model.budget.contributors import with_contributors
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.verdict import lowest_limit
 from nav_model.design.figures import label_of
-from nav_model.design.processing import REAL_TIME
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _LEAD = 0.2  # of the outage shown: steady state to the left of zero
 _BEFORE = 12  # times there
@@ -128,11 +129,13 @@ def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
         label: str, style: str, free_style: str, name: str, curve: Array, scale: float = 1.0
     ) -> tuple[tuple[str, str, Array], ...]:
         """A curve of the design's processing; the outage in real time beside a smoothed one."""
-        beside = f"{label}, real time"
+        entering, beside = budget.x.contributors.entering, f"{label}, real time"
+        curve = with_contributors(curve, entering(f"coast_{name}", REAL_TIME))
         if not smoothed:
             level = budget[name, REAL_TIME].sigma
             return (label, style, scale * _held(level, curve)), (beside, free_style, np.full(len(x), np.nan))
-        return (label, style, scale * through[name]), (beside, free_style, scale * _after(curve))
+        bridged = with_contributors(through[name], entering(name, POST_PROCESSED))
+        return (label, style, scale * bridged), (beside, free_style, scale * _after(curve))
 
     def both(quantity: str, after: str = "refined") -> tuple[tuple[str, str, Array], ...]:
         """Horizontal and vertical: while fixes come in, then the curve of the outage that is named so."""

@@ -1,5 +1,6 @@
 """Blocks as HTML, read back by the standard library's XML parser."""
 
+import math
 import re
 import xml.etree.ElementTree as ET
 
@@ -75,7 +76,7 @@ def test_a_chart_is_drawn_elsewhere() -> None:
 
 @pytest.mark.parametrize(("low", "high"), [(0.002, 0.7), (0.7, 0.9), (0.7, 40.0), (30.0, 1e3)])
 def test_marks_of_a_ranking_stand_at_their_values_on_its_axis(low: float, high: float) -> None:
-    """Read back through the decades of the axis, as a person does."""
+    """Read back through the marks of the axis, as a person does."""
     middle = (low * high) ** 0.5
     dots = (
         Dot("both", high, middle, low, high, "[S-5]"),
@@ -87,7 +88,7 @@ def test_marks_of_a_ranking_stand_at_their_values_on_its_axis(low: float, high: 
         styles = dict(part.split(":") for part in element.get("style", "").split(";") if part)
         return float(styles[name].rstrip("%"))
 
-    axis = [(place(span, "left"), int(span.find("sup").text)) for span in page.find(".//tfoot").iter("span")]
+    axis = [(place(span, "left"), math.log10(float(span.text))) for span in page.find(".//tfoot").iter("span")]
     (first, start), *_, (last, end) = axis
 
     def value(at: float) -> float:
