@@ -10,6 +10,7 @@ import param
 
 from app.declared import required
 from app.ui.html_pane import html_pane
+from app.ui.theme import PRINT_NOTHING
 from app.ui.view import View
 from app.work.run import Progress, Run
 
@@ -44,7 +45,7 @@ class RunBar(View):
         self.state = html_pane("", margin=(2, 10))
         self._view = pn.FlexBox(
             *fields, self.start, self.cancel, pn.Column(self.state, styles={"flex": "1 1 180px", "min-width": "0"}),
-            align_items="center", margin=(0, 4),
+            align_items="center", margin=(0, 4), stylesheets=[PRINT_NOTHING],
         )  # fmt: skip
 
     def _cancel(self, _: Any) -> None:

@@ -43,7 +43,7 @@ from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage, exports
-from app.ui.theme import NARROW, STACK_ON_A_PHONE
+from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import UploadedFile, upload
 from app.work.cancellable import run_alone
 from app.work.pool import run_in_pool
@@ -120,7 +120,9 @@ class TrajectoryPage(StudyPage[Followed]):
         verdicts = of_flight.text(lambda flown: html_of(line_list(flown, self.figure)))
         lines = pn.Column(verdicts, styles={"overflow": "auto"}, **whole)
         run = pn.Column(self._bar, styles={"flex": "1 1 240px", "min-width": "0"})
-        tools = pn.FlexBox(quantity, self._drawer.button, run, align_items="center", margin=(0, 4))
+        tools = pn.FlexBox(
+            quantity, self._drawer.button, run, align_items="center", margin=(0, 4), stylesheets=[PRINT_NOTHING]
+        )
         self._body = first_screen(tools, left=[curves], right=[above, lines], height=_HEIGHT)
         self._view = pn.Column(
             self._strip,

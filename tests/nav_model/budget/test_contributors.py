@@ -116,7 +116,8 @@ def test_random_sets_agree_with_the_sum_written_out() -> None:
         for before in _ALONE[mode].verdict.checks:
             square, linear = before.sigma**2, 0.0
             for one in own:
-                if one.enters == before.on and one.processing in ("both", mode):
+                lasting = one.processing == "both" and f"coast_{one.enters}" == before.on and "position" in before.on
+                if lasting or (one.enters == before.on and one.processing in ("both", mode)):
                     size = one.value * (1 + one.allowance)
                     if one.dimension == "length" and FIGURES[one.enters].dimension == "angle":
                         size *= 4 * math.pi / (SPEED_OF_LIGHT / design.radar.frequency)
