@@ -183,10 +183,11 @@ def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
             yield _mission(folder, f"line {number}." if len(folders) > 1 else "line ", heights)
         return
     for mark in root.iterfind(".//{*}Placemark"):
-        if mark.find(".//{*}Placemark") is not None:
-            raise heights.refuse("has a placemark within a placemark, which KML does not allow")
         for element in mark.iter():
-            if noun := _KML.get(kind := _local_name(element)):
+            kind = _local_name(element)
+            if kind == "Placemark" and element is not mark:
+                raise heights.refuse("has a placemark within a placemark, which KML does not allow")
+            if noun := _KML.get(kind):
                 reference = _REFERENCES.get((element.findtext("{*}altitudeMode") or "").strip(), "none")
                 places = (_track if kind == "Track" else _path)(element, heights)
                 yield Shape(noun, _name(mark), places, reference)
