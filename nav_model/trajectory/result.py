@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.base.constants import EARTH_RATE
+from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS
 from nav_model.design.figures import FIGURES
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.truth import TruthStates
@@ -27,7 +27,9 @@ STATE_AXES: Mapping[str, slice] = {
 _SHARES = {
     f"{axis}_{state}": f"{state}_{axis}" for axis in ("horizontal", "vertical") for state in ("position", "velocity")
 }  # in JSON, where these names came first
-_HEADING_SHOWS = 0.35  # from there it adds a per cent of tilt
+_HEADING_SHOWS = {REAL_TIME: 0.35, POST_PROCESSED: 0.02}  # from there it adds a per cent of tilt
+_GRAVITY_SHOWS = 0.03  # from there it takes a per cent
+_WAITED = 4.0  # of the filter's time constants: fixes that come later change less than a per cent
 _MOMENTS = {
     "prior": "just before a fix",
     "posterior": "just after a fix",
@@ -161,14 +163,33 @@ class TrajectoryResult:
 def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
     """Why figures of a straight line differ from those of the budget of the same design, in sentences."""
     x, study, real_time = spec.inputs, spec.study, spec.processing == REAL_TIME
-    # What a wrong heading makes of the Earth's rate, over what the gyros add in the filter's time constant. [T-3]
-    turned = study.initial.yaw * EARTH_RATE * math.cos(x.latitude)
-    heading = turned / (float(x.sigma_w) * float(x.g * x.sigma_w / x.s) ** (1 / 6))
+    sigma_a, sigma_w, g, s, s_vertical = map(float, (x.sigma_a, x.sigma_w, x.g, x.s, x.s_vertical))
+    # Rates at which the filter forgets [T-3], [T-4]; what a wrong heading makes of the Earth's rate, over what the
+    # gyros add meanwhile; what fixes leave open over time, a slow error's part too [P-2], and gravity by height then.
+    horizontal, vertical = (g * sigma_w / s) ** (1 / 3), math.sqrt(sigma_a / s_vertical)
+    turned = study.initial.yaw * EARTH_RATE * math.cos(x.latitude) / (sigma_w * math.sqrt(horizontal))
+    slowest, known = 1 / min(horizontal, vertical), s_vertical**2
+    if x.slow is not None:
+        sigma, time = (float(np.asarray(value)) for value in (x.slow.sigma, x.slow.correlation_time))
+        slowest, known = max(slowest, time), known + 2 * sigma**2 * time
+    gravity = 2 * g / MEAN_RADIUS * math.sqrt(known) / sigma_a
     cases = (
         (
-            heading > _HEADING_SHOWS,
+            turned > _HEADING_SHOWS[spec.processing],
             f"The heading at the start, {math.degrees(study.initial.yaw):.2g}° (1σ), turns the Earth's rate into a "
-            "drift, which beside gyros as good as these shows in tilt and velocity. The budget has no heading.",
+            "drift, which shows in tilt and velocity beside the gyros' noise. The budget has no heading.",
+        ),
+        (
+            gravity > _GRAVITY_SHOWS,
+            "Gravity changes with height along a flight, which keeps vertical errors below the budget's.",
+        ),
+        (
+            not real_time and float(x.leg_after) < _WAITED * slowest,
+            f"The budget's smoother has {float(x.leg_after):g} s of fixes after the aperture, this one all of them.",
+        ),
+        (
+            not study.filter.slow and any(study.gnss.axis_markov_noise),
+            "The budget's filter knows the slow GNSS error, this one does not.",
         ),
         (
             real_time and x.bias > 0,
@@ -179,10 +200,6 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
             x.before_aperture > 0,
             f"The budget's {float(x.before_aperture):g} s without fixes before the aperture are flown only where the "
             "flight has such an outage.",
-        ),
-        (
-            not study.filter.slow and any(study.gnss.axis_markov_noise),
-            "The budget's filter knows the slow GNSS error, this one does not.",
         ),
     )
     return tuple(sentence for holds, sentence in cases if holds)
