@@ -265,3 +265,15 @@ def _plain_decimal(number: Decimal) -> str:
         return f"{number:f}"
     mantissa, _, exponent = f"{number:e}".partition("e")
     return f"{mantissa}e{int(exponent)}"
+
+
+def time_in_words(seconds: float) -> str:
+    """A time to three digits below a minute, in minutes and whole seconds from there on.
+
+    >>> time_in_words(12.34), time_in_words(489.6), time_in_words(600.0)
+    ('12.3 s', '8 min 10 s', '10 min')
+    """
+    if seconds < 59.95:
+        return f"{seconds:.3g} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if rest else f"{minutes} min"

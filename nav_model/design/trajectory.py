@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -35,6 +36,17 @@ def row_of(latitude: float, longitude: float, height: float, line: str = "", spe
     """A place [rad, m] to a millimetre as a row of the design's waypoints; a name without what parts its cells."""
     north, east = (to_si(Fraction(f"{math.degrees(angle):.8f}"), "°", "angle") for angle in (latitude, longitude))
     return north, east, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split()), speed
+
+
+def lines_in_words(names: Sequence[str]) -> str:
+    """Names of lines in a sentence; of many their number.
+
+    >>> lines_in_words(["line 1", "line 4"]), lines_in_words(["a"] * 5)
+    ('line 1 and line 4', '5 lines')
+    """
+    if len(names) > 3:
+        return f"{len(names)} lines"
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _number(

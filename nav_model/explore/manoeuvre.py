@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import in_sentence
 from nav_model.design.presets import preset_fill
 from nav_model.design.processing import REAL_TIME
-from nav_model.design.trajectory import LINES, WAYPOINTS
+from nav_model.design.trajectory import LINES, WAYPOINTS, lines_in_words
 from nav_model.trajectory.covariance import lines_along
 from nav_model.trajectory.design_study import along_flight, plan_of, planned, rows_of
 from nav_model.trajectory.line_length import line_longer
@@ -50,7 +51,6 @@ _NO_BETTER = 0.98
 _BEFORE = "before"
 _NO_PLAN = "No manoeuvre is among the options, as this flight has no waypoints: only lines and waypoints are a plan."
 _LONGER = 600.0  # s that a line is flown on, to see when it fails
-_MOST_NAMED = 3
 _PREFERRED = ("manoeuvre", "aid", "imu")
 Way = Callable[[Plan, int], Plan]
 """A plan and the number of a waypoint where a line begins -> the plan with a manoeuvre there."""
@@ -64,6 +64,11 @@ class Limited(NamedTuple):
     worst: float
     mean: float
     limit: float
+
+    @property
+    def ratio(self) -> float:
+        """The worst over the limit."""
+        return self.worst / self.limit
 
 
 @dataclass(frozen=True)
@@ -178,7 +183,7 @@ def manoeuvres(
         raise InputError("requirements", "none limits a figure of the flight; give at least one, such as heading")
     names = tuple(dict.fromkeys(result.name for result in chosen if not result.closes))
     if not names:
-        return Manoeuvres(chosen[0].name, (), True, _figures(chosen))
+        return Manoeuvres(chosen[0].name, (), True, _figures(lines, [result.name for result in chosen]))
     question = _Question(plan, states, lines, names, set())
     kinds: list[Iterable[_Candidate]] = [] if note else [*_manoeuvres(question)]
     kinds += _equipment(design)
@@ -193,7 +198,7 @@ def manoeuvres(
     if options and options[0].closes and options[0].where.startswith(_BEFORE):
         progress(1.0 - 0.5 / (len(kinds) + 2), f"{options[0].name}: how long before the line ends")
         options[0] = replace(options[0], before_s=_latest(question, options[0]))
-    return Manoeuvres(names[0], names, False, _figures(_named(lines, names)), tuple(options), note)
+    return Manoeuvres(names[0], names, False, _figures(lines, names), tuple(options), note)
 
 
 def _latest(question: _Question, option: Option) -> float:
@@ -216,7 +221,7 @@ def _latest(question: _Question, option: Option) -> float:
 def _best(question: _Question, kind: Iterable[_Candidate], progress: Callable[[str], None]) -> list[Option]:
     """The first of a kind that closes, else the one nearest to it; none where nothing of the kind can be flown."""
     flown: list[Option] = []
-    least = _excess(_figures(_named(question.lines, question.names)))
+    least = _excess(_figures(question.lines, question.names))
     for candidate in kind:
         if candidate.lines in question.alone:
             continue
@@ -243,13 +248,12 @@ def _option(question: _Question, candidate: _Candidate) -> Option:
     flown = lines_along(along_flight(*changed, states))
 
     def gain(which: Sequence[str]) -> float:
-        now, planned = (_excess(_figures(_named(results, which))) for results in (flown, lines))
-        return now / planned
+        return _excess(_figures(flown, which)) / _excess(_figures(lines, which))
 
     others = [name for name in names if name not in candidate.lines]
     if candidate.lines and others and gain(candidate.lines) <= _NO_BETTER < gain(others):
         alone.add(candidate.lines)
-    before, after = (_figures(_named(results, names)) for results in (lines, flown))
+    after = _figures(flown, names)
     closed = {line.name for line in lines if line.closes} | set(names)
     limit = changed.design.trajectory.bank_limit
     return Option(
@@ -257,10 +261,10 @@ def _option(question: _Question, candidate: _Candidate) -> Option:
         candidate.kind,
         candidate.lines,
         candidate.where,
-        max((line.duration for line in _named(flown, candidate.lines)), default=0.0),
+        max((line.duration for line in flown if line.name in candidate.lines), default=0.0),
         changed.flight.duration - flight.duration,
         all(line.closes for line in flown if line.name in closed),
-        _excess(after) >= _excess(before),
+        not gain(names) < 1.0,  # also where no line has a value
         0.0 if limit is None or not candidate.lines else changed.flight.banked(limit) - flight.banked(limit),
         after,
         {key: value for key, value in changed.design.items() if value != design[key]},
@@ -268,37 +272,18 @@ def _option(question: _Question, candidate: _Candidate) -> Option:
     )
 
 
-def lines_in_words(names: Sequence[str]) -> str:
-    """Names of lines in a sentence; of many their number.
-
-    >>> lines_in_words(["line 1", "line 4"]), lines_in_words(["a"] * 5)
-    ('line 1 and line 4', '5 lines')
-    """
-    if len(names) > _MOST_NAMED:
-        return f"{len(names)} lines"
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-
-
-def _named(lines: Iterable[LineResult], names: Sequence[str]) -> list[LineResult]:
-    return [line for line in lines if line.name in names]
-
-
-def _figures(lines: Iterable[LineResult]) -> Mapping[str, Limited]:
-    """The limited figures of some lines, each of the line where it is nearest to its limit or farthest beyond."""
+def _figures(lines: Iterable[LineResult], names: Iterable[str]) -> Mapping[str, Limited]:
+    """The limited figures of the lines of these names, each where it is nearest to its limit or farthest beyond."""
     by_name: dict[str, Limited] = {}
     for line in lines:
-        for name, limit in line.limits.items():
+        for name, limit in line.limits.items() if line.name in names else ():
             here = Limited(line.worst.get(name, math.inf), line.mean.get(name, math.inf), limit)
-            by_name[name] = max(by_name.get(name, here), here, key=_ratio)
+            by_name[name] = max(by_name.get(name, here), here, key=attrgetter("ratio"))
     return by_name
 
 
-def _ratio(figure: Limited) -> float:
-    return figure.worst / figure.limit
-
-
 def _excess(figures: Mapping[str, Limited]) -> float:
-    return max(map(_ratio, figures.values()))
+    return max(figure.ratio for figure in figures.values())
 
 
 def _manoeuvres(question: _Question) -> Iterator[Iterable[_Candidate]]:

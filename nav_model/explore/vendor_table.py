@@ -44,18 +44,16 @@ class Column(NamedTuple):
     reads: str
 
 
+def _both(figure: str) -> tuple[str, str]:
+    return figure, f"coast_{figure}"
+
+
 COLUMNS: Mapping[str, Column] = MappingProxyType(
     {
-        "horizontal": Column(
-            "Horizontal position", "horizontal_position", "coast_horizontal_position", "gnss.position_noise"
-        ),
-        "vertical": Column(
-            "Vertical position", "vertical_position", "coast_vertical_position", "gnss.vertical_position_noise"
-        ),
-        "velocity": Column(
-            "Horizontal velocity", "horizontal_velocity", "coast_horizontal_velocity", "gnss.velocity_noise"
-        ),
-        "roll and pitch": Column("Roll and pitch", "tilt", "coast_tilt", "requirements.tilt"),
+        "horizontal": Column("Horizontal position", *_both("horizontal_position"), "gnss.position_noise"),
+        "vertical": Column("Vertical position", *_both("vertical_position"), "gnss.vertical_position_noise"),
+        "velocity": Column("Horizontal velocity", *_both("horizontal_velocity"), "gnss.velocity_noise"),
+        "roll and pitch": Column("Roll and pitch", *_both("tilt"), "requirements.tilt"),
         "heading": Column("Heading growth", "", "coast_heading", "requirements.tilt"),
     }
 )

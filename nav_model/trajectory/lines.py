@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.units import format_quantity
+from nav_model.base.units import format_quantity, time_in_words
 from nav_model.design.figures import FIGURES, figure_in_sentence
 from nav_model.trajectory.result import STATE_AXES, LineResult, Processed
 from nav_model.trajectory.specification import CovarianceSpec, Line
@@ -20,18 +20,6 @@ def judge(
     """Each line against the limits, in the processing that is judged. Without lines the whole flight is one."""
     lines = spec.lines or (Line("flight", 0.0, spec.study.duration),)
     return tuple(_judged(line, spec, time_s, chosen, sources) for line in lines)
-
-
-def time_in_words(seconds: float) -> str:
-    """A time to three digits below a minute, in minutes and whole seconds from there on.
-
-    >>> time_in_words(12.34), time_in_words(489.6), time_in_words(600.0)
-    ('12.3 s', '8 min 10 s', '10 min')
-    """
-    if seconds < 59.95:
-        return f"{seconds:.3g} s"
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes} min {rest} s" if rest else f"{minutes} min"
 
 
 def length_in_words(line: LineResult) -> str:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 from app.document.blocks import Answer, Cell, Row, Table, numbers, table
 from app.document.numbers import NONE, percent
 from app.subjects.trajectory.figures import FIGURES
+from nav_model.base.units import time_in_words
 from nav_model.design.declaration import in_sentence
+from nav_model.design.trajectory import lines_in_words
 
 _SAME = 0.005
 
@@ -18,8 +20,6 @@ if TYPE_CHECKING:
 
 def options_answer(answer: Manoeuvres) -> Answer:
     """The options that close, or that none does."""
-    from nav_model.explore.manoeuvre import lines_in_words
-
     if answer.closes:
         return Answer("✓ Every line keeps its limits", "good", ("No manoeuvre is needed.",))
     closing, note = [option for option in answer.options if option.closes], filter(None, [answer.note])
@@ -34,12 +34,10 @@ def options_answer(answer: Manoeuvres) -> Answer:
 
 def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> Table:
     """Each option, the shortest that closes first; the value of a row is the option's name."""
-    from nav_model.explore.manoeuvre import lines_in_words
-
     rows: list[Row] = []
-    name = max(answer.figures, key=lambda figure: _ratio(answer.figures[figure]))
+    name = max(answer.figures, key=lambda figure: answer.figures[figure].ratio)
     for option in answer.options:
-        decides = max(option.figures, key=lambda figure: _ratio(option.figures[figure]))
+        decides = max(option.figures, key=lambda figure: option.figures[figure].ratio)
         value = option.figures[decides]
         sign, tone = ("✓ closes", "good") if option.closes else ("✗ fails", "bad")
         rows.append(
@@ -78,8 +76,6 @@ def option_label(option: Option) -> str:
 
 
 def _in_words(option: Option) -> str:
-    from nav_model.trajectory.lines import time_in_words
-
     label = in_sentence(option_label(option))
     if not option.lines:
         return label
@@ -90,16 +86,12 @@ def _in_words(option: Option) -> str:
 
 
 def _longer(seconds: float) -> str:
-    from nav_model.trajectory.lines import time_in_words
-
     if abs(seconds) < 0.5:
         return "as long"
     return f"{time_in_words(abs(seconds))} {'longer' if seconds > 0.0 else 'shorter'}"
 
 
 def _note(option: Option) -> str:
-    from nav_model.trajectory.lines import time_in_words
-
     notes = []
     if option.lost_s >= 1.0:
         notes.append(f"its bank loses fixes for {time_in_words(option.lost_s)}")
@@ -111,11 +103,7 @@ def _note(option: Option) -> str:
 
 def _change(figure: Limited, planned: Limited) -> str:
     """How much nearer to its limit a figure is than what decided as planned."""
-    change = _ratio(figure) / _ratio(planned) - 1.0
+    change = figure.ratio / planned.ratio - 1.0
     if not math.isfinite(change):
         return NONE
     return "the same" if abs(change) < _SAME else f"{percent(abs(change))} {'more' if change > 0.0 else 'less'}"
-
-
-def _ratio(figure: Limited) -> float:
-    return figure.worst / figure.limit
