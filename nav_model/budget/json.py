@@ -12,7 +12,7 @@ from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget
 from nav_model.budget.verdict import Check, Verdict
 from nav_model.design.contributors import Contributor
-from nav_model.design.figures import FIGURES, OF_BUDGET, REQUIRED, of_kind
+from nav_model.design.figures import FIGURES, OF_BUDGET, PHASES, QUADRATIC, REQUIRED, of_kind
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -67,9 +67,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "lines": [
                 {
                     "source": line.source,
-                    "quadratic_phase_sigma_rad": line.quadratic,
-                    "cubic_phase_sigma_rad": line.cubic,
-                    "detrended_phase_sigma_rad": line.detrended,
+                    **{FIGURES[name].column: getattr(line, name.removesuffix("_phase")) for name in PHASES},
                     "share": line.share,
                     "detrended_share": line.detrended_share,
                 }
@@ -146,7 +144,7 @@ def _post_processed(budget: Budget) -> dict[str, Any]:
         **_sigmas(sigmas),
         **_sigmas_of(budget, POST_PROCESSED, *_PHASES),
         "detrended_phase_by_order_sigma_rad": {str(order): sigmas[f"detrended_phase_{order}"] for order in (1, 2, 3)},
-        "turning_quadratic_phase_sigma_rad": budget.beside("turning_quadratic_phase"),
+        f"turning_{FIGURES[QUADRATIC].column}": budget.beside(f"turning_{QUADRATIC}"),
         "turning_detrended_phase_by_order_sigma_rad": {
             str(order): budget.beside(f"turning_detrended_phase_{order}") for order in (1, 2)
         },

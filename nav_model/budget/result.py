@@ -39,7 +39,7 @@ from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.spectral import Spectral, spectral_of
 from nav_model.budget.verdict import Verdict, judge
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES, OF_BUDGET
+from nav_model.design.figures import FIGURES, OF_BUDGET, PHASES, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _MOMENTS = {"prior": "prior", "posterior": "posterior", "closed": "formula"}
@@ -313,8 +313,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     def phase_lines(self, processing: str) -> tuple[PhaseLine, ...]:
         """Each source of phase over the aperture."""
-        names = ("quadratic_phase", "cubic_phase", "detrended_phase")
-        quadratic, cubic, detrended = (self[name, processing] for name in names)
+        quadratic, cubic, detrended = (self[name, processing] for name in PHASES)
         return tuple(
             PhaseLine(
                 source,
@@ -333,7 +332,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     def response(self, processing: str) -> ImpulseResponse | None:
         """Azimuth impulse response with the quadratic phase at one sigma; None beyond 1000 rad, where no image is."""
-        return self._response(self["quadratic_phase", processing].sigma)
+        return self._response(self[QUADRATIC, processing].sigma)
 
     def response_after_autofocus(self) -> ImpulseResponse | None:
         """That of what autofocus leaves of the quadratic phase in real time."""
@@ -350,7 +349,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
         In real time without paired echoes, which takes less than the whole response.
         """
-        quadratic = self.figure("quadratic_phase").sigma
+        quadratic = self.figure(QUADRATIC).sigma
         if quadratic > NO_IMAGE:
             return None
         if not self.post_processed:

@@ -80,7 +80,7 @@ class Contributor(OneSigma):
     name : str
     value : float
         1σ in SI: of the figure entered, or m along the line of sight where it is a phase and `dimension` is length.
-        For ce90 and le90 the 90 % value, for a level the amplitude over the target's.
+        For a percentage the 90 % value, for a level the amplitude over the target's.
     enters : str
         Name of a figure.
     dimension : str

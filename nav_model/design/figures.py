@@ -259,6 +259,9 @@ IN_FLIGHT = tuple(name for name, figure in FIGURES.items() if figure.in_flight)
 
 STEADY, RESPONSE, LEVELS = of_kind("steady"), of_kind("response"), of_kind("level")
 
+PHASES = QUADRATIC, CUBIC, DETRENDED = "quadratic_phase", "cubic_phase", "detrended_phase"
+"""The phases that are sums over sources."""
+
 
 def label_of(name: str) -> str:
     """A figure's label; a name of the user's own stays."""

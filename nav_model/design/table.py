@@ -22,7 +22,7 @@ class Table(Declared, param.Parameter[Any]):
     ----------
     columns : mapping
         Name -> declaration of a quantity, or None for a text, which may be empty. As text a quantity that may be left
-        out is written with its name, ``ce90=2 m``; the others are in the order of the columns.
+        out is written with its name, ``tilt=0.01°``; the others are in the order of the columns.
     short : str
         Name in links.
     example : str

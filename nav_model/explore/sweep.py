@@ -305,7 +305,7 @@ def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) 
 
 
 def sweep_sigma(columns: Mapping[str, Column], figure: str) -> Array:
-    """One sigma of a figure [SI] for every row; of a percentage such as CE90, that itself."""
+    """One sigma of a figure [SI] for every row; of a percentage, that itself."""
     return np.asarray(columns[FIGURES[figure].column], float)
 
 

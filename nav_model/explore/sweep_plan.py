@@ -2,14 +2,14 @@
 
     design = "baseline.toml"               # beside this file; or a whole design under [design]
     combine = "grid"                       # grid (default): every combination; together: the lists side by side
-    results = ["ce90"]          # default: every figure that a requirement limits
+    results = ["tilt"]          # default: every figure that a requirement limits
     rows_per_part = 2000                   # how much a crash can cost
 
     [vary]
     imu.preset = ["LN-200", "STIM300"]
     imu.angle_random_walk = { from = "0.01 °/√h", to = "1 °/√h", points = 50, spacing = "log" }
     gnss.position_noise = ["2 cm", "1 m"]
-    requirements.ce90 = ["1 m", "5 m"]
+    requirements.tilt = ["0.01°", "0.1°"]
 
 Presets come first: an input varied by itself overrides what a preset fills. With a section [simulate]
 (`nav_model.explore.sweep_flight`) every design is also flown.

@@ -20,6 +20,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.contributors import with_contributors
 from nav_model.design import Design
+from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.advice import LEFT, Advice, advise, spread_of
 from nav_model.sar.decomposition import Band, autofocus, band
@@ -130,7 +131,7 @@ class SarStudy:
     @cached_property
     def residuals(self) -> Array:
         """Residual of each strategy after autofocus, rms over the runs, contributors included [m]."""
-        return self.composed("detrended_phase", self.rms)
+        return self.composed(DETRENDED, self.rms)
 
     @cached_property
     def whole_residuals(self) -> Array:
@@ -149,7 +150,7 @@ class SarStudy:
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
         least = self.residual(best.key) <= min(map(self.residual, self._able()))
         why = "the least" if least else "the simplest within 5 % of the least"
-        spread = spread_of(decisive(self.budget.design, "detrended_phase")[0])
+        spread = spread_of(decisive(self.budget.design, DETRENDED)[0])
         sentence = (
             f"Over {self.runs} {what}, {best.name} leaves {self._in_words(best.key)} {spread} "
             f"{LEFT[self.budget.sar.autofocus_order]}, {why}."
@@ -169,7 +170,7 @@ class SarStudy:
 
     def _in_words(self, key: str) -> str:
         """Residual of a strategy at the confidence of the limit on it, as the advice has it."""
-        confidence, _ = decisive(self.budget.design, "detrended_phase")
+        confidence, _ = decisive(self.budget.design, DETRENDED)
         return f"{1000 * confidence * self.residual(key):.3g} mm"
 
 
@@ -181,7 +182,7 @@ def closed_forms(budget: Budget) -> ClosedForms:
     """The closed forms of a design: a few milliseconds."""
     inputs = conditions(budget)
     variances = strategy_variances(inputs)
-    confidence, limit = decisive(budget.design, "detrended_phase")
+    confidence, limit = decisive(budget.design, DETRENDED)
     return ClosedForms(
         advice=advise(inputs, budget.sar.wavelength, limit, confidence),
         quadratic=_by_strategy(variances.quadratic),

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.budget.json import verdict_json
+from nav_model.design.figures import QUADRATIC
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
 from nav_model.sar.design_case import flight_cautions, judged, study_cautions
@@ -114,7 +115,7 @@ def _strategy(study: SarStudy, index: int) -> dict[str, Any]:
         "residual_rms_over_runs_m": float(study.residuals[index]),
         "residual_rms_over_runs_standard_error_m": float(study.rms_error[index]),
         "whole_residual_rms_over_runs_m": float(study.whole_residuals[index]),
-        "quadratic_sigma_m": float(study.composed("quadratic_phase", study.quadratic_rms)[index]),
+        "quadratic_sigma_m": float(study.composed(QUADRATIC, study.quadratic_rms)[index]),
         "quadratic_sigma_standard_error_m": float(study.quadratic_rms_error[index]),
         "parts_m": {name: _band(values, index) for name, values in study.parts.items()},
         "impulse_response": {name: _band(values, index) for name, values in study.responses.items()},

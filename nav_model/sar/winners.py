@@ -24,6 +24,7 @@ from nav_model.aperture.phase import phase_budget, total
 from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.budget.contributors import Contributors, with_contributors
+from nav_model.design.figures import DETRENDED, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.fit_noise import SlowFit, slow_fit
 from nav_model.sar.strategy_forms import (
@@ -143,7 +144,7 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     if c.smoothed is not None:
         ends.append(np.asarray(c.smoothed.quadratic))
         residuals.append(np.asarray(c.smoothed.detrended))
-    return StrategyVariances(_composed(c, "quadratic_phase", ends), _composed(c, "detrended_phase", residuals))
+    return StrategyVariances(_composed(c, QUADRATIC, ends), _composed(c, DETRENDED, residuals))
 
 
 def _composed(c: Conditions, figure: str, variances: Sequence[ArrayLike]) -> Array:

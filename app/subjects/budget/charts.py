@@ -18,6 +18,7 @@ from nav_model.aperture.impulse_response import MINIMUM_SAMPLES, aperture_positi
 from nav_model.aperture.polynomial_response import polynomial_curve
 from nav_model.budget import Budget
 from nav_model.budget.fast import scattered_floor
+from nav_model.design import figures
 
 _RESPONSE_CELLS = 6.0  # shown on each side of the target
 _GIVEN = "given in the design"
@@ -69,9 +70,8 @@ def phase_chart(budget: Budget) -> BarChart:
             "Smoothed with every fix [P-3]; shares [P-4]; over the aperture [P-5]. "
             f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {residual}."
         )
-    quadratic, detrended, along_track = (
-        budget.figure(name).sigma for name in ("quadratic_phase", "detrended_phase", "along_track_quadratic_phase")
-    )
+    names = figures.QUADRATIC, figures.DETRENDED, f"along_track_{figures.QUADRATIC}"
+    quadratic, detrended, along_track = (budget.figure(name).sigma for name in names)
     return BarChart(
         key="phase",
         title="SAR phase error by source",
@@ -86,8 +86,8 @@ def phase_chart(budget: Budget) -> BarChart:
             bar(TOTAL, quadratic, detrended, marks),
             bar(ALONG_TRACK, along_track, math.nan, along),
         ),
-        first_limit=limit_at_sigma(budget, "quadratic_phase", DEGREES),
-        second_limit=limit_at_sigma(budget, "detrended_phase", DEGREES),
+        first_limit=limit_at_sigma(budget, figures.QUADRATIC, DEGREES),
+        second_limit=limit_at_sigma(budget, figures.DETRENDED, DEGREES),
         knowledge=knowledge,
     )
 
@@ -204,7 +204,7 @@ def with_compared(chart: Chart, other: Budget | None) -> Chart:
 def _spread(budget: Budget) -> tuple[Array, Array]:
     """Cells from the target, and the power [dB] there with the quadratic and with the cubic too."""
     sar, spectral = budget.sar, budget.spectral
-    quadratic, cubic = (budget.figure(name).sigma for name in ("quadratic_phase", "cubic_phase"))
+    quadratic, cubic = (budget.figure(name).sigma for name in (figures.QUADRATIC, figures.CUBIC))
     window: Any = sar.window
     if not spectral.echoes:
         cells, power = polynomial_curve(quadratic, cubic, window, _RESPONSE_CELLS)

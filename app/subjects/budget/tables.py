@@ -14,7 +14,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.provenance import provenance
 from nav_model.budget.verdict import Check
-from nav_model.design.figures import FIGURES, REQUIRED, STEADY, label_of, of_kind
+from nav_model.design.figures import FIGURES, QUADRATIC, REQUIRED, STEADY, label_of, of_kind
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -178,12 +178,12 @@ def phase_table(budget: Budget, key: str) -> Table:
             ),
             row(
                 "total in quadrature",
-                budget.figure("quadratic_phase").sigma,
+                budget.figure(QUADRATIC).sigma,
                 "100 %",
                 budget.figure("detrended_phase").sigma,
                 "100 %",
             ),
-            row(ALONG_TRACK, budget.figure("along_track_quadratic_phase").sigma, NONE, math.nan, NONE),
+            row(ALONG_TRACK, budget.figure(f"along_track_{QUADRATIC}").sigma, NONE, math.nan, NONE),
         ),
         f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt comes from {makers} "
         "[T-18]."

@@ -14,6 +14,7 @@ from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
+from nav_model.design.figures import DETRENDED, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import LEFT
 from nav_model.sar.design_case import decisive
@@ -88,7 +89,7 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) 
     """Detrended phase of each strategy, the least first: formula beside the runs."""
     return _dot_chart(
         "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms", budget,
-        closed.detrended, closed.whole, study, "rms", "residual_rms", "detrended_phase",
+        closed.detrended, closed.whole, study, "rms", "residual_rms", DETRENDED,
         f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
 
@@ -97,7 +98,7 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None)
     """Quadratic phase of each strategy before autofocus, the least first: formula beside the runs."""
     return _dot_chart(
         "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends", budget,
-        closed.quadratic, {}, study, "quadratic_rms", "quadratic", "quadratic_phase",
+        closed.quadratic, {}, study, "quadratic_rms", "quadratic", QUADRATIC,
         f"Before autofocus, without the along-track quadratic phase, which has a check of its own. Formulas [S-5], "
         f"[S-7], {NAMES['9']} [P-5]. {_chosen(budget)}",
     )  # fmt: skip
@@ -234,7 +235,7 @@ def arw_winner_chart(budget: Budget) -> MapChart:
 def _winner_chart(
     budget: Budget, drawn: DesignMap, key: str, title: str, y_label: str, scale: float, catalogue: str, source: str
 ) -> MapChart:
-    confidence, limit = decisive(budget.design, "detrended_phase")
+    confidence, limit = decisive(budget.design, DETRENDED)
     x, y, phase = drawn.aperture_time, drawn.other * scale, confidence * drawn.phase
     at = "" if confidence == 1 else f" at {confidence:g}σ"
     line = np.full((1, 2), np.nan)

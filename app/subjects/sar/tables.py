@@ -15,6 +15,7 @@ from app.document.numbers import NONE, hundredths, margin_in_sentence, number
 from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
+from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
@@ -58,7 +59,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     assert whole is not None  # the formula that is chosen has one
     source = "formula" if study is None else f"{study.runs} runs"
     # All at the confidence of the check that decides.
-    confidence, _ = decisive(budget.design, "detrended_phase")
+    confidence, _ = decisive(budget.design, DETRENDED)
 
     def phase(sigma: float) -> str:
         return f"{_degrees(confidence * sigma, budget)}°"
@@ -71,7 +72,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
     if budget.verdict.processing == REAL_TIME and smoothed is not None:
         sentences.append(f"{NAMES['9']}, post-processed: {phase(smoothed)} by formula.")
     word, tone = f"Use {NAMES[key]}", "open"
-    checks = (check for check in budget.verdict.checks if check.on == "detrended_phase")
+    checks = (check for check in budget.verdict.checks if check.on == DETRENDED)
     check = min(checks, key=lambda check: check.margin, default=None)
     if check is not None:
         words = check_words(budget.design, check)
@@ -119,7 +120,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
     """One row per strategy: closed form and runs, along the line of sight of mid-aperture and with the along-track
     part; all at the confidence of the limit."""
     rows = []
-    confidence, _ = decisive(budget.design, "detrended_phase")
+    confidence, _ = decisive(budget.design, DETRENDED)
     for index, strategy in shown_strategies(budget):
         form, whole = closed.detrended.get(strategy.key), closed.whole.get(strategy.key)
         cells = [NONE, NONE] if form is None else [_number(confidence * scale * form) for scale in _scales(budget)]
@@ -131,7 +132,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
             millimetres, degrees = (confidence * scale for scale in _scales(study.budget))
             cells += [_number(scale * float(study.residuals[index])) for scale in (millimetres, degrees)]
             band = study.parts["residual_rms"]
-            whole_band = Band(*(study.composed("detrended_phase", x) for x in (band.median, band.low, band.high)))
+            whole_band = Band(*(study.composed(DETRENDED, x) for x in (band.median, band.low, band.high)))
             cells += [_banded(whole_band, index, degrees)]
             wholes += [_number(degrees * float(study.whole_residuals[index]))]
         cells += wholes
