@@ -173,6 +173,37 @@ def test_a_plan_that_closes_needs_nothing_and_a_line_can_be_asked_for_alone() ->
         assert refused.value.key == key
 
 
+def test_an_acceleration_shows_the_heading_where_velocity_fixes_do() -> None:
+    """By sigma_v/dV: 0.01 m/s over a change of 9 m/s is 0.06 degrees for one fix, and less for several."""
+    changes = {"gnss.velocity_noise": 0.01, "requirements.heading": 0.08 * DEGREE, "trajectory.lines": 1.0}
+    design = PLAN.replace(changes)
+    fine = manoeuvres(design)
+    option = named(fine, "Acceleration by 10% and back")
+    assert (option.closes, option.where) == (True, "before line 1")
+    # Both changes at 1 m/s² and the time between take the place of the usual run-in of 15 s.
+    assert 2 * 1.875 * 9.0 < option.costs_s + 15.0 < 2 * 1.875 * 9.0 + 15.0
+    assert option.costs_s < 0.5 * named(fine, "90° turn").costs_s
+    after = taken(design, option)
+    assert [row[4] for row in after.trajectory.waypoints] == [None, pytest.approx(99.0), None, None]
+    assert flown(after).closes
+    coarse = manoeuvres(design.replace({"gnss.velocity_noise": 0.5, "requirements.heading": 0.06 * DEGREE}))
+    assert not named(coarse, "Acceleration by 40% and back").closes
+
+
+def test_a_recorded_flight_is_answered_with_aids_and_imus_along_it_and_why_not_with_a_manoeuvre(
+    answer: Manoeuvres,
+) -> None:
+    recorded = manoeuvres(PLAN.replace({"trajectory.flight": "straight"}), flight=planned(PLAN))
+    assert (answer.note, recorded.note[:40]) == ("", "No manoeuvre is among the options, as th")
+    assert recorded.lines == answer.lines
+    assert {option.kind for option in recorded.options} == {"aid", "imu"}
+    for option in recorded.options:
+        assert option.figures == named(answer, option.name).figures
+        assert "trajectory.waypoints" not in option.changes
+    alone = manoeuvres(PLAN.replace({"trajectory.flight": "straight"}))
+    assert (alone.line, alone.note) == ("flight", recorded.note)
+
+
 def test_an_outage_stays_where_it_is_on_the_line() -> None:
     start = planned(PLAN).lines[1].start
     design = PLAN.replace({"trajectory.outages": ((10.0, 12.0), (start + 20.0, start + 40.0))})

@@ -1,5 +1,8 @@
 """What would close a flight, on the page and in the report: options with a button, taken and undone."""
 
+import math
+from pathlib import Path
+
 import pytest
 from pages import at_once, when_done
 
@@ -64,6 +67,29 @@ def test_an_option_that_is_pressed_turns_the_verdict_and_is_undone(session: Sess
     page.follow()
     assert session.design == planned
     assert "before the last change" not in page._head.object
+
+
+def test_the_options_of_a_file_are_of_what_is_flown_there(session: Session, tmp_path: Path) -> None:
+    """A track that was recorded on the plan's line: at no time would a turn have been in front of it."""
+    track = "time,latitude,longitude,height\n" + "".join(
+        f"{t},{math.degrees(0.8) + t * math.degrees(90.0 / 6.37e6)!r},5.7,3000\n" for t in range(120)
+    )
+    (tmp_path / "a.csv").write_text(track)
+    flown = [File("a.csv", tmp_path / "a.csv")]
+    page = ManoeuvreBlock(session, lambda: (0, flown[-1]), lambda *_: None)
+    when_done(page.begin, page.run)
+    assert not page.run.message
+    assert "no waypoints" in page._head.object
+    answer = page.run.result[-1]
+    assert {option.kind for option in answer.options} == {"aid", "imu"}
+    flown.append(None)  # the plan is flown again
+    page.follow()
+    assert "before the last change" in page._head.object
+    page._take(answer.options[0].name)
+    assert session.design == failing()
+    flown.pop()
+    page._take(answer.options[0].name)
+    assert session.design != failing()
 
 
 def test_a_flight_without_a_limit_says_so(session: Session) -> None:
