@@ -12,7 +12,7 @@ from nav_model.base.units import time_in_words
 from nav_model.design.declaration import in_sentence
 from nav_model.design.trajectory import lines_in_words
 
-_SAME = 0.005
+_SAME, _NOTHING = 0.005, "the same"
 
 if TYPE_CHECKING:
     from nav_model.explore.manoeuvre import Limited, Manoeuvres, Option
@@ -40,6 +40,7 @@ def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> Table:
         decides = max(option.figures, key=lambda figure: option.figures[figure].ratio)
         value = option.figures[decides]
         sign, tone = ("✓ closes", "good") if option.closes else ("✗ fails", "bad")
+        change = _change(value, answer.figures[name])
         rows.append(
             (
                 Cell(option_label(option), value=option.name),
@@ -47,9 +48,9 @@ def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> Table:
                 FIGURES[decides].label,
                 NONE if math.isinf(value.worst) else FIGURES[decides].show(value.worst),
                 FIGURES[decides].show(value.limit, given=True),
-                _change(value, answer.figures[name]),
+                change,
                 _longer(option.costs_s),
-                _note(option),
+                _note(option, buys=not option.useless and change != _NOTHING),
             )
         )
     figure, planned = FIGURES[name], answer.figures[name]
@@ -91,11 +92,11 @@ def _longer(seconds: float) -> str:
     return f"{time_in_words(abs(seconds))} {'longer' if seconds > 0.0 else 'shorter'}"
 
 
-def _note(option: Option) -> str:
+def _note(option: Option, *, buys: bool) -> str:
     notes = []
     if option.lost_s >= 1.0:
         notes.append(f"its bank loses fixes for {time_in_words(option.lost_s)}")
-    if option.useless:
+    if not buys:
         notes.append("costs more than it buys" if option.costs_s > 0.5 else "buys nothing")
     note = ", and ".join(notes)
     return f"{note[:1].upper()}{note[1:]}"
@@ -106,4 +107,4 @@ def _change(figure: Limited, planned: Limited) -> str:
     change = figure.ratio / planned.ratio - 1.0
     if not math.isfinite(change):
         return NONE
-    return "the same" if abs(change) < _SAME else f"{percent(abs(change))} {'more' if change > 0.0 else 'less'}"
+    return _NOTHING if abs(change) < _SAME else f"{percent(abs(change))} {'more' if change > 0.0 else 'less'}"

@@ -1,6 +1,7 @@
 """What would close a flight, on the page and in the report: options with a button, taken and undone."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -143,6 +144,9 @@ def test_the_words_of_an_answer() -> None:
         "1 min 1 s longer",
         "Its bank loses fixes for 40 s, and costs more than it buys",
     ]
+    same = replace(steep, useless=False, lost_s=0.0, figures={"heading": Limited(2.999e-3, 1e-3, 2e-3)})
+    (row,) = options_table(replace(answer, options=(same,))).rows
+    assert [cell.text for cell in row][5:] == ["the same", "1 min 1 s longer", "Costs more than it buys"]
     none = Manoeuvres("line 3", ("line 3",), False, answer.figures, (steep,))
     assert options_answer(none).word == "✗ None of these closes line 3"
     assert options_answer(Manoeuvres("line 3", (), True, fig)).word == "✓ Every line keeps its limits"
