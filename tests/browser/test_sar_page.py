@@ -54,7 +54,7 @@ def test_what_decides_is_on_one_screen_and_runs_go_stale_with_the_design(visit: 
     expect(answer).to_contain_text("The runs belong to an earlier design. Run again.")
     expect(answer).not_to_have_text(said)
     page.get_by_role("combobox", name="Runs").click()
-    page.get_by_text("1000", exact=True).click()
+    page.get_by_role("listbox", name="Runs").get_by_text("1000", exact=True).click()
     page.get_by_role("button", name="Run the strategies").click()
     expect(page.get_by_text("of 1000 runs, about")).to_be_visible()
     page.get_by_role("button", name="Cancel").first.click()

@@ -133,7 +133,7 @@ class Timelines:
             min_border_left=_LEFT,
             min_border_right=_RIGHT,
             min_border_top=18 * _rows(chart),  # the read-out
-            min_border_bottom=0 if last else 10,  # half a label, or the rest of a name longer than its axis
+            min_border_bottom=0 if last else 12,  # half a label, or the rest of a name longer than its axis
         )
         plot.toolbar.autohide = True
         plot.xaxis.visible = last
