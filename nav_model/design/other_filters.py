@@ -54,12 +54,8 @@ def _noises(design: Design) -> tuple[_Noise, _Noise]:
 
 
 def _head(*noises: _Noise) -> str:
-    given = all(noise.bias for noise in noises)
-    return (
-        _HEAD
-        if given
-        else f"{_HEAD}# A bias of zero is the design's; enter the in-run bias where the filter needs one.\n"
-    )
+    zero = "# A bias of zero is the design's; enter the in-run bias where the filter needs one.\n"
+    return _HEAD if all(noise.bias for noise in noises) else _HEAD + zero
 
 
 def _kalibr(design: Design) -> str:

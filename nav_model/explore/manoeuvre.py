@@ -179,11 +179,13 @@ def manoeuvres(
     if not chosen:
         known = ", ".join(dict.fromkeys(result.name for result in lines))
         raise InputError("line", f"the flight has no line {line!r}; its lines: {known}", line)
-    if not any(result.limits for result in chosen):
-        raise InputError("requirements", "none limits a figure of the flight; give at least one, such as heading")
     names = tuple(dict.fromkeys(result.name for result in chosen if not result.closes))
+    figures = _figures(lines, names or [result.name for result in chosen])
+    if not figures:
+        where = lines_in_words(names) if any(result.limits for result in chosen) else "the flight"
+        raise InputError("requirements", f"none limits a figure of {where}; give at least one, such as heading")
     if not names:
-        return Manoeuvres(chosen[0].name, (), True, _figures(lines, [result.name for result in chosen]))
+        return Manoeuvres(chosen[0].name, (), True, figures)
     question = _Question(plan, states, lines, names, set())
     kinds: list[Iterable[_Candidate]] = [] if note else [*_manoeuvres(question)]
     kinds += _equipment(design)
@@ -198,7 +200,7 @@ def manoeuvres(
     if options and options[0].closes and options[0].where.startswith(_BEFORE):
         progress(1.0 - 0.5 / (len(kinds) + 2), f"{options[0].name}: how long before the line ends")
         options[0] = replace(options[0], before_s=_latest(question, options[0]))
-    return Manoeuvres(names[0], names, False, _figures(lines, names), tuple(options), note)
+    return Manoeuvres(names[0], names, False, figures, tuple(options), note)
 
 
 def _latest(question: _Question, option: Option) -> float:
@@ -283,7 +285,7 @@ def _figures(lines: Iterable[LineResult], names: Iterable[str]) -> Mapping[str, 
 
 
 def _excess(figures: Mapping[str, Limited]) -> float:
-    return max(figure.ratio for figure in figures.values())
+    return max((figure.ratio for figure in figures.values()), default=math.inf)
 
 
 def _manoeuvres(question: _Question) -> Iterator[Iterable[_Candidate]]:

@@ -10,11 +10,12 @@ from scipy.stats import chi2
 from nav_model.base.constants import DEGREE
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.trajectory import LIMITED
 from nav_model.explore.manoeuvre import Manoeuvres, Option, manoeuvres
 from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.single_run import fly as simulate
 from nav_model.trajectory.covariance import covariance
-from nav_model.trajectory.design_study import along_flight, planned
+from nav_model.trajectory.design_study import along_flight, lines_of, planned, rows_of
 from nav_model.trajectory.plan import Plan, Waypoint, before_line, fly, in_parts
 from nav_model.trajectory.result import TrajectoryResult
 
@@ -202,6 +203,22 @@ def test_a_recorded_flight_is_answered_with_aids_and_imus_along_it_and_why_not_w
         assert "trajectory.waypoints" not in option.changes
     alone = manoeuvres(PLAN.replace({"trajectory.flight": "straight"}))
     assert (alone.line, alone.note) == ("flight", recorded.note)
+
+
+def test_a_line_that_fails_without_a_limit_is_named() -> None:
+    """Too short for an aperture, beside a line that has the only limit and keeps it."""
+    rows = [list(row) for row in rows_of(lines_of(PLAN).waypoints)]
+    rows[3][:2] = [rows[2][axis] + 0.02 * (rows[3][axis] - rows[2][axis]) for axis in (0, 1)]
+    limit = tuple(1.0 if name == "heading" else None for name in LIMITED)
+    design = PLAN.replace(
+        {
+            "requirements.heading": None, "trajectory.flight": "waypoints",
+            "trajectory.waypoints": tuple(map(tuple, rows)), "trajectory.limits": (("line 1", *limit),),
+        }
+    )  # fmt: skip
+    assert [(line.closes, bool(line.limits)) for line in flown(design).lines] == [(True, True), (False, False)]
+    with pytest.raises(InputError, match="none limits a figure of line 2; give"):
+        manoeuvres(design)
 
 
 def test_an_outage_stays_where_it_is_on_the_line() -> None:
