@@ -74,7 +74,7 @@ test: .venv/.test system
 
 # A minute at most, for while one works: lint and what is quick of the tests without a browser.
 check: .venv/.test
-	+$(BESIDE) lint tests KIND="-m 'not slow and not long' --ignore tests/browser"
+	+$(BESIDE) lint tests KIND="--skip-unchanged -m 'not slow and not long' --ignore tests/browser"
 
 # What is too long for every time: many runs, the longer ways through the browser, and what `make test` leaves out while
 # the files that it watches stay as they are.

@@ -1,7 +1,7 @@
 """One BLAS thread: the matrices here are small, and the test workers already take every core.
 
 And the record of what results were compared with: `make validation` writes it, the Theory page shows it. And which
-tests are run, in which order: the longest file first, and none that is marked `watches` and passed on the same files.
+tests are run, in which order: the longest file first, and none that says which files it watches and passed on them.
 """
 
 import asyncio
@@ -13,6 +13,7 @@ import hashlib
 import importlib.metadata
 import json
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -36,6 +37,8 @@ providers._get_local_constants = providers.Constants
 ROOT = Path(__file__).parents[1]
 RECORD = ROOT / "app" / "subjects" / "theory" / "validation.json"
 DURATIONS = ROOT / "tests" / "durations.json"
+MODEL_TESTS = ROOT / "tests" / "nav_model"
+MODEL = ("nav_model", "examples", "docs", "app/subjects/theory")  # the last has the record of comparisons
 _rows = {}
 _differences = {}
 _seconds = collections.Counter()  # by file
@@ -64,8 +67,8 @@ def pytest_collection_modifyitems(config, items):
     passed = config.cache.get("watched/passed", {}) if config.getoption("--skip-unchanged") else {}
     unchanged = []
     for item in items:
-        if marker := item.get_closest_marker("watches"):
-            digest = _digest(item.path, marker.args)
+        if watched := _watched(item):
+            digest = _digest(item.path, watched)
             item.user_properties.append(("watched", digest))
             if passed.get(item.nodeid) == digest:
                 unchanged.append(item)
@@ -81,17 +84,36 @@ def pytest_collection_modifyitems(config, items):
         items[:] = recording
 
 
+def _watched(item):
+    """What a test says that it watches; of one in tests/nav_model that does not import the app, the model."""
+    if marker := item.get_closest_marker("watches"):
+        return marker.args
+    model_only = item.path.is_relative_to(MODEL_TESTS) and not _imports_app(item.path)
+    return MODEL if model_only else ()
+
+
+@functools.cache
+def _imports_app(test):
+    return re.search(r"^\s*(from|import) app\b", test.read_text(), re.MULTILINE) is not None
+
+
 @functools.cache
 def _digest(test, watched):
     """Of all that a test watches: the files named, its own, what tests share, and every version installed."""
     paths = [ROOT / name for name in (*watched, "requirements", "tests/conftest.py", "tests/support")]
-    paths += [test, test.with_name("conftest.py")]
-    files = {file for path in paths for file in (path.rglob("*") if path.is_dir() else [path])}
     assert all(path.exists() for path in paths[: len(watched)]), f"{test}: nothing to watch in {watched}"
-    digest = hashlib.sha256()
-    for file in sorted(file for file in files if file.is_file() and file.suffix != ".pyc"):
-        digest.update(f"{file.relative_to(ROOT)} {hashlib.sha256(file.read_bytes()).hexdigest()}\n".encode())
-    return digest.hexdigest()
+    conftests = [folder / "conftest.py" for folder in test.parents if folder.is_relative_to(ROOT / "tests")]
+    return hashlib.sha256("".join(map(_contents, [*paths, test, *conftests])).encode()).hexdigest()
+
+
+@functools.cache
+def _contents(path):
+    files = sorted(file for file in (path.rglob("*") if path.is_dir() else [path]) if file.is_file())
+    return "".join(
+        f"{file.relative_to(ROOT)} {hashlib.sha256(file.read_bytes()).hexdigest()}\n"
+        for file in files
+        if file.suffix != ".pyc"
+    )
 
 
 def _file_of(nodeid):

@@ -37,7 +37,6 @@ from nav_model.sar.design_case import conditions, judged
 from nav_model.sar.design_study import closed_forms
 from nav_model.sar.winners import map_of_winners
 
-COUNT = 100
 REVIEWED = 6  # of the designs that are in a library too
 
 
@@ -111,11 +110,13 @@ def some_entries(random: np.random.Generator) -> UserEntries:
     return read_entries({"contributors": contributors, "limits": limits})
 
 
-@pytest.mark.long
-def test_pages_report_and_command_give_one_verdict() -> None:
+@pytest.mark.parametrize(
+    "count", [pytest.param(25, marks=pytest.mark.long), pytest.param(100, marks=pytest.mark.slow)]
+)
+def test_pages_report_and_command_give_one_verdict(count: int) -> None:
     random = np.random.default_rng(28)
     seen = {True: 0, False: 0}
-    for _ in range(COUNT):
+    for _ in range(count):
         design = some_design(random)
         budget = analyse(design)
         verdict, lines = budget.verdict, check_lines("d", budget)
@@ -158,12 +159,10 @@ def test_pages_report_and_command_give_one_verdict() -> None:
         if judged(design) == closed.advice.strategy:
             meets = re.search(r"(meets|misses) the limit", closed.advice.would_change)
             assert (meets[1] == "meets") is check.met is all(each.met for each in phases)
-    assert min(seen.values()) > COUNT
+    assert min(seen.values()) > count
 
 
-@pytest.mark.parametrize(
-    "count", [pytest.param(10, marks=pytest.mark.long), pytest.param(25, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("count", [pytest.param(3, marks=pytest.mark.long), pytest.param(25, marks=pytest.mark.slow)])
 def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: Path, count: int) -> None:
     """With the values of the budget, and a value of every sheet at once within every limit that one of them keeps."""
     random = np.random.default_rng(281)

@@ -65,7 +65,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 @pytest.fixture(scope="session")
 def _opener(browser: Browser, server: str) -> Iterator[Page]:
     """Opens the windows of all tests: of one process, they have the product's script loaded and compiled once."""
-    page = browser.new_context().new_page()
+    page = browser.new_context(reduced_motion="reduce").new_page()  # a bar that runs is drawn anew in every frame
     page.context.set_default_timeout(_MS)  # whatever is waited for is waited for patiently
     page.goto(server + "/favicon.ico")
     yield page

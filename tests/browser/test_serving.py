@@ -181,8 +181,9 @@ def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_
             expect(box).to_have_value(f"{text} °/√h")
             # What a page sends is heard of while it is asked something.
             until(lambda text=text: page.title() and _noises(told)[-1:] == [text], "word of the newest place")
+            if not key:  # a press that comes much later begins a comparison of its own
+                expect(page.get_by_text("Compared with: Angle random walk 0.15")).to_be_visible()
         assert len(_noises(told)) < 15, "places between are not told one by one"
-        expect(page.get_by_text("Compared with: Angle random walk 0.15")).to_be_visible()
         expect(box).to_have_value("0.57 °/√h")
 
 
