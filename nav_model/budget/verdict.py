@@ -151,6 +151,13 @@ def lowest_limit(design: Design, figure: str) -> Required | None:
     return min(given, key=lambda each: each.at_one_sigma, default=None)
 
 
+def decisive(design: Design, figure: str) -> tuple[float, float | None]:
+    """The confidence at which a figure is told where it is compared, and the limit on it [SI]: those of the lowest
+    limit, else that of the requirements and None."""
+    lowest = lowest_limit(design, figure)
+    return (confidence_of(design, figure), None) if lowest is None else (lowest.confidence or 1.0, lowest.limit)
+
+
 def _factor(figure: str, confidence: float) -> float | None:
     return confidence if FIGURES[figure].scaled else None
 

@@ -1,5 +1,6 @@
 """A map of any figure over any two inputs: thousands of designs in one evaluation."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -10,7 +11,7 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
-from nav_model.budget.verdict import confidence_of
+from nav_model.budget.verdict import decisive
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
 from nav_model.design.figures import OF_BUDGET
@@ -110,7 +111,8 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     count = size or SIZE
     x, y = axis(design, x_key, count), axis(design, y_key, count)
     z = np.broadcast_to(_value(design, {x_key: x[None, :], y_key: y[:, None]}, result), (count, count))
-    limit = 1.0 if result == ALL else limits(design).get(result, np.nan) * confidence_of(design, result)
+    allowed = 1.0 if result == ALL else decisive(design, result)[1]
+    limit = math.nan if allowed is None else allowed
     return TradeMap(x_key, y_key, result, x, y, z, limit, _points(design, x_key, y_key, result, limit))
 
 
@@ -129,7 +131,7 @@ def closing_pairs(design: Design, keys: Sequence[str], size: int = 3) -> tuple[t
 def _value(design: Design, changes: dict[str, Array], result: str) -> Array:
     if result == ALL:
         return worst(ratios(design, changes))
-    return confidence_of(design, result) * figures(inputs_of(design, changes), (result,))[result]
+    return decisive(design, result)[0] * figures(inputs_of(design, changes), (result,))[result]
 
 
 def _here(design: Design, key: str) -> float:

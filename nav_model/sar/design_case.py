@@ -14,7 +14,6 @@ from nav_model.budget import smoothed as post_processed
 from nav_model.budget.fast import not_flown
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime
-from nav_model.budget.verdict import lowest_limit
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.axis_model import AxisModel
@@ -171,15 +170,6 @@ def judged(design: Design) -> str:
     if design.processing.mode == POST_PROCESSED:
         return "9"
     return "3" if design.coast.before_aperture > 0 else "2"
-
-
-def decisive(design: Design, figure: str) -> tuple[float, float | None]:
-    """The confidence at which a phase of the strategies is told, and the limit on it [rad]: those of the lowest
-    limit, else those of the requirements and None."""
-    lowest = lowest_limit(design, figure)
-    if lowest is None:
-        return design.requirements.confidence, None
-    return lowest.confidence or 1.0, lowest.limit
 
 
 def study_cautions(budget: Budget) -> tuple[str, ...]:

@@ -19,12 +19,13 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.contributors import with_contributors
+from nav_model.budget.verdict import decisive
 from nav_model.design import Design
 from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.advice import LEFT, Advice, advise, spread_of
 from nav_model.sar.decomposition import Band, autofocus, band
-from nav_model.sar.design_case import DesignCase, Engine, conditions, decisive, design_case
+from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case
 from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy, StrategyErrors, Tuning

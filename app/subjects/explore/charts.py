@@ -10,7 +10,7 @@ from app.charts.region import contour
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
-from nav_model.budget.verdict import confidence_of
+from nav_model.budget.verdict import decisive
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
@@ -79,7 +79,7 @@ def sweep_chart(
     axes = [axis.key for axis in plan.axes]
     lengths = [len(axis.values) for axis in plan.axes]
     result = ALL if limits(design) else plan.results[0]
-    ratio = sweep_ratios(columns) if result == ALL else sweep_sigma(columns, result) * design.requirements.confidence
+    ratio = sweep_ratios(columns) if result == ALL else decisive(design, result)[0] * sweep_sigma(columns, result)
     others = tuple(i for i, key in enumerate(axes) if key not in keys)
     best = np.min(ratio.reshape(lengths), axis=others)
     values = [np.array(plan.axes[axes.index(key)].values, float) for key in keys]
@@ -88,7 +88,7 @@ def sweep_chart(
     knowledge = f"The sweep's {plan.rows} designs through the formulas of the budget.{of_rest}"
     if len(keys) == 2:
         z = best.T if axes.index(keys[0]) < axes.index(keys[1]) else best
-        limit = 1.0 if result == ALL else limits(design).get(result, math.nan) * design.requirements.confidence
+        limit = 1.0 if result == ALL else math.nan
         trade = TradeMap(keys[0], keys[1], result, values[0], values[1], z, limit, ())
         return chart_of(design, trade, "sweep-map", knowledge, *spaced)
     factor, label = _scale(design, keys[0])
@@ -137,7 +137,7 @@ def chart_of(design: Design, trade: TradeMap, key: str, knowledge: str, x_log: b
     reference = "the limit" if limited else "this design's value"
     level = trade.limit
     if not limited:
-        level = float(confidence_of(design, result) * figures(inputs_of(design), (result,))[result])
+        level = float(decisive(design, result)[0] * figures(inputs_of(design), (result,))[result])
     ratio = trade.z / level
     (x_factor, x_label), (y_factor, y_label) = _scale(design, trade.x_key), _scale(design, trade.y_key)
     x, y = trade.x / x_factor, trade.y / y_factor

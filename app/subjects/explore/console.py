@@ -11,7 +11,7 @@ from app.console.arguments import put_json
 from app.console.progress import show_progress
 from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
-from nav_model.budget.verdict import judged_elsewhere
+from nav_model.budget.verdict import decisive, judged_elsewhere
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, Kind, catalogue
 from nav_model.design.figures import FIGURES
@@ -86,6 +86,7 @@ def mapped(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
         "x": {"input": trade.x_key, "values": trade.x.tolist()},
         "y": {"input": trade.y_key, "values": trade.y.tolist()},
         "result": trade.result,
+        "confidence": 1.0 if trade.result == ALL else decisive(design, trade.result)[0],
         "limit": _finite(trade.limit),
         "values": [[_finite(value) for value in row] for row in trade.z.tolist()],
         "catalogue": [

@@ -26,6 +26,7 @@ from app.ui.theme import ON_A_PHONE
 from nav_model.budget import Budget
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.verdict import decisive
 from nav_model.design.figures import FIGURES
 from nav_model.design.parts import quantity
 from nav_model.explore.margins import ALL, label_of, limits
@@ -100,7 +101,7 @@ class MapPanel(Question):
         if self.result == ALL:
             return 1 - min(check.margin for check in budget.verdict.checks)
         sigma = figures(inputs_of(budget.design), (self.result,))[self.result]
-        return float(budget.design.requirements.confidence * sigma) / chart.level
+        return float(decisive(budget.design, self.result)[0] * sigma) / chart.level
 
     def _tapped(self, event: Any) -> None:
         chart = self._chart

@@ -14,10 +14,10 @@ from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
+from nav_model.budget.verdict import decisive
 from nav_model.design.figures import DETRENDED, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import LEFT
-from nav_model.sar.design_case import decisive
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.pictures import Pictures

@@ -15,12 +15,13 @@ from app.document.numbers import NONE, hundredths, margin_in_sentence, number
 from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
+from nav_model.budget.verdict import decisive
 from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import Band
-from nav_model.sar.design_case import decisive, flight_cautions, judged, study_cautions
+from nav_model.sar.design_case import flight_cautions, judged, study_cautions
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy
 

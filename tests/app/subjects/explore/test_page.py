@@ -34,6 +34,7 @@ from nav_model.design.presets import preset_fill
 from nav_model.design.user_entries import read_entries
 from nav_model.explore.search import OWN_GNSS
 from nav_model.explore.sweep import sweep_ratios, to_csv, to_parquet
+from nav_model.explore.trade_map import trade_map
 from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 
 pytestmark = pytest.mark.long
@@ -484,3 +485,19 @@ def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named
     assert "No two of these inputs together close it either. Lever arm alone: 46.1° of 20" in said
     assert "Trade-off map" not in said
     assert "½ × lever arm" in explore.question._ranking.object
+
+
+def test_the_map_of_each_figure_says_what_the_budget_says_at_its_confidence_and_lowest_limit() -> None:
+    own = {"name": "own", "on": "detrended_phase", "limit": "9°", "confidence": 3}
+    limits = {"ce90": 3.0, "detrended_phase": 1.0, "horizontal_position": 1.0, "le90": 1e-3}
+    changes = {"requirements.confidence": 2.0} | {f"requirements.{name}": limit for name, limit in limits.items()}
+    design = first_design().replace(changes, entries=read_entries({"limits": [own]}))
+    explore, verdict = ExplorePage(Session(design)), analyse(design).verdict
+    view = _ask(explore, "Trade-off map")
+    for name in limits:
+        check = min((check for check in verdict.checks if check.on == name), key=lambda check: check.margin)
+        view.result = name
+        assert view._value(analyse(design), view._now()) == pytest.approx(1 - check.margin, rel=1e-9), name
+        assert view.answer.word == ("✓ Within the limit" if check.met else "✗ Over the limit")
+        trade = trade_map(design, view.x, view.y, name, 2)
+        assert trade.limit == pytest.approx(check.limit, rel=1e-12)
