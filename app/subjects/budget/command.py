@@ -175,6 +175,9 @@ def _locks(texts: list[str]) -> dict[str, str]:
     return locks
 
 
+_OF_TABLE = "IMU and receiver alone, without the design's contributors; 1 sigma per axis"
+
+
 def _table(options: argparse.Namespace) -> int:
     (path,) = paths_of(options)
     design = read_design(path, options.changes)
@@ -191,7 +194,7 @@ def _table(options: argparse.Namespace) -> int:
     if options.csv:
         sys.stdout.write(csv_of(rows))
         return 0
-    return put_json(lambda: {"imu": options.imu or design.imu.preset, "rows": rows})
+    return put_json(lambda: {"imu": options.imu or design.imu.preset, "of": _OF_TABLE, "rows": rows})
 
 
 def _export(options: argparse.Namespace) -> int:

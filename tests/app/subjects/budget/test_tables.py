@@ -354,7 +354,9 @@ def test_post_processed_curves_bridge_the_outage() -> None:
 
 def test_vendor_table_on_page_report_and_console_is_one(capsys):
     design = example("mems_x_band")
-    rows = told(capsys, "table", MEMS, "--imu", "ADIS16495-1")["rows"]
+    told_table = told(capsys, "table", MEMS, "--imu", "ADIS16495-1")
+    rows = told_table["rows"]
+    assert "without the design's contributors" in told_table["of"]
     block = vendor_block(design, "d", "ADIS16495-1")
     assert [row[1].text for row in block.rows] == [row["processing"] for row in rows]
     assert block.rows[2][2].text == show(rows[2]["horizontal_position_sigma_m"], "length")
