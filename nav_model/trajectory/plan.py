@@ -382,17 +382,17 @@ def _flown(
     before, time = np.array([(turn.before, turn.time) for turn in turns]).T
     needed = before[:-1] + before[1:]
     # On the straight part a leg changes from the speed of the turn before it to its own, and then to the next turn's.
-    own = np.array([plan.speed_from(n) for n in range(len(legs))])
+    cruise = np.array([plan.speed_from(n) for n in range(len(legs))])
     passing = np.array([_speed_at(plan, n) for n in range(len(legs) + 1)])
-    early, late = _change(passing[:-1], own, plan.acceleration), _change(own, passing[1:], plan.acceleration)
-    changing = 0.5 * ((passing[:-1] + own) * early + (own + passing[1:]) * late)
-    steady = (legs - needed - changing) / own
+    early, late = _change(passing[:-1], cruise, plan.acceleration), _change(cruise, passing[1:], plan.acceleration)
+    changing = 0.5 * ((passing[:-1] + cruise) * early + (cruise + passing[1:]) * late)
+    steady = (legs - needed - changing) / cruise
     straight = early + steady + late
     stops = np.cumsum(straight + time[:-1])
     starts, ramps = stops - straight, np.minimum(6.0, straight / 3.0)
     rises = np.diff([point.height for point in plan.waypoints])
     for n, point in enumerate(plan.waypoints[:-1]):
-        problem, steepest = f"the leg from {_named(numbers[n], point)}", min(plan.climb_rate, own[n])
+        problem, steepest = f"the leg from {_named(numbers[n], point)}", min(plan.climb_rate, cruise[n])
         if steady[n] < 0.0:
             problem += f" is {legs[n]:.0f} m long, and its turns need {needed[n]:.0f} m"
             named = "; remove its name to let the turn swing out" if point.line else ""
@@ -413,8 +413,8 @@ def _flown(
         if rise:
             climb += rise_and_fall(t - start, time_of_leg - ramp, ramp) * rise / (time_of_leg - ramp)
     for begin, length, by in (
-        *zip(starts, early, own - passing[:-1], strict=True),
-        *zip(stops - late, late, passing[1:] - own, strict=True),
+        *zip(starts, early, cruise - passing[:-1], strict=True),
+        *zip(stops - late, late, passing[1:] - cruise, strict=True),
     ):
         if by:
             speed += by * smooth_step((t - begin) / length)
