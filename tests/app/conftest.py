@@ -68,10 +68,10 @@ def charts_drawn_once(_drawn: dict[bytes, str]) -> Iterator[None]:
     out the same each time is held in charts/."""
 
     def once(chart: Any) -> str:
-        shown = pickle.dumps(chart)
-        if shown not in _drawn:
-            _drawn[shown] = to_svg(chart)
-        return _drawn[shown]
+        key = pickle.dumps(chart)
+        if key not in _drawn:
+            _drawn[key] = to_svg(chart)
+        return _drawn[key]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pdf, "to_svg", once)

@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
-from commanded import told
+from commanded import reply
 from known_designs import L_BAND, MEMS, ROOT, TACTICAL
 
 import app.__main__
@@ -118,7 +118,7 @@ def test_check_exit_codes(capsys, designs, code):
 def test_presets(capsys, kind, names):
     assert main(["presets", kind]) == 0
     text = capsys.readouterr().out
-    plain = told(capsys, "presets", kind, "--json")
+    plain = reply(capsys, "presets", kind, "--json")
     for name in names:
         assert f"\n{name}" in f"\n{text}"
         assert name in plain

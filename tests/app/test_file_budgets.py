@@ -66,7 +66,7 @@ print(held("VmHWM") - before, said)
 
 
 @pytest.mark.parametrize(
-    ("kind", "content", "most", "said"),
+    ("kind", "content", "most", "message"),
     [
         ("log", "b'1,' * 14_000_000", 100, "longer than 100000 characters"),
         ("log", "(b'1,' * 99 + b'1\\n') * 145_000", 250, "No header names its 100 columns"),
@@ -88,8 +88,8 @@ print(held("VmHWM") - before, said)
          "has more than 100000 parts"),
     ],
 )  # fmt: skip
-def test_a_file_takes_no_more_than_its_kind_may(kind: str, content: str, most: float, said: str) -> None:
+def test_a_file_takes_no_more_than_its_kind_may(kind: str, content: str, most: float, message: str) -> None:
     done = subprocess.run([sys.executable, "-c", _READ, kind, content], capture_output=True, text=True, check=True)
     memory, text = done.stdout.split(" ", 1)
-    assert said in text
+    assert message in text
     assert float(memory) < most

@@ -130,11 +130,11 @@ def test_pages_report_and_command_give_one_verdict(count: int) -> None:
         tiles = {tile.label: tile for tile in key_figures(budget).items}
         assert {label for label, tile in tiles.items() if tile.met is not None} <= {c.label for c in verdict.checks}
         explored = ratios(design)
-        for check, told, row, line in zip(verdict.checks, document["requirements"], table.rows, lines, strict=False):
+        for check, entry, row, line in zip(verdict.checks, document["requirements"], table.rows, lines, strict=False):
             words = check_words(design, check)
             assert check.met is (check.value <= check.limit)
             seen[check.met] += 1
-            assert (told["name"], told["met"], told["margin"]) == (check.name, check.met, check.margin)
+            assert (entry["name"], entry["met"], entry["margin"]) == (check.name, check.met, check.margin)
             texts = [cell.text for cell in row]
             assert texts[1:5] == [words.value, words.limit, words.margin, "✓ met" if check.met else "✗ not met"]
             assert line.startswith(f"  {'met    ' if check.met else 'NOT MET'} {check.label} ")
@@ -147,11 +147,11 @@ def test_pages_report_and_command_give_one_verdict(count: int) -> None:
         phases = [check for check in verdict.checks if check.on == "detrended_phase"]
         check = min(phases, key=lambda check: check.margin)
         closed = closed_forms(budget)
-        said, _ = answer(budget, closed, None)
+        answer_block, _ = answer(budget, closed, None)
         words = check_words(design, check)
-        assert said.tone == ("good" if check.met else "bad")
-        assert f"{words.value}, limit {words.limit}" in said.sentences[0]
-        assert f", {margin_in_sentence(check.margin)}." in said.sentences[0]
+        assert answer_block.tone == ("good" if check.met else "bad")
+        assert f"{words.value}, limit {words.limit}" in answer_block.sentences[0]
+        assert f", {margin_in_sentence(check.margin)}." in answer_block.sentences[0]
         phase = 4 * math.pi / budget.sar.wavelength * check.confidence
         assert phase * closed.detrended[judged(design)] == pytest.approx(check.value, rel=1e-9)
         drawn = map_of_winners(conditions(budget))
@@ -187,11 +187,11 @@ def test_workbook_comparison_sheets_and_review_give_the_same_verdict(tmp_path: P
                 )
                 assert rows[check.label][7].value == ("met" if check.met else "not met")
         _, figures, _ = difference_tables([budget, analyse(design.replace({"name": "B"}))], ["A", "B"], ONE_SIGMA)
-        shown = {row[0].text: row[1].text for row in figures.rows}
+        values = {row[0].text: row[1].text for row in figures.rows}
         prior = analyse(design.replace({"requirements.steady_state": "prior"}))
         for name in REQUIRED:
             sigma, unit = prior.figure(name).sigma, limit_on(name).unit
-            assert shown[FIGURES[name].label] == show_in(sigma, unit, FIGURES[name].dimension)
+            assert values[FIGURES[name].label] == show_in(sigma, unit, FIGURES[name].dimension)
         try:
             lines = [line for unit in ("imu", "gnss") for line in required(design, unit)]
         except InputError:

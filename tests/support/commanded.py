@@ -8,7 +8,7 @@ import pytest
 from app.cli import main
 
 
-def told(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 0) -> Any:
+def reply(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 0) -> Any:
     """The JSON that a command writes to standard output; fails if it ends with another code."""
     assert main(list(arguments)) == code
     return json.loads(capsys.readouterr().out)

@@ -26,10 +26,10 @@ def _look(target: Path) -> None:
 
 
 if __name__ == "__main__":
-    *arguments, told = sys.argv[1:]
+    *arguments, log = sys.argv[1:]
 
     def asked(*_: Any) -> None:
-        _look(Path(told))
+        _look(Path(log))
 
     signal.signal(signal.SIGUSR1, asked)
     sys.exit(main(arguments))

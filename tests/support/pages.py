@@ -18,9 +18,9 @@ def when_done(do: Callable[[], Any], *runs: Any) -> None:
     """Do it within an event loop, up to the end of what it gives to wait for and of these runs."""
 
     async def to_the_end() -> None:
-        begun = do()
-        if inspect.isawaitable(begun):
-            await begun
+        result = do()
+        if inspect.isawaitable(result):
+            await result
         await soon(lambda: not any(run.running for run in runs), "the end of the runs")
 
     asyncio.run(to_the_end())

@@ -102,18 +102,18 @@ def test_lines_of_the_budgets_charts_differ_in_grey():
             names = [line.style for line in chart.lines] + (["limit"] if chart.limits else [])
             assert confused(names) == [], chart.key
             seen |= set(names)
-    told = seen.union(*TOGETHER.values()) | POINTS | {"limit", "tilt", "yaw", "turn"}
-    assert set(STYLES) <= told | {"reference", "exact", "asymptote", "quadratic", "with cubic", "mark"}
+    keys = seen.union(*TOGETHER.values()) | POINTS | {"limit", "tilt", "yaw", "turn"}
+    assert set(STYLES) <= keys | {"reference", "exact", "asymptote", "quadratic", "with cubic", "mark"}
 
 
 @pytest.mark.parametrize("eye", EYES)
 @pytest.mark.parametrize("name", STYLES)
 def test_a_line_stands_out_from_the_page(name, eye):
     """Contrast of at least 3 to white and to the dark page (WCAG 2.1, 1.4.11); nine tenths of it for other eyes."""
-    own = luminance(STYLES[name].colour, eye)
+    brightness = luminance(STYLES[name].colour, eye)
     for theme in (LIGHT, DARK):
         page = luminance(theme["palette"]["background"]["paper"], eye)
-        high, low = max(own, page), min(own, page)
+        high, low = max(brightness, page), min(brightness, page)
         assert (high + 0.05) / (low + 0.05) >= (3.0 if eye == "common" else 2.7)
 
 

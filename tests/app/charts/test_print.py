@@ -48,11 +48,11 @@ def dots(**changes) -> DotChart:
 
 def winners(**changes) -> MapChart:
     x, y = np.geomspace(1.0, 100.0, 30), np.geomspace(0.01, 1.0, 20)
-    left = np.broadcast_to(x < 10.0, (20, 30))
+    west = np.broadcast_to(x < 10.0, (20, 30))
     parts = {
         "key": "m", "title": "T", "x_label": "aperture time [s]", "y_label": "fix noise [m]",
         "value_label": "phase [°]",
-        "x": x, "y": y, "winner": np.where(left, 0, 1), "values": np.ones((20, 30)), "names": ("2 INS", "5 fit"),
+        "x": x, "y": y, "winner": np.where(west, 0, 1), "values": np.ones((20, 30)), "names": ("2 INS", "5 fit"),
         "styles": ("strategy 2", "strategy 5"),
         "points": (
             Points("catalogue", "radars", np.array([2.0, 50.0]), np.array([0.1, 0.1]), ("near", "far"), "reference"),

@@ -113,9 +113,9 @@ def test_what_points_come_from_is_text_in_their_hover():
     winners = arw_winner_chart(analyse(example("mems_x_band")))
     plots.append(to_bokeh(replace(winners, points=(replace(winners.points[0], source="<img src=x>"),)), 300).plot)
     for plot in plots:
-        said = [tool.tooltips for tool in plot.select(type=HoverTool) if "img" in str(tool.tooltips)]
-        assert len(said) == 1
-        assert "&lt;img src=x&gt;" in said[0]
+        tooltips = [tool.tooltips for tool in plot.select(type=HoverTool) if "img" in str(tool.tooltips)]
+        assert len(tooltips) == 1
+        assert "&lt;img src=x&gt;" in tooltips[0]
 
 
 def test_a_name_that_has_no_room_above_its_curve_is_below_it():

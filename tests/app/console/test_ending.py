@@ -36,12 +36,12 @@ def _run(*command: str, **options: Any) -> subprocess.Popen[str]:
 
 def _say_until_under_way(process: subprocess.Popen[str]) -> str:
     """What a command says until it has told of work that is done."""
-    said = ""
-    while not _DONE.search(said):
+    output = ""
+    while not _DONE.search(output):
         more = os.read(process.stderr.fileno(), 4096).decode()
-        assert more, said
-        said += more
-    return said
+        assert more, output
+        output += more
+    return output
 
 
 _LONG = {
@@ -80,15 +80,15 @@ def test_a_stopped_command_ends_its_workers_says_one_line_and_leaves_nothing_hal
                 process.send_signal(number)
             assert process.wait(PATIENCE) == 128 + number
             lines = (before + process.stderr.read()).splitlines()
-            said = [line for line in lines if line.startswith(("navbudget", "Traceback"))]
-            assert said == [f"navbudget: {'interrupted' if number == signal.SIGINT else 'terminated'}"]
+            messages = [line for line in lines if line.startswith(("navbudget", "Traceback"))]
+            assert messages == [f"navbudget: {'interrupted' if number == signal.SIGINT else 'terminated'}"]
         finally:
             process.kill()
     psutil.wait_procs(family, PATIENCE)
-    assert not [own for own in family if own.is_running() and own.status() != psutil.STATUS_ZOMBIE]
-    left = {path.name for path in tmp_path.rglob("*")} - {"sweep.toml"}
-    assert not {name for name in left if name.startswith("out.") and name != "out.csv.parts"}
-    assert not {name for name in left if name.endswith((".part", ".tmp"))}
+    assert not [p for p in family if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]
+    remaining = {path.name for path in tmp_path.rglob("*")} - {"sweep.toml"}
+    assert not {name for name in remaining if name.startswith("out.") and name != "out.csv.parts"}
+    assert not {name for name in remaining if name.endswith((".part", ".tmp"))}
 
 
 @pytest.mark.parametrize(
@@ -98,13 +98,13 @@ def test_a_worker_that_is_killed_ends_its_command_as_a_fault_of_the_surroundings
     (tmp_path / "sweep.toml").write_text(_SWEEP)
     with _run(*(part.format(folder=tmp_path) for part in _LONG[name][1])) as process:
         before = _say_until_under_way(process)
-        workers = [own for own in psutil.Process(process.pid).children() if "spawn_main" in " ".join(own.cmdline())]
+        workers = [p for p in psutil.Process(process.pid).children() if "spawn_main" in " ".join(p.cmdline())]
         workers[0].kill()
         assert process.wait(PATIENCE) == 3
         lines = (before + process.stderr.read()).splitlines()
     assert lines[-1] == "navbudget: something ended a worker process, perhaps a lack of memory"
     psutil.wait_procs(workers, PATIENCE)
-    assert not [own for own in workers if own.is_running() and own.status() != psutil.STATUS_ZOMBIE]
+    assert not [p for p in workers if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -126,11 +126,11 @@ def test_a_full_disk_is_a_fault_of_the_surroundings_and_a_closed_pipe_silent(com
     reading, pipe = os.pipe()
     os.close(reading)
     full = os.open("/dev/full", os.O_WRONLY)
-    for output, said in ((full, "navbudget: No space left on device\n"), (pipe, "")):
+    for output, message in ((full, "navbudget: No space left on device\n"), (pipe, "")):
         with _run(*command, stdout=output) as process:
             os.close(output)
             assert process.wait(PATIENCE) == 3
-            assert process.stderr.read() == said
+            assert process.stderr.read() == message
 
 
 @pytest.mark.parametrize("command", [f"check {MEMS} {TACTICAL}", f"evaluate {MEMS}"])
@@ -182,9 +182,9 @@ def test_a_file_is_written_also_without_a_standard_output(tmp_path: Path, comman
 
 def test_a_fault_of_our_own_is_no_verdict(capsys: pytest.CaptureFixture[str]) -> None:
     assert ending.run_to_end(lambda: 1 // 0) == 4
-    said = capsys.readouterr().err
-    assert "ZeroDivisionError" in said
-    assert "a fault in NavBudget" in said
+    errors = capsys.readouterr().err
+    assert "ZeroDivisionError" in errors
+    assert "a fault in NavBudget" in errors
 
 
 def test_what_is_around_us_has_a_code_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
@@ -195,9 +195,9 @@ def test_what_is_around_us_has_a_code_of_its_own(capsys: pytest.CaptureFixture[s
     def memory() -> int:
         raise MemoryError
 
-    for command, said in ((killed, "something ended a worker process"), (memory, "too little free memory")):
+    for command, reason in ((killed, "something ended a worker process"), (memory, "too little free memory")):
         assert ending.run_to_end(command) == 3
-        told = capsys.readouterr().err
-        assert told.startswith("navbudget: ")
-        assert said in told
-        assert told.count("\n") == 1
+        message = capsys.readouterr().err
+        assert message.startswith("navbudget: ")
+        assert reason in message
+        assert message.count("\n") == 1

@@ -43,14 +43,14 @@ def test_a_name_on_several_lines_or_of_no_text_is_one_line_and_changes_no_verdic
             path.write_bytes(Path(design).read_bytes())
             done = subprocess.run([sys.executable, "-m", "app", "check", path], cwd=ROOT, capture_output=True)
             assert (done.returncode, done.stderr) == (code, b"")
-            said = done.stdout.decode().splitlines()
-            *rows, verdict = said
+            lines = done.stdout.decode().splitlines()
+            *rows, verdict = lines
             assert all(row.startswith("  ") for row in rows)
             assert verdict.startswith(f"{one_line(str(path))}: ")
 
 
 @pytest.mark.parametrize(
-    ("command", "fed", "said"),
+    ("command", "fed", "message"),
     [
         ("evaluate - 0<&-", b"", "standard input: is empty"),
         ("password ada 0<&-", b"", "password: must have 8 to 1024 characters"),
@@ -59,12 +59,12 @@ def test_a_name_on_several_lines_or_of_no_text_is_one_line_and_changes_no_verdic
         (f"evaluate {TACTICAL} --times nan", b"", "--times: nan is not allowed. Give seconds from 0 to 7200."),
     ],
 )
-def test_what_cannot_be_read_is_bad_input_told_in_one_line(command: str, fed: bytes, said: str) -> None:
+def test_what_cannot_be_read_is_bad_input_told_in_one_line(command: str, fed: bytes, message: str) -> None:
     done = subprocess.run(f"{sys.executable} -m app {command}", shell=True, cwd=ROOT, input=fed, capture_output=True)
     assert done.returncode == 2
     lines = [line for line in done.stderr.decode().splitlines() if line != "reading"]
     assert len(lines) == 1
-    assert said in lines[0]
+    assert message in lines[0]
 
 
 def test_a_log_may_come_through_a_pipe() -> None:

@@ -131,15 +131,15 @@ def _corpus():
         yield pytest.param(data, FILE, "", id=name)
     for name, (text, key) in WRONG_KEY.items():
         yield pytest.param(text.encode(), key, "", id=name)
-    for name, (key, value, *said) in WRONG_VALUE.items():
+    for name, (key, value, *words) in WRONG_VALUE.items():
         section, _, leaf = key.partition(".")
-        yield pytest.param(f"[{section}]\n{leaf} = {value}\n".encode(), key, "".join(said), id=name)
+        yield pytest.param(f"[{section}]\n{leaf} = {value}\n".encode(), key, "".join(words), id=name)
 
 
 CORPUS = list(_corpus())
 
 
-def _refused(capsys, arguments, key, said=""):
+def _refused(capsys, arguments, key, words=""):
     assert main(arguments) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -149,17 +149,17 @@ def _refused(capsys, arguments, key, said=""):
     assert line.isprintable()
     assert len(line) < 1000
     assert line.startswith(f"navbudget: {key}")
-    assert said in line
+    assert words in line
 
 
-@pytest.mark.parametrize(("data", "key", "said"), CORPUS)
-def test_refused(capsys, monkeypatch, tmp_path, data, key, said):
+@pytest.mark.parametrize(("data", "key", "words"), CORPUS)
+def test_refused(capsys, monkeypatch, tmp_path, data, key, words):
     path = tmp_path / "design.toml"
     path.write_bytes(data)
     for command in ("evaluate", "check"):
-        _refused(capsys, [command, str(path)], key or str(path), said)
+        _refused(capsys, [command, str(path)], key or str(path), words)
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(data), encoding="utf-8"))
-    _refused(capsys, ["evaluate", "-"], key or "standard input", said)
+    _refused(capsys, ["evaluate", "-"], key or "standard input", words)
 
 
 def test_a_path_that_leads_nowhere_a_directory_and_a_file_nobody_may_read(capsys, tmp_path, monkeypatch):

@@ -85,14 +85,14 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("command", "said"), _REFUSED)
+@pytest.mark.parametrize(("command", "message"), _REFUSED)
 def test_bad_input_is_one_line_and_exit_2_and_nothing_is_written(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
     log: Path,
     command: str,
-    said: str,
+    message: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     named = {"DESIGN": MEMS, "LOG": str(log)}
@@ -105,7 +105,7 @@ def test_bad_input_is_one_line_and_exit_2_and_nothing_is_written(
     assert (code, out) == (2, "")
     *before, line = err.splitlines()
     assert line.startswith("navbudget")
-    assert said in line
+    assert message in line
     assert not [other for other in before if other.startswith("navbudget")]
     assert not before or arguments[0] in _TELL
     assert not list(tmp_path.iterdir())

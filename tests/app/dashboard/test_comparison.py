@@ -10,7 +10,7 @@ from nav_model.design import Design
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "name"),
     [
         ({"imu.vibration_factor": 3.0}, "Vibration factor 1"),
         ({"gnss.interval": 0.5}, "Fix interval 1 s"),
@@ -20,10 +20,10 @@ from nav_model.design import Design
         ({"gnss.interval": 0.5, "imu.vibration_factor": 3.0}, "the previous version"),
     ],
 )
-def test_the_design_before_a_change_is_called_by_the_value_that_was_there(changes: dict[str, Any], said: str) -> None:
+def test_the_design_before_a_change_is_called_by_the_value_that_was_there(changes: dict[str, Any], name: str) -> None:
     session = Session(Design())
     choice = ComparisonChoice(session)
     assert session.change(changes) is None
-    assert choice.compared == said
+    assert choice.compared == name
     session.compare(None)
     assert choice.compared == ""

@@ -44,9 +44,9 @@ class Sheet(InputSheet):
 
 def test_an_empty_box_says_what_holds_instead(session: Session) -> None:
     """Only a requirement that is left empty is not checked."""
-    said = {key: input_of(session, key).row()["empty"] for key in QUANTITIES if declaration_of(key).allow_None}
-    assert {key.partition(".")[0] for key, text in said.items() if text == "not checked"} == {"requirements"}
-    assert all(said.values())
+    defaults = {key: input_of(session, key).row()["empty"] for key in QUANTITIES if declaration_of(key).allow_None}
+    assert {key.partition(".")[0] for key, text in defaults.items() if text == "not checked"} == {"requirements"}
+    assert all(defaults.values())
 
 
 @pytest.mark.parametrize("key", QUANTITIES)

@@ -49,7 +49,7 @@ def test_what_comes_back_from_a_page_loaded_again_is_taken_whole_or_not_at_all()
         frame._lifeline._handle_msg(message)
         assert session.budget is before
         assert frame._notice.object == ""
-    for link, said in (
+    for link, words in (
         ("arw=5kg", "imu.angle_random_walk"),
         ("nonsense", "link"),
         ("name=" + "x" * 20_000, "longer than"),
@@ -57,7 +57,7 @@ def test_what_comes_back_from_a_page_loaded_again_is_taken_whole_or_not_at_all()
     ):
         frame._lifeline._handle_msg({"link": link, "base": ""})
         assert session.budget is before
-        assert said in frame._notice.object
+        assert words in frame._notice.object
     frame._lifeline._handle_msg({"link": f"{good}&study.gyros.bias=7,8,9deg/h", "base": ""})
     assert session.design["imu.angle_random_walk"] == pytest.approx(math.radians(0.1) / 60, rel=1e-12)
     assert session.study_link == "study.gyros.bias=7,8,9deg/h"

@@ -24,10 +24,10 @@ def test_the_line_of_sight_is_drawn_at_the_grazing_angle_inside_the_picture(degr
 
 
 def test_a_finer_resolution_takes_a_longer_aperture() -> None:
-    def said(resolution: float) -> str:
+    def description(resolution: float) -> str:
         return geometry_sketch(analyse(first_design().replace({"radar.azimuth_resolution": resolution})))
 
     # λR/(2ρ) times the width of a uniform aperture's -3 dB beam, 0.886
     length = 0.886 * 299792458 / 9.6e9 * 7000 / (2 * 0.2)
-    assert f"an aperture of {length:.3g} m" in said(0.2)
-    assert said(0.2) != said(0.4)
+    assert f"an aperture of {length:.3g} m" in description(0.2)
+    assert description(0.2) != description(0.4)

@@ -44,11 +44,11 @@ def test_a_ranking_says_each_effect_and_hatches_what_is_doubled():
     noise = RankBar("½ × noise", 4.7, False, "Halving", 0.1)
     html = effects_html(RankChart("ranking", "What helps", "reduction [%]", (speed, noise), ""))
     first, second = re.findall(r"<tr.*?</tr>", html.partition("<tbody>")[2])
-    for row, said in (
+    for row, texts in (
         (first, ("2 × speed", "Doubling &amp; more", "74 %")),
         (second, ("½ × noise", "Halving", "4.7 %")),
     ):
-        assert all(text in row for text in said)
+        assert all(text in row for text in texts)
     assert ("doubled" in first, "doubled" in second) == (True, False)
     widths = [float(re.search(r"width:([\d.]+)%", row)[1]) for row in (first, second)]
     assert widths == [100.0, pytest.approx(100 * 4.7 / 74, abs=0.05)]

@@ -39,10 +39,10 @@ def test_the_verdict_never_follows_and_curves_cross_their_limits_where_they_did(
     budget = analyse(first_design())
     for spread in SPREADS:
         display = Display(spread, "SI")
-        for was, told in zip(all_timelines(budget), map(display.timeline, all_timelines(budget)), strict=True):
-            for limit, now in zip(was.limits, told.limits, strict=True):
+        for was, converted in zip(all_timelines(budget), map(display.timeline, all_timelines(budget)), strict=True):
+            for limit, now in zip(was.limits, converted.limits, strict=True):
                 kind = "vertical" if "vertical" in limit.key else "horizontal"
-                pairs = [(a.y, b.y) for a, b in zip(was.lines, told.lines, strict=True) if a.label == kind]
+                pairs = [(a.y, b.y) for a, b in zip(was.lines, converted.lines, strict=True) if a.label == kind]
                 for before, after in pairs:
                     np.testing.assert_allclose(after / now.level, before / limit.level, rtol=1e-12)
         plain, bars = phase_chart(budget), display.bars(phase_chart(budget))
@@ -54,13 +54,13 @@ def test_the_verdict_never_follows_and_curves_cross_their_limits_where_they_did(
 def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     session = Session(first_design())
     page = BudgetPage(session)
-    said = page._strip._text.object
+    summary = page._strip._text.object
     assert "0.404 m" in page._tiles.object
     session.display = "2s.si"
     page.show(session.budget)
     assert "0.808 m" in page._tiles.object  # twice 0.4039 m
     assert "limit 4 m<" in page._tiles.object  # 2 m at 1σ
-    assert "48.9°, limit 20°" in said
+    assert "48.9°, limit 20°" in summary
     assert "1.71\xa0rad, limit 0.698\xa0rad at 2σ" in page._strip._text.object
     assert page._stack.plots[2].yaxis[0].axis_label == "attitude, 2σ [rad]"
     assert f"{2 * session.budget['quadratic_phase', 'real time'].sigma:.3g} rad</span>" in page._phase.object

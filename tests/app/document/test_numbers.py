@@ -28,23 +28,23 @@ def read(text: str) -> Decimal:
 
 @given(values, st.integers(2, 6))
 def test_a_number_is_the_value_rounded_to_its_digits_and_shows_all_of_them(value: float, digits: int) -> None:
-    said = number(value, digits)
+    text = number(value, digits)
     rounded = Context(prec=digits).create_decimal(Decimal(value))
-    assert abs(read(said) - rounded) <= abs(rounded) * Decimal("1e-12")
-    assert "-" not in said  # a minus is one as typeset
-    shown = said.partition("·")[0].lstrip("−0.").replace(".", "")
-    assert len(shown) >= digits or "·" in said
+    assert abs(read(text) - rounded) <= abs(rounded) * Decimal("1e-12")
+    assert "-" not in text  # a minus is one as typeset
+    significant = text.partition("·")[0].lstrip("−0.").replace(".", "")
+    assert len(significant) >= digits or "·" in text
 
 
 @pytest.mark.parametrize("dimension", _SIZES)
 @given(value=st.floats(1e-6, 1e6))
 def test_a_quantity_is_the_value_in_the_unit_it_names(dimension: str, value: float) -> None:
-    said, unit = re.fullmatch(r"(.*?)\s?([a-z/°]+)", show(value, dimension)).groups()
-    assert float(read(said)) * _SIZES[dimension][unit] == pytest.approx(value, rel=5.1e-3)
+    figure, unit = re.fullmatch(r"(.*?)\s?([a-z/°]+)", show(value, dimension)).groups()
+    assert float(read(figure)) * _SIZES[dimension][unit] == pytest.approx(value, rel=5.1e-3)
     sizes = sorted(_SIZES[dimension].values())
     if dimension != "angle" and sizes[0] <= value < 1000 * sizes[0]:
-        assert abs(float(read(said))) >= 0.9995  # the largest unit that keeps it at or above one
-    assert show(value, dimension, like=value) == f"{said}{'' if unit == '°' else ' '}{unit}"
+        assert abs(float(read(figure))) >= 0.9995  # the largest unit that keeps it at or above one
+    assert show(value, dimension, like=value) == f"{figure}{'' if unit == '°' else ' '}{unit}"
 
 
 @given(st.floats(0, 1))
@@ -53,11 +53,11 @@ def test_a_quantity_is_the_value_in_the_unit_it_names(dimension: str, value: flo
 @example(1e-9)
 def test_a_share_is_nothing_or_all_only_where_it_is(share: float) -> None:
     assume(share < 1 - 1e-8 or share == 1)
-    said = percent(share)
-    assert (said == "100 %") == (share == 1)
-    assert (said == "0 %") == (share == 0)
-    if said != "< 0.1 %":
-        assert float(said.removesuffix(" %")) == pytest.approx(100 * share, abs=0.5)
+    text = percent(share)
+    assert (text == "100 %") == (share == 1)
+    assert (text == "0 %") == (share == 0)
+    if text != "< 0.1 %":
+        assert float(text.removesuffix(" %")) == pytest.approx(100 * share, abs=0.5)
 
 
 @given(st.floats(-50, 1))
@@ -78,9 +78,9 @@ def test_the_sign_of_a_margin_is_never_lost(margin: float) -> None:
 
 @given(st.floats(-500, 500))
 def test_hundredths_have_no_minus_before_a_zero(value: float) -> None:
-    said = hundredths(value)
-    assert abs(read(said) - Decimal(value)) <= Decimal("0.0050001")
-    assert said != "−0.00"
+    text = hundredths(value)
+    assert abs(read(text) - Decimal(value)) <= Decimal("0.0050001")
+    assert text != "−0.00"
 
 
 def test_a_value_given_stays_as_it_was_given() -> None:

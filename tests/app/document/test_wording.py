@@ -36,9 +36,9 @@ def test_a_report_names_the_class_of_the_receiver_and_its_base() -> None:
         (edited, "GNSS: Custom, based on RTK class, 20 km base"),
     ):
         rows = input_table(each, 1.0, "d").rows
-        told = {str(getattr(row[0], "text", row[0])): row for row in rows}
-        assert head in told
-        noise, time = told["Position noise"], told["Correlation time"]
+        table = {str(getattr(row[0], "text", row[0])): row for row in rows}
+        assert head in table
+        noise, time = table["Position noise"], table["Correlation time"]
         assert "= 19.8 mm, 1σ per axis" in str(noise[1])
         assert "Leica GS25" in str(noise[2])
         assert ("the preset has 115 s (confirmed)" in str(time[2])) == (each is edited)
@@ -46,22 +46,22 @@ def test_a_report_names_the_class_of_the_receiver_and_its_base() -> None:
 
 def test_no_line_ends_between_a_number_and_its_unit_or_within_the_unit() -> None:
     """Browsers end lines at blanks and after strokes."""
-    for told in ("at most 0.036 °/√h, or less", "0.06 m/s/√h", "30 µg/√Hz (secondary)", "3 cm/s"):
-        shown = prose(told)
-        free = re.sub('<span class="nw">.*?</span>', "", shown)
+    for text in ("at most 0.036 °/√h, or less", "0.06 m/s/√h", "30 µg/√Hz (secondary)", "3 cm/s"):
+        html = prose(text)
+        free = re.sub('<span class="nw">.*?</span>', "", html)
         assert "/" not in free
         assert not re.search(r"\d [°µm]", free)
-        assert re.sub("<.*?>", "", shown).replace("\N{NO-BREAK SPACE}", " ") == told
+        assert re.sub("<.*?>", "", html).replace("\N{NO-BREAK SPACE}", " ") == text
 
 
 def test_an_abbreviation_and_a_name_of_ones_own_stay_as_they_are_in_a_sentence() -> None:
-    own = read_entries({"limits": [{"name": "lever arm, GNSS to IMU", "on": "tilt", "limit": "0.0001°"}]})
+    entries = read_entries({"limits": [{"name": "lever arm, GNSS to IMU", "on": "tilt", "limit": "0.0001°"}]})
     design = first_design()
     changed = {
-        "lever arm, GNSS to IMU": design.replace({}, entries=own),
+        "lever arm, GNSS to IMU": design.replace({}, entries=entries),
         "CE90": design.replace({"requirements.ce90": 1e-3}),
     }
-    for name, budget in ((name, analyse(one)) for name, one in changed.items()):
+    for name, budget in ((name, analyse(variant)) for name, variant in changed.items()):
         assert verdict_strip(budget).sentences[0].startswith(f"{name} ")
         assert f"Tightest: {name}, " in verdict_of(budget).sentences[1]
     assert rank_chart(design, "ce90").title == "What reduces CE90 most"

@@ -48,11 +48,11 @@ def kill_during_saves() -> Callable[..., set[str]]:
         command = [sys.executable, "-c", _SAVER, address, MEMS]
         for _ in range(kills):
             with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as process:
-                said = [process.stdout.readline() for _ in range(draw.randrange(saves))]
+                lines = [process.stdout.readline() for _ in range(draw.randrange(saves))]
                 time.sleep(draw.uniform(0.0, 0.005))
                 process.kill()
-                said += process.stdout.read().splitlines(keepends=True)
-                answered += [line.strip() for line in said if line.endswith("\n")]
+                lines += process.stdout.read().splitlines(keepends=True)
+                answered += [line.strip() for line in lines if line.endswith("\n")]
         return set(answered)
 
     return kill
@@ -64,9 +64,9 @@ def check_whole() -> Callable[[Library, set[str]], None]:
 
     def check(library: Library, answered: set[str]) -> None:
         assert answered
-        kept = {saved.design for saved in library.designs()}
-        assert {key.partition(".")[0] for key in answered} <= kept
-        for design in kept:
+        stored = {saved.design for saved in library.designs()}
+        assert {key.partition(".")[0] for key in answered} <= stored
+        for design in stored:
             (revision,) = library.revisions(design)
             assert parse_design(revision.text).content_hash == revision.content_hash
             assert len(revision.note) == 4000

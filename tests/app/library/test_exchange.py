@@ -122,7 +122,7 @@ def _listed(mems: Budget, rows: int = 1, design: str = "x", **changes: object) -
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "words"),
     [
         ({"file": "other.toml"}, "not in the archive"),
         ({"saved": "yesterday"}, "not a date"),
@@ -133,9 +133,9 @@ def _listed(mems: Budget, rows: int = 1, design: str = "x", **changes: object) -
         ({"note": "x" * 4001}, "note: 4001"),
     ],
 )
-def test_a_forged_list_is_refused_whole(library: Library, mems: Budget, changes: dict[str, Any], said: str) -> None:
+def test_a_forged_list_is_refused_whole(library: Library, mems: Budget, changes: dict[str, Any], words: str) -> None:
     assert _import(library, _listed(mems), "Zoe").designs == 1
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=words):
         _import(library, _listed(mems, **changes), "Zoe")
     assert len(library.designs()) == 1
 

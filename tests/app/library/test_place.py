@@ -82,7 +82,7 @@ def test_a_locked_library_is_opened_and_read_at_once(tmp_path: Path, mems: Budge
 
 
 @pytest.mark.parametrize(
-    ("statements", "said"),
+    ("statements", "message"),
     [
         (["CREATE TABLE schema_version (version)"], "states nothing as its schema version"),
         (["CREATE TABLE schema_version (version)", "INSERT INTO schema_version VALUES ('three')"], "'three'"),
@@ -99,7 +99,7 @@ def test_a_locked_library_is_opened_and_read_at_once(tmp_path: Path, mems: Budge
         (["CREATE TABLE bookmarks (url)"], "of another program: it has the table 'bookmarks'"),
     ],
 )
-def test_what_is_no_library_is_refused_and_left_as_it_is(tmp_path: Path, statements: list[str], said: str) -> None:
+def test_what_is_no_library_is_refused_and_left_as_it_is(tmp_path: Path, statements: list[str], message: str) -> None:
     path = tmp_path / "odd.db"
     raw = sqlite3.connect(path)
     for statement in statements:
@@ -109,7 +109,7 @@ def test_what_is_no_library_is_refused_and_left_as_it_is(tmp_path: Path, stateme
     with pytest.raises(InputError) as caught:
         Library(path)
     assert caught.value.key == "library"
-    assert said in caught.value.reason
+    assert message in caught.value.reason
     assert list(raw.iterdump()) == before
     raw.close()
 

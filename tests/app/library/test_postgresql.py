@@ -36,9 +36,9 @@ def _import(library: Library, data: bytes, author: str) -> Imported:
 
 
 def _program(name: str) -> str:
-    found = sorted(Path("/usr/lib/postgresql").glob(f"*/bin/{name}")) or [Path(p) for p in [shutil.which(name)] if p]
-    assert found, _MISSING
-    return str(found[-1])
+    paths = sorted(Path("/usr/lib/postgresql").glob(f"*/bin/{name}")) or [Path(p) for p in [shutil.which(name)] if p]
+    assert paths, _MISSING
+    return str(paths[-1])
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def test_designs_reviews_and_archives_work_alike(shared: Library, library: Libra
 
 def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget, at_once: Callable[..., None]) -> None:
     design = shared.save(mems, "Ann").design
-    told: list[str] = []
+    conflicts: list[str] = []
     met = threading.Barrier(4)
 
     def write(author: str) -> None:
@@ -141,14 +141,14 @@ def test_writers_at_once_lose_no_revision(shared: Library, mems: Budget, at_once
                     shared.save(mems, author, str(i), design=design, base=base)
                     break
                 except Conflict:
-                    told.append(author)
+                    conflicts.append(author)
 
     at_once(write, *(f"writer {i}" for i in range(4)))
     history = shared.revisions(design)
     assert [r.number for r in history] == list(range(61, 0, -1))
     for i in range(4):
         assert [r.note for r in history[::-1] if r.author == f"writer {i}"] == [str(n) for n in range(15)]
-    assert len(told) >= 3
+    assert len(conflicts) >= 3
 
 
 def test_kills_during_saves_lose_nothing_that_was_answered(
@@ -186,7 +186,7 @@ def test_a_crash_of_the_database_loses_nothing_that_was_answered(
     for thread in threads:
         thread.join()
     assert refused, "no crash fell among the saves: the test shows nothing"
-    assert all(said.startswith("library: ") for said in refused)
+    assert all(message.startswith("library: ") for message in refused)
     check_whole(shared, answered)
 
 

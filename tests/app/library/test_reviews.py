@@ -70,7 +70,7 @@ def test_accepting_what_is_not_met_takes_a_reason_and_is_a_waiver(library: Libra
     review = decide(library, review.id, 1, met, True, "Ann")
     assert review.waivers() == []
     review = decide(library, review.id, 1, over, True, "Ann", "autofocus removes it")
-    assert [(own.requirement, own.reason) for own in review.waivers()] == [(over, "autofocus removes it")]
+    assert [(waiver.requirement, waiver.reason) for waiver in review.waivers()] == [(over, "autofocus removes it")]
     assert version_of(library, review.id) == review.version == before + 2
     assert decide(library, review.id, 1, over, False, "Bob", "too large").waivers() == []
 
@@ -155,11 +155,11 @@ def test_two_reviewers_at_once_lose_no_comment(
             add_comment(library, review.id, 1, "", author, str(i))
 
     at_once(talk, "Bob", "Eve")
-    said = load_review(library, review.id).comments
-    assert sorted((c.author, c.comment) for c in said) == sorted(
+    comments = load_review(library, review.id).comments
+    assert sorted((c.author, c.comment) for c in comments) == sorted(
         (a, str(i)) for a in ("Bob", "Eve") for i in range(10)
     )
-    assert [c.number for c in said] == list(range(1, 21))
+    assert [c.number for c in comments] == list(range(1, 21))
 
 
 def _overview_cells(review: Review) -> list[str]:
@@ -168,8 +168,8 @@ def _overview_cells(review: Review) -> list[str]:
 
 
 def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: Library, review: Review) -> None:
-    left = len(review.open_points())
-    assert _overview_cells(review)[:5] == [f"Open, {left} to decide", "2", str(left), "0", "0"]
+    remaining = len(review.open_points())
+    assert _overview_cells(review)[:5] == [f"Open, {remaining} to decide", "2", str(remaining), "0", "0"]
     assert _overview_cells(review)[6].endswith("Ann")
     review = add_comment(library, review.id, 1, "", "Bob", "late")
     review = decided(library, review)  # what is not met is rejected
@@ -190,14 +190,14 @@ def test_the_list_holds_what_each_review_says_of_itself(library: Library, review
     signed = decided(library, review)
     sign(library, review.id, "Ann", signed.version)
     listed = list_reviews(library)
-    assert {own.id for own in listed} == {review.id, other.id}
+    assert {entry.id for entry in listed} == {review.id, other.id}
     with pytest.raises(InputError):
         load_review(library, "")
-    assert all(own == load_review(library, own.id) for own in listed)
+    assert all(entry == load_review(library, entry.id) for entry in listed)
     with library.write() as connection:
         connection.execute(text("UPDATE review_comments SET comment = 'fine'"))
         connection.execute(text("UPDATE review_decisions SET reason = 'fine'"))
-    assert {own.id: own.intact for own in list_reviews(library)} == {review.id: False, other.id: True}
+    assert {entry.id: entry.intact for entry in list_reviews(library)} == {review.id: False, other.id: True}
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ def test_one_damaged_row_takes_no_other_review(library: Library, review: Review,
     damaged = open_review(library, "Damaged", "Bob", [library.save(mems, "Bob").key])
     with create_engine(library.engine.url).begin() as connection:  # without foreign keys
         connection.execute(text(damage))
-    listed = {own.id: own for own in list_reviews(library)}
+    listed = {entry.id: entry for entry in list_reviews(library)}
     assert len(overview(listed.values()).rows) == 2
     assert set(listed) == {review.id, damaged.id}
     assert listed[damaged.id].title == "Damaged"
@@ -230,7 +230,7 @@ def test_a_review_without_an_id_takes_no_other(library: Library, review: Review)
     open_review(library, "Damaged", "Bob", [review.items[0].key])
     with create_engine(library.engine.url).begin() as connection:  # without foreign keys
         connection.execute(text("UPDATE reviews SET id = NULL WHERE title = 'Damaged'"))
-    assert [own.id for own in list_reviews(library)] == [review.id]
+    assert [entry.id for entry in list_reviews(library)] == [review.id]
     assert len(overview(list_reviews(library)).rows) == 1
 
 

@@ -71,7 +71,7 @@ def _of_mallory(sealed: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("forge", "said"),
+    ("forge", "message"),
     [
         (lambda old: lambda _: old, "changed outside the program"),
         (lambda _: lambda _: None, "sealed without a signature"),
@@ -82,12 +82,12 @@ def _of_mallory(sealed: str) -> str:
     ],
 )
 def test_a_review_sealed_anew_is_found_out_on_opening_and_in_the_report(
-    library: Library, signed: Review, forge: Any, said: str
+    library: Library, signed: Review, forge: Any, message: str
 ) -> None:
     forged = _resealed(library, signed.id, forge(signed.signature))
     assert not forged.intact
-    assert said in forged.doubt
-    assert any(said in cell.text for row in audit_table(forged).rows for cell in row)
+    assert message in forged.doubt
+    assert any(message in cell.text for row in audit_table(forged).rows for cell in row)
     assert state_of(forged).tone == "bad"
 
 

@@ -56,19 +56,19 @@ def test_the_second_of_two_writers_is_told_and_nothing_is_lost(library: Library,
 
 
 def test_search_tags_and_archive(library: Library, mems: Budget, tactical: Budget) -> None:
-    one, two = library.save(mems, "Ann", "for the coast guard"), library.save(tactical, "Bob")
-    assert library.retag(one.design, "Maritime, x-band,, maritime") == ("maritime", "x-band")
-    assert [s.design for s in library.designs("GUARD ann")] == [one.design]
-    assert [s.design for s in library.designs("mari")] == [one.design]
+    first, second = library.save(mems, "Ann", "for the coast guard"), library.save(tactical, "Bob")
+    assert library.retag(first.design, "Maritime, x-band,, maritime") == ("maritime", "x-band")
+    assert [s.design for s in library.designs("GUARD ann")] == [first.design]
+    assert [s.design for s in library.designs("mari")] == [first.design]
     assert library.designs("guard bob") == ()
-    later = library.save(one.budget(), "Zoe", "second thoughts", design=one.design, base=1)
+    later = library.save(first.budget(), "Zoe", "second thoughts", design=first.design, base=1)
     assert library.designs("guard zoe")[0].number == later.number  # found by what an older revision says
-    assert [s.design for s in library.designs(tag="x-band")] == [one.design]
+    assert [s.design for s in library.designs(tag="x-band")] == [first.design]
     assert library.tags() == ("maritime", "x-band")
-    library.archive(one.design)
-    assert [s.design for s in library.designs()] == [two.design]
-    assert [s.design for s in library.designs(archived=True)] == [one.design]
-    library.archive(one.design, False)
+    library.archive(first.design)
+    assert [s.design for s in library.designs()] == [second.design]
+    assert [s.design for s in library.designs(archived=True)] == [first.design]
+    library.archive(first.design, False)
     assert len(library.designs()) == 2
 
 
@@ -79,8 +79,8 @@ def test_hostile_texts_are_kept_as_text(library: Library, mems: Budget, text: st
     library.retag(saved.design, text[:40].replace(",", ""))
     back = library.revision(saved.key)
     assert parse_design(back.text).name == text  # the design file escapes: exact
-    shown = "".join((back.name, back.author, back.note, *library.designs()[0].tags))
-    assert all(sign.isprintable() or sign == "\n" or ord(sign) in (0x200D, 0xFE0F) for sign in shown), repr(shown)
+    joined = "".join((back.name, back.author, back.note, *library.designs()[0].tags))
+    assert all(sign.isprintable() or sign == "\n" or ord(sign) in (0x200D, 0xFE0F) for sign in joined), repr(joined)
     if text == HOSTILE:
         assert back.name == text
         assert back.note.startswith(text)
@@ -138,7 +138,7 @@ def test_a_forged_key_finds_nothing(library: Library, mems: Budget, key: str) ->
 
 def _save_stubbornly(library: Library, design: str, budget: Budget, author: str, count: int) -> int:
     """Save `count` revisions, each on top of the latest; returns how often this writer was told."""
-    told = 0
+    conflicts = 0
     for i in range(count):
         while True:
             base = library.revisions(design)[0].number
@@ -146,8 +146,8 @@ def _save_stubbornly(library: Library, design: str, budget: Budget, author: str,
                 library.save(budget, author, str(i), design=design, base=base)
                 break
             except Conflict:
-                told += 1
-    return told
+                conflicts += 1
+    return conflicts
 
 
 def _process(path: Path, design: str, text: str, author: str, count: int) -> None:
@@ -160,8 +160,8 @@ def _check_history(library: Library, design: str, writers: int, count: int) -> N
     history = library.revisions(design)
     assert [r.number for r in history] == list(range(writers * count + 1, 0, -1))
     for writer in range(writers):
-        own = [r.note for r in history[::-1] if r.author == f"writer {writer}"]
-        assert own == [str(i) for i in range(count)]
+        notes = [r.note for r in history[::-1] if r.author == f"writer {writer}"]
+        assert notes == [str(i) for i in range(count)]
 
 
 @pytest.mark.long
@@ -171,7 +171,7 @@ def test_processes_lose_no_revision(tmp_path: Path, mems: Budget) -> None:
     design = library.save(mems, "Ann").design
     context = multiprocessing.get_context("spawn")
     arguments = [(path, design, format_design(mems.design), f"writer {i}", 15) for i in range(2)]
-    processes = [context.Process(target=_process, args=own) for own in arguments]
+    processes = [context.Process(target=_process, args=options) for options in arguments]
     for process in processes:
         process.start()
     for process in processes:

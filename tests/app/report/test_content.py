@@ -22,16 +22,16 @@ NOW = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
 
 def sayings(report: Report) -> list[str]:
     """Every text of a report that may name an equation."""
-    said: list[str] = []
+    texts: list[str] = []
     for block in report.blocks():
         if isinstance(block, Table):
-            said += [cell.text for row in block.rows for cell in row]
-            said += [block.caption, block.note, *(column.title for column in block.columns)]
+            texts += [cell.text for row in block.rows for cell in row]
+            texts += [block.caption, block.note, *(column.title for column in block.columns)]
         elif isinstance(block, Text):
-            said.append(block.text)
+            texts.append(block.text)
         elif isinstance(block, Bullets):
-            said += block.items
-    return said + [chart.chart.knowledge for chart in report.charts()]
+            texts += block.items
+    return texts + [chart.chart.knowledge for chart in report.charts()]
 
 
 def table(report: Report, key: str) -> Table:
@@ -47,42 +47,42 @@ def test_every_requirement_and_every_input_is_there(mems):
     planned = mems.design.replace(
         {"trajectory.heading_noise": math.radians(0.25), "trajectory.outages": ((20.0, 30.0),)}
     )
-    told = table(report_of([analyse(planned)], NOW), "d-inputs-table").rows
+    entries = table(report_of([analyse(planned)], NOW), "d-inputs-table").rows
     for section, names in INPUTS.items():
         for declaration in names.values():
             assert (declaration.label in named) == (section != "trajectory")
-    told = [[cell.text for cell in row[:2]] for row in told]
-    assert told[told.index(["Flight plan"]) + 1 :][:3] == [
+    entries = [[cell.text for cell in row[:2]] for row in entries]
+    assert entries[entries.index(["Flight plan"]) + 1 :][:3] == [
         ["Outages", "20 s, 30 s"], ["Heading of two antennas", "0.25°"], ["Requirements"],
     ]  # fmt: skip
 
 
 def test_figures_of_the_budget_follow_the_display_and_the_verdict_does_not(mems):
     """A percentage of a horizontal pair against SciPy's Rayleigh distribution, of one axis against the normal one."""
-    plain, told = report_of([mems], NOW), report_of([mems], NOW, display=Display("95 %", "SI"))
+    plain, converted = report_of([mems], NOW), report_of([mems], NOW, display=Display("95 %", "SI"))
     pair, axis = stats.rayleigh.ppf(0.95), stats.norm.ppf(0.975)
-    before, after = ({block.chart.key: block.chart for block in each.charts()} for each in (plain, told))
+    before, after = ({block.chart.key: block.chart for block in each.charts()} for each in (plain, converted))
     for key in ("position", "velocity"):
         for was, now in zip(before[key].lines, after[key].lines, strict=True):
             np.testing.assert_allclose(now.y, was.y * (pair if "horizontal" in was.label else axis), rtol=1e-12)
         assert after[key].y_label.startswith(f"{key}, 95 % [")
     assert after["phase"].first_limit == pytest.approx(math.radians(axis * before["phase"].first_limit))
-    assert told.chapters[0].verdict == plain.chapters[0].verdict
-    assert table(told, "d-verdict") == table(plain, "d-verdict")
-    assert ("Values of the budget", "95 %, SI units; all others 1σ") in told.chapters[0].facts
+    assert converted.chapters[0].verdict == plain.chapters[0].verdict
+    assert table(converted, "d-verdict") == table(plain, "d-verdict")
+    assert ("Values of the budget", "95 %, SI units; all others 1σ") in converted.chapters[0].facts
 
 
 def test_a_comparison_follows_the_display(mems, three):
     """Against the same two distributions, for the table and both charts; which design is best does not change."""
-    plain, told = (report_of([mems, three[0]], NOW, display=each) for each in (Display(), Display("95 %", "SI")))
+    plain, converted = (report_of([mems, three[0]], NOW, display=each) for each in (Display(), Display("95 %", "SI")))
     pair, axis = stats.rayleigh.ppf(0.95), stats.norm.ppf(0.975)
-    rows = {row[0].text: row[1:] for row in table(told, "c-figures-0").rows}
+    rows = {row[0].text: row[1:] for row in table(converted, "c-figures-0").rows}
     was = {row[0].text: row[1:] for row in table(plain, "c-figures-0").rows}
     assert [[cell.mark for cell in row] for row in rows.values()] == [[c.mark for c in row] for row in was.values()]
     horizontal, phase = rows["Horizontal position, 95 %"][0].text, rows["Quadratic phase, 95 %"][0].text
     assert horizontal == f"{pair * mems.steady_state.prior['horizontal_position']:.3g} m"
     assert phase == f"{axis * mems['quadratic_phase', 'real time'].sigma:.3g} rad"
-    before, after = ({block.key: block.chart for block in each.charts()} for each in (plain, told))
+    before, after = ({block.key: block.chart for block in each.charts()} for each in (plain, converted))
     now, then = (charts["c-0-chart-position"] for charts in (after, before))
     np.testing.assert_allclose(now.lines[0].y, pair * then.lines[0].y, rtol=1e-12)
     assert now.y_label == "horizontal position, 95 % [m]"
@@ -153,8 +153,8 @@ def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
     assert {line.quadratic for line in mems.phase_lines("real time") if line.source == "gyro bias"} == {
         0.0
     }  # has no row
-    shown = [float(row[1].text) for row in rows[:-2]]
-    assert sum(x**2 for x in shown) == pytest.approx(
+    shares = [float(row[1].text) for row in rows[:-2]]
+    assert sum(x**2 for x in shares) == pytest.approx(
         float(rows[-2][1].text) ** 2, rel=1e-2
     )  # squares of three digits
 
@@ -242,8 +242,8 @@ def test_a_noted_origin_stands_in_the_table_of_inputs(mems):
 def test_references_have_the_source_of_every_equation(mems):
     report = report_of([mems], NOW)
     (cited,) = (block for block in report.blocks() if isinstance(block, Equations))
-    (said,) = (section.blocks[0] for section in report.sections if section.key == "references")
-    for equations, references in ((cited.items, said.items), (ALL_EQUATIONS, references_of(ALL_EQUATIONS))):
+    (block,) = (section.blocks[0] for section in report.sections if section.key == "references")
+    for equations, references in ((cited.items, block.items), (ALL_EQUATIONS, references_of(ALL_EQUATIONS))):
         authors = r"Anderson|Squire|Harris|Taylor|Chu\b|JCGM|Prats|Bryson|\[B\]|\[C\]"
         for e in equations:
             assert any(f"[{e.mark}]" in reference for reference in references)

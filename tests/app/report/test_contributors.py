@@ -27,15 +27,15 @@ _OMITTED = "Lever arm, timing, atmosphere"
 def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: str) -> None:
     alone = _BASE.replace({"processing.mode": mode})
     design = alone.replace({}, entries=UserEntries(read_contributors([_LEVER_ARM]), allocation=Allotment()))
-    report, without = (report_of([analyse(one)]) for one in (design, alone))
+    report, without = (report_of([analyse(variant)]) for variant in (design, alone))
     tables = [each for part in report.chapters[0].sections for each in part.blocks if isinstance(each, Table)]
     written = [column for each in tables for column in each.columns if column.title in ("Owner", "Source")]
     assert written
     assert all(column.width for column in written)  # else a long text leaves the others no room on paper
-    said, before = map(to_html, (report, without))
+    html, before = map(to_html, (report, without))
     assert _OMITTED in before
-    assert _OMITTED not in said
-    row = re.search(r"<tr>(?:(?!</tr>).)*lever &lt;arm&gt;(?:(?!</tr>).)*mechanics.*?</tr>", said, re.DOTALL)
+    assert _OMITTED not in html
+    row = re.search(r"<tr>(?:(?!</tr>).)*lever &lt;arm&gt;(?:(?!</tr>).)*mechanics.*?</tr>", html, re.DOTALL)
     for text in ("Detrended phase", "1\xa0mm", "20\xa0%", "random", "both", "survey, 2026-03"):
         assert text in row[0]
     assert "Contributors given in the design" not in before
@@ -54,12 +54,12 @@ def test_a_comparison_has_them_in_errors_while_fixes_come_in(mode: str) -> None:
 
 
 def test_a_tile_has_them_in_both_moments() -> None:
-    own = [{"name": name, "value": "3 m", "enters": name, "kind": "systematic"} for name in _POSITIONS]
+    rows = [{"name": name, "value": "3 m", "enters": name, "kind": "systematic"} for name in _POSITIONS]
     alone = analyse(_BASE.replace({"requirements.steady_state": "prior"}))
-    with_own = analyse(alone.design.replace({}, entries=UserEntries(read_contributors(own))))
-    told = []
+    with_own = analyse(alone.design.replace({}, entries=UserEntries(read_contributors(rows))))
+    sigmas = []
     for budget in (alone, with_own):
         (tile,) = (item for item in key_figures(budget).items if item.label == "Horizontal position")
         result = re.search(r"average ([\d.]+) (c?)m", tile.detail)
-        told.append(float(result[1]) / (100 if result[2] else 1))
-    assert told[1] == pytest.approx(told[0] + 3, abs=0.006)
+        sigmas.append(float(result[1]) / (100 if result[2] else 1))
+    assert sigmas[1] == pytest.approx(sigmas[0] + 3, abs=0.006)

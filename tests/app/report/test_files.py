@@ -118,8 +118,8 @@ def test_the_numbers_of_the_pdf_are_the_budgets(mems, mems_pdf):
         assert squeezed(quantity) in text, quantity
     for check in mems.verdict.checks:
         margin, ratio = 100 * check.margin, check.value / check.limit
-        said = f"{ratio:.3g}×" if margin < 0 else f"{margin:+.{1 if abs(margin) < 99.95 else 0}f}%"
-        assert said.replace("-", "−") in text
+        margin_text = f"{ratio:.3g}×" if margin < 0 else f"{margin:+.{1 if abs(margin) < 99.95 else 0}f}%"
+        assert margin_text.replace("-", "−") in text
     assert mems.design.content_hash in text
     assert "21November2026,09:30UTC" in text
 
@@ -183,8 +183,8 @@ def test_the_html_is_well_headed_and_its_links_arrive(mems, mems_html):
     assert links
     assert links <= set(ids)
     assert all(attributes.get("scope") for tag, attributes in page.tags if tag == "th")
-    told = [block for block in report_of([mems], NOW).blocks() if isinstance(block, Equations | Symbols)]
-    assert tags.count("math") == sum(len(block.items) for block in told) >= len(EQUATIONS) + len(SYMBOLS)
+    blocks = [block for block in report_of([mems], NOW).blocks() if isinstance(block, Equations | Symbols)]
+    assert tags.count("math") == sum(len(block.items) for block in blocks) >= len(EQUATIONS) + len(SYMBOLS)
 
 
 def test_the_html_carries_every_number_of_every_chart_and_the_design_file(mems, mems_html):

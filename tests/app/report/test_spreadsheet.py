@@ -80,11 +80,11 @@ def expected(design: Design) -> dict[str, float]:
         ends = limit.at is None and limit.on in of_kind("outage")  # a figure has one cell
         if ends or limit.on not in (*STEADY, *RESPONSE):
             names[limit.name] = limit.on if ends or limit.on == "cep" else f"own_limit_{n}"
-    found = figures(inputs_of(design.replace({"processing.mode": "real time"})), names)
-    return {f"real_time_{names[name]}": float(value) for name, value in found.items()}
+    values = figures(inputs_of(design.replace({"processing.mode": "real time"})), names)
+    return {f"real_time_{names[name]}": float(value) for name, value in values.items()}
 
 
-def own() -> UserEntries:
+def extra() -> UserEntries:
     """Contributors, and limits on values of each kind."""
     limits = [
         {"name": "late heading", "on": "coast_heading", "limit": "0.02°", "at": "30 s", "confidence": 3},
@@ -116,10 +116,10 @@ def contributors() -> tuple[Contributor, ...]:
     )
 
 
-@pytest.mark.parametrize("own", [UserEntries(), own()], ids=["model", "own"])
+@pytest.mark.parametrize("entries", [UserEntries(), extra()], ids=["model", "own"])
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str, own: UserEntries) -> None:
-    budget = analyse(example(name).replace({}, entries=own))
+def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name: str, entries: UserEntries) -> None:
+    budget = analyse(example(name).replace({}, entries=entries))
     path = write(tmp_path / "budget.xlsx", budget.design)
     book = openpyxl.load_workbook(path, data_only=True)
     formulas_too = openpyxl.load_workbook(path)
@@ -169,7 +169,7 @@ def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:
 @pytest.mark.slow
 def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None:
     """As the spreadsheet program does, which every run of the tests asks."""
-    base = drawn(example("mems_x_band"), 0).replace({}, entries=own())
+    base = drawn(example("mems_x_band"), 0).replace({}, entries=extra())
     path = write(tmp_path / "budget.xlsx", base)
     book = openpyxl.load_workbook(path)
     model = formulas.ExcelModel().loads(str(path)).finish()
@@ -186,13 +186,13 @@ def test_an_evaluator_of_workbooks_follows_changed_cells(tmp_path: Path) -> None
     for seed in range(1, 21):
         design = drawn(base, seed)
         inputs = {at("Inputs", entry(book, key)): entered(book, key, design[key]) for key in CHANGED}
-        found = model.calculate(inputs=inputs, outputs=[*names.values(), *states, old])
+        results = model.calculate(inputs=inputs, outputs=[*names.values(), *states, old])
         for name, value in expected(design).items():
-            assert float(found[names[name]].value[0, 0]) == pytest.approx(value, rel=1e-6, abs=1e-12), (seed, name)
+            assert float(results[names[name]].value[0, 0]) == pytest.approx(value, rel=1e-6, abs=1e-12), (seed, name)
         closes = analyse(design).verdict.closes
-        assert found[names["verdict_in_real_time"]].value[0, 0] == ("Closes" if closes else "Does not close")
-        assert [found[state].value[0, 0] for state in states] == [LIVE, LIVE]
-        assert found[old].value[0, 0] == OTHER
+        assert results[names["verdict_in_real_time"]].value[0, 0] == ("Closes" if closes else "Does not close")
+        assert [results[state].value[0, 0] for state in states] == [LIVE, LIVE]
+        assert results[old].value[0, 0] == OTHER
 
 
 def convert(folder: Path, kind: str, *paths: Path) -> None:
@@ -209,8 +209,8 @@ def other_contributors(design: Design, seed: int) -> Design:
     """The same contributors with other values and allowances."""
     random_numbers = random.Random(seed)
     others = tuple(
-        replace(one, value=one.value * random_numbers.uniform(0.3, 3), allowance=random_numbers.choice([0, 0.1, 0.5]))
-        for one in design.contributors
+        replace(c, value=c.value * random_numbers.uniform(0.3, 3), allowance=random_numbers.choice([0, 0.1, 0.5]))
+        for c in design.contributors
     )
     return design.replace({}, entries=UserEntries(others, design.limits))
 
@@ -219,7 +219,7 @@ def other_contributors(design: Design, seed: int) -> Design:
 @pytest.mark.parametrize("count", [2, pytest.param(20, marks=pytest.mark.slow)])
 def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int) -> None:
     """All workbooks in one start of the program; in every other one the model stays, as a smoother asks."""
-    bases = [example(name).replace({}, entries=own()) for name in EXAMPLES]
+    bases = [example(name).replace({}, entries=extra()) for name in EXAMPLES]
     wanted: dict[str, Design] = {}
     for seed in range(3 + count):
         base = bases[seed % 3]
@@ -229,10 +229,10 @@ def test_a_spreadsheet_program_follows_changed_cells(tmp_path: Path, count: int)
         for key in CHANGED:
             if design[key] is not None:
                 book["Inputs"][entry(book, key)] = entered(book, key, design[key])
-        for number, one in enumerate(design.contributors, 1):
+        for number, contributor in enumerate(design.contributors, 1):
             for key, value in (
-                (f"contributor_{number}", one.value),
-                (f"contributor_{number}_allowance", one.allowance),
+                (f"contributor_{number}", contributor.value),
+                (f"contributor_{number}_allowance", contributor.allowance),
             ):
                 book["Inputs"][entry(book, key)] = entered(book, key, value)
         book.save(path)  # without the values of formulas, which have to be computed
@@ -277,11 +277,11 @@ def holds(sheet: Any, verdict: Verdict, with_cause: set[str]) -> None:
 
 @pytest.mark.long
 def test_a_spreadsheet_program_shows_every_number_with_its_sign(tmp_path: Path) -> None:
-    path = write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, entries=own()))
+    path = write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, entries=extra()))
     convert(tmp_path, "pdf", path)
-    shown = "".join(page.extract_text() for page in pypdf.PdfReader(path.with_suffix(".pdf")).pages)
-    assert "###" not in shown
-    assert re.search(rf"Paired echo\s*{20 * math.log10(0.02):.2f}", shown)  # of the fan, a level of 0.02
+    text = "".join(page.extract_text() for page in pypdf.PdfReader(path.with_suffix(".pdf")).pages)
+    assert "###" not in text
+    assert re.search(rf"Paired echo\s*{20 * math.log10(0.02):.2f}", text)  # of the fan, a level of 0.02
 
 
 @pytest.mark.parametrize(
@@ -314,7 +314,9 @@ def test_names_are_texts_and_there_is_no_macro_or_link(tmp_path: Path) -> None:
 
 
 def test_steps_are_named_and_not_printed(tmp_path: Path) -> None:
-    book = openpyxl.load_workbook(write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, entries=own())))
+    book = openpyxl.load_workbook(
+        write(tmp_path / "budget.xlsx", example("mems_x_band").replace({}, entries=extra()))
+    )
     steps = [row[0].value for row in book["Steps"].iter_rows(min_row=4)]
     assert all(re.fullmatch(r".+, step \d+", label) for label in steps)
     assert {sheet.title for sheet in book if sheet.sheet_state == "hidden"} == {"Steps", "Rule"}

@@ -56,27 +56,27 @@ def findings(design) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def told(findings, design) -> tuple[Section, ...]:
+def sections(findings, design) -> tuple[Section, ...]:
     return study_sections(findings, design, "d")
 
 
 @pytest.fixture(scope="module")
-def html(told, design) -> str:
-    return report_bytes([analyse(design)], ".html", NOW, studies=[told]).decode()
+def html(sections, design) -> str:
+    return report_bytes([analyse(design)], ".html", NOW, studies=[sections]).decode()
 
 
 @pytest.fixture(scope="module")
-def pages(told, design, placed) -> list[tuple[str, float]]:
-    found: list[tuple[str, float]] = placed(report_bytes([analyse(design)], ".pdf", NOW, studies=[told]))
-    return found
+def pages(sections, design, placed) -> list[tuple[str, float]]:
+    texts: list[tuple[str, float]] = placed(report_bytes([analyse(design)], ".pdf", NOW, studies=[sections]))
+    return texts
 
 
-def table(told: tuple[Section, ...], key: str) -> Table:
-    return next(b for section in told for b in section.blocks if isinstance(b, Table) and b.key == f"d-{key}")
+def table(sections: tuple[Section, ...], key: str) -> Table:
+    return next(b for section in sections for b in section.blocks if isinstance(b, Table) and b.key == f"d-{key}")
 
 
-def verdict(told: tuple[Section, ...], key: str) -> Answer:
-    section = next(section for section in told if section.key == f"d-{key}")
+def verdict(sections: tuple[Section, ...], key: str) -> Answer:
+    section = next(section for section in sections if section.key == f"d-{key}")
     return next(block for block in section.blocks if isinstance(block, Answer))
 
 
@@ -94,9 +94,9 @@ def squeezed(text: str) -> str:
 # the numbers are those of the JSON
 
 
-def test_simulated_sigmas_are_those_of_the_studys_json(told, findings):
+def test_simulated_sigmas_are_those_of_the_studys_json(sections, findings):
     document = to_document(findings["simulation"])
-    rows = table(told, "simulation-sigmas").rows
+    rows = table(sections, "simulation-sigmas").rows
     times = [float(re.search(r"([\d.]+) s$", row[0].text)[1]) for row in rows if len(row) == 1]
     assert times == [100.0, 140.0]
     states = [row for row in rows if len(row) > 1]
@@ -105,68 +105,68 @@ def test_simulated_sigmas_are_those_of_the_studys_json(told, findings):
         at = document["time_s"].index(times[number // 9])
         group, axis, unit = re.match(r"(\w+), (\w+) \[(.+)\]", row[0].text).groups()
         suffix, scale = {"m": ("m", 1.0), "m/s": ("m_s", 1.0), "°": ("rad", 180 / math.pi)}[unit]
-        found = document[group.lower()][axis]
+        sigmas = document[group.lower()][axis]
         kinds = ("rms", "filter_sigma", "closed_form_sigma")
-        expected = [scale * found[f"{kind}_{suffix}"][at] for kind in kinds]
+        expected = [scale * sigmas[f"{kind}_{suffix}"][at] for kind in kinds]
         assert [value(cell) for cell in row[1:4]] == pytest.approx(expected, rel=5e-3), row[0].text
-        refined = found.get("refined_sigma_m", [None] * (at + 1))[at]
+        refined = sigmas.get("refined_sigma_m", [None] * (at + 1))[at]
         assert row[4].text == "–" if refined is None else value(row[4]) == pytest.approx(refined, rel=5e-3)
         assert value(row[5]) == pytest.approx(expected[0] / expected[2], rel=5e-3)
 
 
-def test_the_simulations_verdict_says_nees_nis_and_their_bands(told, findings):
-    document, said = to_document(findings["simulation"]), verdict(told, "simulation")
-    assert (said.word == "✓ Consistent") == document["consistent"]
-    for name, sentence in zip(("nees", "nis"), said.sentences, strict=True):
+def test_the_simulations_verdict_says_nees_nis_and_their_bands(sections, findings):
+    document, answer = to_document(findings["simulation"]), verdict(sections, "simulation")
+    assert (answer.word == "✓ Consistent") == document["consistent"]
+    for name, sentence in zip(("nees", "nis"), answer.sentences, strict=True):
         figures = [
             float(text)
             for text in re.findall(rf"{name.upper()} ([\d.]+),? .* band ([\d.]+) to ([\d.]+)[,:)]", sentence)[0]
         ]
         assert figures == pytest.approx([document[name][part] for part in ("mean", "low", "high")], rel=5e-3)
-    rows = table(told, "simulation-departures").rows
+    rows = table(sections, "simulation-departures").rows
     assert sum(row[0].text.count(",") for row in rows) == len(document["departures"])  # alike ones share a row
-    reasons = {re.sub(r" \(×[^)]*\)", "", found["reason"].lower()) for found in document["departures"]}
+    reasons = {re.sub(r" \(×[^)]*\)", "", departure["reason"].lower()) for departure in document["departures"]}
     assert {re.sub(r" \(×[^)]*\)", "", row[4].text.lower()) for row in rows} == reasons
-    factors = sorted(step["factor"] for found in document["departures"] for step in found["steps"])
+    factors = sorted(step["factor"] for departure in document["departures"] for step in departure["steps"])
     told_factors = [float(text) for row in rows for text in re.findall(r"[×(]?([\d.]+)(?: to|\))", row[4].text)]
     assert min(told_factors) == pytest.approx(factors[0], rel=5e-3)
     assert max(told_factors) == pytest.approx(factors[-1], rel=5e-3)
-    bullets = next(b for s in told if s.key == "d-simulation" for b in s.blocks if isinstance(b, Bullets))
+    bullets = next(b for s in sections if s.key == "d-simulation" for b in s.blocks if isinstance(b, Bullets))
     assert list(bullets.items) == document["conditions"]
 
 
 def listed(document: dict[str, Any], rows: tuple[tuple[Cell, ...], ...]) -> list[dict[str, Any]]:
     """The strategies of a document that a table has; without an outage one of them is another's twin."""
     names = [row[0].text for row in rows]
-    found = [strategy for strategy in document["strategies"] if strategy["name"] in names]
-    assert len(found) == len(names) >= len(document["strategies"]) - 1
-    return found
+    strategies = [strategy for strategy in document["strategies"] if strategy["name"] in names]
+    assert len(strategies) == len(names) >= len(document["strategies"]) - 1
+    return strategies
 
 
-def test_the_strategies_numbers_are_those_of_the_studys_json_in_millimetres_and_degrees(told, findings):
+def test_the_strategies_numbers_are_those_of_the_studys_json_in_millimetres_and_degrees(sections, findings):
     document = sar_json(findings["sar"].study)
     degrees = math.degrees(4 * math.pi / document["wavelength_m"])
-    rows = table(told, "sar-errors").rows
-    for row, found in zip(rows, listed(document, rows), strict=True):
-        rms, band = found["residual_rms_over_runs_m"], found["parts_m"]["residual_rms"]
+    rows = table(sections, "sar-errors").rows
+    for row, strategy in zip(rows, listed(document, rows), strict=True):
+        rms, band = strategy["residual_rms_over_runs_m"], strategy["parts_m"]["residual_rms"]
         page = [None if cell.text == "–" else value(cell) for cell in row[4:]]
         whole = [None if x is None else degrees * x for x in (
-            found["closed_form"]["whole_residual_rms_m"], found["whole_residual_rms_over_runs_m"],
+            strategy["closed_form"]["whole_residual_rms_m"], strategy["whole_residual_rms_over_runs_m"],
         )]  # fmt: skip
         expected = [1e3 * rms, degrees * rms, degrees * band["median"], *whole]
-        for one, other in zip(page, expected, strict=True):
-            assert one == (None if other is None else pytest.approx(other, rel=6e-3, abs=1e-9)), row[0].text
-        form = found["closed_form"]["residual_rms_m"]
+        for number, other in zip(page, expected, strict=True):
+            assert number == (None if other is None else pytest.approx(other, rel=6e-3, abs=1e-9)), row[0].text
+        form = strategy["closed_form"]["residual_rms_m"]
         assert row[2].text == "–" if form is None else value(row[2]) == pytest.approx(1e3 * form, rel=6e-3)
-        assert found["reconstruction"] == ("reconstruction" in row[1].text)
+        assert strategy["reconstruction"] == ("reconstruction" in row[1].text)
 
 
-def test_the_responses_are_those_of_the_studys_json_both_ways(told, findings):
+def test_the_responses_are_those_of_the_studys_json_both_ways(sections, findings):
     document = sar_json(findings["sar"].study)
-    lobe, integrated = table(told, "sar-lobe").rows, table(told, "sar-islr").rows
+    lobe, integrated = table(sections, "sar-lobe").rows, table(sections, "sar-islr").rows
     seen = 0
-    for row, other, found in zip(lobe, integrated, listed(document, lobe), strict=True):
-        response = found["impulse_response"]
+    for row, other, strategy in zip(lobe, integrated, listed(document, lobe), strict=True):
+        response = strategy["impulse_response"]
         if response["width_cells"]["median"] is None:
             assert row[1].text == "not focused"
             continue
@@ -181,54 +181,54 @@ def test_the_responses_are_those_of_the_studys_json_both_ways(told, findings):
     assert seen >= 6
 
 
-def test_the_sar_answer_says_which_why_and_what_would_change_it(told, findings):
+def test_the_sar_answer_says_which_why_and_what_would_change_it(sections, findings):
     advice = sar_json(findings["sar"].study)["advice"]
     study = findings["sar"].study
-    assert verdict(told, "sar").word == "✗ Detrended phase not met"
-    assert f"Use {study.best().name}, " in verdict(told, "sar").sentences[1]
-    assert verdict(told, "sar").tone == "bad"  # the example misses its limit of 20°
-    texts = [b.text for s in told if s.key == "d-sar" for b in s.blocks if isinstance(b, Text)]
+    assert verdict(sections, "sar").word == "✗ Detrended phase not met"
+    assert f"Use {study.best().name}, " in verdict(sections, "sar").sentences[1]
+    assert verdict(sections, "sar").tone == "bad"  # the example misses its limit of 20°
+    texts = [b.text for s in sections if s.key == "d-sar" for b in s.blocks if isinstance(b, Text)]
     assert any(advice["sentence"] in text for text in texts)
     assert any(study.sentence in text for text in texts)
     assert any(advice["because"] in text for text in texts)
     assert any(advice["would_change"] in text for text in texts)
 
 
-def test_the_four_suborbital_tables_are_the_studys_json_beside_the_paper(told, findings):
+def test_the_four_suborbital_tables_are_the_studys_json_beside_the_paper(sections, findings):
     document = survey_json(findings["suborbital"].survey)
     seen = 0
     for key in ("accelerometers", "gyros", "initial"):
-        for row in table(told, f"suborbital-{key}").rows:
+        for row in table(sections, f"suborbital-{key}").rows:
             for part, cells in (("final_m", row[1:4]), ("aided_final_m", row[4:7])):
-                found = document[part][row[0].text]
-                expected = [found[axis] for axis in ("north", "east", "up")]
+                entry = document[part][row[0].text]
+                expected = [entry[axis] for axis in ("north", "east", "up")]
                 assert [value(cell) for cell in cells] == pytest.approx(expected, rel=5e-3, abs=1e-3), row[0].text
             seen += 1
     assert seen == 8
-    gyro_total = next(row for row in table(told, "suborbital-gyros").rows if row[0].text == "gyro total")
+    gyro_total = next(row for row in table(sections, "suborbital-gyros").rows if row[0].text == "gyro total")
     assert [value(cell) for cell in gyro_total[7:]] == [11100, 7500, 20500]  # the paper's readings, [B]
-    texts = [b.text for s in told if s.key == "d-suborbital" for b in s.blocks if isinstance(b, Text)]
+    texts = [b.text for s in sections if s.key == "d-suborbital" for b in s.blocks if isinstance(b, Text)]
     assert document["summary"] in texts
-    rows = [row for row in table(told, "suborbital-inputs-table").rows if len(row) > 1]
-    for row, found in zip(rows, document["inputs"].values(), strict=True):
-        assert row[2].text == found["from"]
-        assert row[1].text.split()[-1] == (found["value"] or "none").split()[-1]
+    rows = [row for row in table(sections, "suborbital-inputs-table").rows if len(row) > 1]
+    for row, entry in zip(rows, document["inputs"].values(), strict=True):
+        assert row[2].text == entry["from"]
+        assert row[1].text.split()[-1] == (entry["value"] or "none").split()[-1]
     assert sum(row[2].text == "design MEMS IMU at X band" for row in rows) == 4
 
 
 # what is in the report, and that both faces have it
 
 
-def test_every_chart_of_the_three_studies_is_there_once(told):
-    keys = [block.key for section in told for block in section.blocks if isinstance(block, ChartBlock)]
+def test_every_chart_of_the_three_studies_is_there_once(sections):
+    keys = [block.key for section in sections for block in section.blocks if isinstance(block, ChartBlock)]
     assert len(keys) == len(set(keys))
-    kinds = [type(block.chart).__name__ for s in told for block in s.blocks if isinstance(block, ChartBlock)]
+    kinds = [type(block.chart).__name__ for s in sections for block in s.blocks if isinstance(block, ChartBlock)]
     assert {kind: kinds.count(kind) for kind in set(kinds)} == {
         "Chart": 9 + 4 + 16 + 6, "DotChart": 2, "MapChart": 2, "PictureChart": 2,
     }  # fmt: skip
 
 
-def test_equations_symbols_and_references_are_those_the_studies_use(told, design):
+def test_equations_symbols_and_references_are_those_the_studies_use(sections, design):
     def shared(studies: tuple[Section, ...]) -> tuple[set[str], int, str]:
         report = report_of([analyse(design)], NOW, studies=[studies])
         (equations,) = (block for block in report.blocks() if isinstance(block, Equations))
@@ -236,7 +236,7 @@ def test_equations_symbols_and_references_are_those_the_studies_use(told, design
         references = next(section for section in report.sections if section.key == "references").blocks[0]
         return {e.mark for e in equations.items}, len(symbols.items), " ".join(references.items)
 
-    bare, full = shared(()), shared(told)
+    bare, full = shared(()), shared(sections)
     assert full[0] - bare[0] >= {"T-14", "T-16", "S-7", *(f"B-{i}" for i in range(1, 10))}
     assert bare[1] == len(SYMBOLS) + 1  # of smoothing, whose marks every report cites
     assert full[1] == bare[1] + 11
@@ -247,22 +247,22 @@ def test_equations_symbols_and_references_are_those_the_studies_use(told, design
 
 def test_every_mark_in_the_html_leads_to_its_equation(html):
     ids = set(re.findall(r'id="([^"]+)"', html))
-    said = set(re.findall(r'href="#([TSBP]-\d+)"', html))
-    assert {"B-3", "T-16", "T-17"} <= said
-    assert said <= ids
+    marks = set(re.findall(r'href="#([TSBP]-\d+)"', html))
+    assert {"B-3", "T-16", "T-17"} <= marks
+    assert marks <= ids
     # Not links are only an equation's own number, marks within an equation, and tables of a chart's numbers.
     assert not re.findall(r'(?<!class="num")(?<!<td)(?<!<mtext)>\[[TSBP]-\d+\]<(?!/a)', html)
 
 
-def test_html_and_pdf_say_every_number_of_every_table(told, html, pages):
+def test_html_and_pdf_say_every_number_of_every_table(sections, html, pages):
     page = squeezed(re.sub(r"<[^>]+>", " ", html).replace("&#39;", "'").replace("&lt;", "<"))
     printed = squeezed(" ".join(text for text, _ in pages)).replace("\u200b", "")
-    tables = [block for section in told for block in section.blocks if isinstance(block, Table)]
-    said = {cell.text for table in tables for row in table.rows for cell in row}
-    assert len(said) > 100
-    assert not {text for text in said if squeezed(text) not in page}
+    tables = [block for section in sections for block in section.blocks if isinstance(block, Table)]
+    texts = {cell.text for table in tables for row in table.rows for cell in row}
+    assert len(texts) > 100
+    assert not {text for text in texts if squeezed(text) not in page}
     # Longer ones break over lines, which words of a PDF do not tell.
-    assert not {text for text in said if len(text) < 12 and squeezed(text) not in printed}
+    assert not {text for text in texts if len(text) < 12 and squeezed(text) not in printed}
 
 
 def test_nothing_in_the_pdf_runs_off_the_page(pages):
@@ -270,8 +270,8 @@ def test_nothing_in_the_pdf_runs_off_the_page(pages):
         assert 0 < right < 210 / 25.4 * 72, number
 
 
-def test_the_sections_are_small_enough_to_travel_to_a_worker(told):
-    assert len(pickle.dumps(told)) < MOST_BYTES
+def test_the_sections_are_small_enough_to_travel_to_a_worker(sections):
+    assert len(pickle.dumps(sections)) < MOST_BYTES
 
 
 # whose studies
@@ -281,17 +281,17 @@ def test_a_study_of_another_design_is_left_out_and_that_is_said(findings, design
     other = design.replace({"imu.angle_random_walk": 2.0 * design.imu.angle_random_walk})
     (section,) = study_sections(findings, other, "d")
     assert section.key == "d-left-out"
-    said = " ".join(section.blocks[0].items)
+    text = " ".join(section.blocks[0].items)
     for word in ("Simulation", "SAR", "Suborbital", design.content_hash[:12], "another design"):
-        assert word in said
+        assert word in text
     assert belonging(findings, other) == {"simulation": False, "sar": False, "suborbital": False}
     assert all(belonging(findings, design).values())
 
 
 def test_a_suborbital_study_with_inputs_of_its_own_goes_with_any_design_and_says_so(findings, design):
-    own = replace(findings["suborbital"], settings=DEFAULTS)
+    survey = replace(findings["suborbital"], settings=DEFAULTS)
     for any_design in (design, Design()):
-        sections = study_sections({"suborbital": own}, any_design, "d")
+        sections = study_sections({"suborbital": survey}, any_design, "d")
         texts = [b.text for b in sections[0].blocks if isinstance(b, Text)]
         assert any("not this design's IMU" in text for text in texts)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pypdf
 import pytest
-from commanded import told
+from commanded import reply
 from known_designs import TACTICAL
 
 from app.cli import main
@@ -16,15 +16,15 @@ pytestmark = pytest.mark.long
 
 
 @pytest.mark.parametrize(
-    ("unit", "said", "source"),
+    ("unit", "value", "source"),
     [("imu", "Angle random walk", "NIST Special Publication 1065"), ("gnss", "Position noise", "ISO 17123-8")],
 )
-def test_a_sheet_is_one_page_with_values_test_and_sources(tmp_path: Path, unit: str, said: str, source: str) -> None:
+def test_a_sheet_is_one_page_with_values_test_and_sources(tmp_path: Path, unit: str, value: str, source: str) -> None:
     target = tmp_path / "sheet.pdf"
     assert main(["report", TACTICAL, "--supplier", unit, "-o", str(target)]) == 0
     (page,) = pypdf.PdfReader(target).pages
     text = page.extract_text()
-    assert said in text
+    assert value in text
     assert "chi-square" in text
     assert source in text
 
@@ -50,8 +50,8 @@ def test_a_sheet_says_which_limits_are_not_in_its_values(tmp_path: Path) -> None
 def test_a_sheet_and_a_spreadsheet_are_of_one_design_alone(
     tmp_path: Path, more: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for target, own in (("sheet.pdf", ["--supplier", "imu"]), ("budget.xlsx", [])):
-        assert main(["report", TACTICAL, *more, *own, "-o", str(tmp_path / target)]) == 2
+    for target, options in (("sheet.pdf", ["--supplier", "imu"]), ("budget.xlsx", [])):
+        assert main(["report", TACTICAL, *more, *options, "-o", str(tmp_path / target)]) == 2
         assert "of one design, without --with and --show" in capsys.readouterr().err
         assert not list(tmp_path.iterdir())
 
@@ -64,6 +64,6 @@ def test_a_log_is_judged_by_the_command(
     noise = np.random.default_rng(2).standard_normal((2, 30_000, 3))
     np.savez(tmp_path / "log.npz", gyro=walks[0] * noise[0], accelerometer=walks[1] * noise[1])
     units = ["--rate", "100", "--gyro-unit", "rad/s", "--accelerometer-unit", "m/s2"]
-    result = told(capsys, "allan", str(tmp_path / "log.npz"), *units, "--against", TACTICAL, code=code)["acceptance"]
+    result = reply(capsys, "allan", str(tmp_path / "log.npz"), *units, "--against", TACTICAL, code=code)["acceptance"]
     assert result["passes"] is (code == 0)
     assert [axis["passes"] for axis in result["axes"]] == [code == 0] * 6

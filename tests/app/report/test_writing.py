@@ -26,8 +26,8 @@ def refused(target: Path, capsys, *options: str, code: int = 2) -> str:
 
 
 def test_a_way_to_show_figures_that_there_is_not_is_refused(tmp_path, capsys):
-    said = refused(tmp_path / "r.html", capsys, "--show", "3s")
-    assert "show: '3s' is not a display choice. Try 1s, 2s, 95 or cep" in said
+    message = refused(tmp_path / "r.html", capsys, "--show", "3s")
+    assert "show: '3s' is not a display choice. Try 1s, 2s, 95 or cep" in message
     assert not list(tmp_path.iterdir())
 
 

@@ -70,12 +70,12 @@ class Served:
         self, name: str, password: str, path: str = "/login", form: str = "", **headers: str
     ) -> tuple[int, str, http.client.HTTPMessage]:
         """By the form of the path, or of another one."""
-        found = _XSRF.search(self.ask(form or path)[1])
-        return self.ask(path, {"_xsrf": found[1], "username": name, "password": password}, **headers)
+        match = _XSRF.search(self.ask(form or path)[1])
+        return self.ask(path, {"_xsrf": match[1], "username": name, "password": password}, **headers)
 
     def log_out(self) -> tuple[int, str, http.client.HTTPMessage]:
-        found = _XSRF.search(self.ask("/logout")[1])
-        return self.ask("/logout", {"_xsrf": found[1]})
+        match = _XSRF.search(self.ask("/logout")[1])
+        return self.ask("/logout", {"_xsrf": match[1]})
 
     def token(self, path: str = "/") -> str:
         """Of a newly opened page."""
@@ -117,10 +117,10 @@ class Served:
 
         async def first() -> str | None:
             connection = await self.connect(token, origin, search, **headers)
-            said = await asyncio.wait_for(connection.read_message(), PATIENCE)
-            if said is not None:
+            message = await asyncio.wait_for(connection.read_message(), PATIENCE)
+            if message is not None:
                 await self.hang_up(connection)
-            return said if said is None else str(said)
+            return message if message is None else str(message)
 
         return asyncio.run(first())
 

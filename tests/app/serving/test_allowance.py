@@ -37,15 +37,15 @@ def _set(model: str, value: Any, attr: str = "value") -> dict[str, Any]:
 
 
 def test_a_value_again_and_again_counts_once() -> None:
-    own = Allowance(_MOST)
+    allowance = Allowance(_MOST)
     for _ in range(100):
-        assert not own.against(_message(_set("p1", "x" * 100_000)))
+        assert not allowance.against(_message(_set("p1", "x" * 100_000)))
 
 
 def test_values_side_by_side_are_summed_and_so_are_arrays() -> None:
-    own, arrays = Allowance(_MOST), Allowance(_MOST)
-    assert not own.against(_message(_set("p1", "x" * 90_000), _set("p2", "x" * 90_000)))
-    assert own.against(_message(_set("p3", "x" * 90_000)))
+    scalars, arrays = Allowance(_MOST), Allowance(_MOST)
+    assert not scalars.against(_message(_set("p1", "x" * 90_000), _set("p2", "x" * 90_000)))
+    assert scalars.against(_message(_set("p3", "x" * 90_000)))
     assert not arrays.against(_message(_set("p1", {"type": "bytes", "data": {"id": "b"}}), buffers=90_000))
     assert arrays.against(_message(_set("p2", {"type": "bytes", "data": {"id": "b"}}), buffers=120_000))
 

@@ -31,13 +31,13 @@ _NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin")
 
 def test_the_bill_of_materials_has_every_package_of_the_lock_file() -> None:
     lock = ROOT / "requirements" / "image.lock"
-    told = subprocess.run(
+    done = subprocess.run(
         [sys.executable, ROOT / "deploy" / "sbom.py", lock], capture_output=True, text=True, check=True
     )
-    bill = json.loads(told.stdout)
+    bill = json.loads(done.stdout)
     stated = [line.partition("==")[0] for line in lock.read_text().splitlines() if re.match(r"[a-z0-9].*==", line)]
-    assert [own["name"] for own in bill["components"]] == [name.partition("[")[0] for name in stated]
-    assert sum(len(own["hashes"]) for own in bill["components"]) == lock.read_text().count("--hash=sha256:")
+    assert [part["name"] for part in bill["components"]] == [name.partition("[")[0] for name in stated]
+    assert sum(len(part["hashes"]) for part in bill["components"]) == lock.read_text().count("--hash=sha256:")
 
 
 def _refusal(capsys: pytest.CaptureFixture[str], command: list[str]) -> str:
@@ -55,9 +55,9 @@ def test_the_compose_file_gives_options_the_program_takes(capsys: pytest.Capture
     for option in ("--password-file", "--cookie-secret-file"):
         assert Path(options[option]).name in services["navbudget"]["secrets"]
         assert Path(options[option]).name in compose["secrets"]
-    said = _refusal(capsys, command)
-    assert "/run/secrets/" in said
-    assert "No such file" in said
+    message = _refusal(capsys, command)
+    assert "/run/secrets/" in message
+    assert "No such file" in message
     host = re.search(r"//(\w+)@(\w+)/(\w+)$", options["--library"])
     database = services[host[2]]
     assert (database["environment"]["POSTGRES_USER"], database["environment"]["POSTGRES_DB"]) == (host[1], host[3])
@@ -102,7 +102,7 @@ def _proxy(
         check=True, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     text = (ROOT / "deploy" / "nginx.conf").read_text()
-    port, plain = (one.getsockname()[1] for one in listening)
+    port, plain = (listener.getsockname()[1] for listener in listening)
     for ours, theirs in (
         ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
         ("listen 80", f"listen 127.0.0.1:{plain}"),
@@ -124,7 +124,7 @@ def _proxy(
              'mount --bind "$0" /etc/hosts && exec "$@"', folder / "hosts"]  # fmt: skip
     command = [*apart, str(_NGINX), "-c", str(folder / "nginx.conf"), "-p", str(folder)]
     subprocess.run([*command, "-t"], check=True, capture_output=True)
-    handed = [one.fileno() for one in listening]
+    handed = [listener.fileno() for listener in listening]
     environment = {**os.environ, "NGINX": "".join(f"{number};" for number in handed)}
     with subprocess.Popen(command, stderr=subprocess.DEVNULL, pass_fds=handed, env=environment) as process:
         try:
@@ -144,9 +144,9 @@ def test_a_session_through_nginx(serving: Any, people: Path, tmp_path: Path) -> 
     with (
         serving(*options, log=tmp_path / "one") as served,
         serving(*options, "--address", "127.0.0.2", "--port", str(served.port), log=tmp_path / "two"),
-        socket.create_server(("127.0.0.1", 0)) as one,
-        socket.create_server(("127.0.0.1", 0)) as two,
-        _proxy(tmp_path, served.port, (one, two), "127.0.0.1", "127.0.0.2") as (port, plain),
+        socket.create_server(("127.0.0.1", 0)) as first,
+        socket.create_server(("127.0.0.1", 0)) as second,
+        _proxy(tmp_path, served.port, (first, second), "127.0.0.1", "127.0.0.2") as (port, plain),
     ):
         visitor = replace(served, port=port, cookies={}, trusting=trusting, name="localhost")
         redirect = http.client.HTTPConnection("127.0.0.1", plain, timeout=PATIENCE)

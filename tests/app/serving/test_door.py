@@ -177,8 +177,8 @@ def test_logout(visitor: Any) -> None:
 
 async def test_logging_out_closes_the_pages_of_this_login_and_no_others(visitor: Any) -> None:
     other = type(visitor)(visitor.process, visitor.port)
-    for one in (visitor, other):
-        one.log_in("ada", PASSWORD)
+    for person in (visitor, other):
+        person.log_in("ada", PASSWORD)
     leaving, staying = await visitor.enter(), await other.connect(other.token())
     await asyncio.to_thread(visitor.log_out)
     async with asyncio.timeout(PATIENCE):

@@ -65,19 +65,19 @@ async def test_while_a_server_ends_who_is_in_goes_on_and_nobody_else_gets_in(tmp
         address = process.stdout.readline().split()[-1]
         tab = await Tab.open(address)
         bars = (await tab.until(name="timelines"))["id"]
-        kept = http.client.HTTPConnection(address.rpartition("/")[2], timeout=PATIENCE)
-        kept.request("GET", "/liveness")
-        assert kept.getresponse().read()
+        connection = http.client.HTTPConnection(address.rpartition("/")[2], timeout=PATIENCE)
+        connection.request("GET", "/liveness")
+        assert connection.getresponse().read()
         process.send_signal(signal.SIGTERM)
-        await soon(lambda: refuses(kept.host, int(kept.port)), "a server that lets nobody in")
+        await soon(lambda: refuses(connection.host, int(connection.port)), "a server that lets nobody in")
         answered = tab.expect({bars})
         await tab.slide("imu.angle_random_walk", -4.0)
         await asyncio.wait_for(answered, PATIENCE)
-        kept.request("GET", "/")
-        answer = kept.getresponse()
+        connection.request("GET", "/")
+        answer = connection.getresponse()
         assert answer.status == 503
         assert "being stopped" in answer.read().decode()
-        kept.close()
+        connection.close()
         process.send_signal(signal.SIGTERM)  # a second signal does not wait
         await tab.close()
         assert process.wait(PATIENCE) == 0

@@ -53,9 +53,9 @@ async def test_pages_that_an_address_has_left_do_not_keep_it_or_others_out(servi
         # The server hears of it in its own time; whoever only looks at the page takes no place.
         await asyncio.to_thread(until, lambda: served.ask("/")[0] == 200, "word of the pages that were left")
         third = await served.enter()
-        kept = await served.enter(tokens[1])  # the older one gave way
+        tab = await served.enter(tokens[1])  # the older one gave way
         assert (await asyncio.to_thread(served.ask, "/"))[0] == 503  # and nobody does who is there
-        await served.hang_up(third, kept)
+        await served.hang_up(third, tab)
         assert served.metrics()["navbudget_sessions_opened_total"] == 3
 
 

@@ -21,9 +21,9 @@ def test_closed_pages_are_gone(server: Any) -> None:
         for _ in range(2):
             await visit(address)
 
-    address, left = server
+    address, remaining = server
     asyncio.run(some())
-    assert left().frames == 0
+    assert remaining().frames == 0
 
 
 @pytest.mark.parametrize(
@@ -36,6 +36,6 @@ def test_pages_that_lose_their_connection_are_gone(server: Any, stages: Sequence
         for stage in stages:
             await lose(address, stage)
 
-    address, left = server
+    address, remaining = server
     asyncio.run(at_every_stage())
-    assert left().frames == 0
+    assert remaining().frames == 0

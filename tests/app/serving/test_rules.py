@@ -19,21 +19,21 @@ PASSWORD = "correct horse battery"
 
 def refusal(capsys: pytest.CaptureFixture[str], *options: str) -> str:
     assert main(["serve", *options]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    return said
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    return message
 
 
 @pytest.mark.parametrize("address", ["0.0.0.0", "::", "192.0.2.1", "example.org"])
 def test_off_loopback_needs_a_decision(capsys: pytest.CaptureFixture[str], address: str) -> None:
-    said = refusal(capsys, "--address", address)
-    assert address in said
-    assert "--password-file" in said
-    assert "--open" in said
+    message = refusal(capsys, "--address", address)
+    assert address in message
+    assert "--password-file" in message
+    assert "--open" in message
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         (["--max-sessions", "0"], "--max-sessions: 0 is outside 1 to 10000"),
         (["--port", "70000"], "--port"),
@@ -48,8 +48,8 @@ def test_off_loopback_needs_a_decision(capsys: pytest.CaptureFixture[str], addre
         (["--cookie-secret-file", "/dev/null"], "holds 0 characters"),
     ],
 )
-def test_wrong_options(capsys: pytest.CaptureFixture[str], options: list[str], said: str) -> None:
-    assert said in refusal(capsys, *options)
+def test_wrong_options(capsys: pytest.CaptureFixture[str], options: list[str], message: str) -> None:
+    assert message in refusal(capsys, *options)
 
 
 def test_open_contradicts_a_password_file(people: Path) -> None:
@@ -95,7 +95,7 @@ def test_password_command(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("option", "content", "said"),
+    ("option", "content", "message"),
     [
         ("--library", None, "--library: cannot be opened: unable to open"),
         ("--library", b"x" * 5000, "--library: cannot be opened: file is not a database"),
@@ -104,7 +104,7 @@ def test_password_command(tmp_path: Path) -> None:
     ],
 )
 def test_a_file_that_cannot_be_used_is_told_at_the_start(
-    tmp_path: Path, option: str, content: bytes | None, said: str
+    tmp_path: Path, option: str, content: bytes | None, message: str
 ) -> None:
     path = tmp_path / "file"
     path.mkdir() if content is None else path.write_bytes(content)
@@ -112,7 +112,7 @@ def test_a_file_that_cannot_be_used_is_told_at_the_start(
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
-    assert said in done.stderr
+    assert message in done.stderr
 
 
 def test_hash_is_scrypt_of_the_standard() -> None:

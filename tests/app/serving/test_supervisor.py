@@ -107,9 +107,9 @@ async def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_p
     assert len(family) == 2
     os.kill(min(family), signal.SIGKILL)
     await soon(lambda: any(tab.errors for tab in tabs), "word of the killed process's page")
-    (left,) = [tab for tab in tabs if not tab.errors]
-    answered = left.expect({(await left.until(name="timelines"))["id"]})
-    await left.slide("imu.angle_random_walk", -4.0)
+    (survivor,) = [tab for tab in tabs if not tab.errors]
+    answered = survivor.expect({(await survivor.until(name="timelines"))["id"]})
+    await survivor.slide("imu.angle_random_walk", -4.0)
     await asyncio.wait_for(answered, PATIENCE)
     await soon(lambda: len(_page_processes(pair.process.pid) - {min(family)}) == 2, "another in its place")
     assert pair.ask("/liveness")[0] == 200
@@ -126,11 +126,11 @@ async def test_a_killed_process_takes_its_own_pages_only_and_another_takes_its_p
 @pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_when_it_ends_nothing_of_it_stays(number: signal.Signals) -> None:
     command = [sys.executable, "-m", "app", "serve", "--port", "0", "--processes", "2", "--grace", "0"]
-    with ExitStack() as left:
-        process = left.enter_context(
+    with ExitStack() as cleanup:
+        process = cleanup.enter_context(
             subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         )
-        left.callback(process.kill)
+        cleanup.callback(process.kill)
         port = int(process.stdout.readline().rpartition(":")[2])
         family = _page_processes(process.pid)
         assert len(family) == 2

@@ -82,16 +82,16 @@ def test_a_view_is_made_when_it_is_first_chosen_and_once() -> None:
 def test_bad_input_is_told_in_words_and_a_fault_by_a_number_that_the_log_has(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    said: list[str] = []
-    monkeypatch.setattr(faults, "_teller", lambda: said.append)
+    messages: list[str] = []
+    monkeypatch.setattr(faults, "_teller", lambda: messages.append)
     faults.handle(InputError("imu.bias", "Give a rate.", "x"))
-    assert "Give a rate." in said[-1]
+    assert "Give a rate." in messages[-1]
     assert not caplog.records
     with caplog.at_level(logging.ERROR, logger="navbudget"):
         faults.handle(ZeroDivisionError("of a secret design"))
     (record,) = caplog.records
-    assert "ZeroDivisionError" in said[-1]
-    assert "secret" not in said[-1]
-    assert said[-1].endswith(f"fault {record.fields['fault']}.")  # type: ignore[attr-defined]
+    assert "ZeroDivisionError" in messages[-1]
+    assert "secret" not in messages[-1]
+    assert messages[-1].endswith(f"fault {record.fields['fault']}.")  # type: ignore[attr-defined]
     faults.unsay()
-    assert said[-1] == ""
+    assert messages[-1] == ""

@@ -39,11 +39,11 @@ def test_a_text_says_what_is_coming_then_each_result() -> None:
 
 
 def test_a_part_is_made_once_with_the_first_result_and_may_make_others() -> None:
-    page, made, shown = Page(), [], []
+    page, made, results = Page(), [], []
 
     def make() -> pn.pane.HTML:
         made.append(page.result)
-        page.parts.add(shown.append)
+        page.parts.add(results.append)
         return page.parts.text("{}".format)
 
     place = page.parts.later(make)
@@ -54,7 +54,7 @@ def test_a_part_is_made_once_with_the_first_result_and_may_make_others() -> None
         page.take(result)
         assert place[0].object == str(result)
     assert made == [3]
-    assert shown == [3, 4]
+    assert results == [3, 4]
 
 
 def test_charts_keep_their_figures() -> None:

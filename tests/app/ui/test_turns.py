@@ -27,7 +27,7 @@ class _Clock:
         return self.now
 
 
-def _in_a_session(work: Callable[[Document, SimpleNamespace], None], begun: list[Any]) -> None:
+def _in_a_session(work: Callable[[Document, SimpleNamespace], None], started: list[Any]) -> None:
     """Call it in a session; from when something has `begun`, wait for all of it."""
 
     async def run() -> None:
@@ -36,7 +36,7 @@ def _in_a_session(work: Callable[[Document, SimpleNamespace], None], begun: list
         session = ServerSession(ID("a"), document, IOLoop.current())
         with set_curdoc(document):
             work(document, context)
-        await soon(lambda: begun, "the first piece")
+        await soon(lambda: started, "the first piece")
         while len(asyncio.all_tasks()) > 1:
             await asyncio.sleep(0)
         session.destroy()
@@ -59,20 +59,20 @@ def test_the_work_is_done_in_another_turn_unless_the_page_is_closed(closed: bool
 
 
 def test_a_fault_is_told_and_leaves_the_document_able_to_change(monkeypatch: pytest.MonkeyPatch) -> None:
-    kept: list[Document] = []
-    told: list[BaseException] = []
-    monkeypatch.setattr(pn.config, "exception_handler", told.append)
+    documents: list[Document] = []
+    faults: list[BaseException] = []
+    monkeypatch.setattr(pn.config, "exception_handler", faults.append)
 
     def fail() -> None:
         raise ZeroDivisionError
 
     def work(document: Document, _: SimpleNamespace) -> None:
-        kept.append(document)
+        documents.append(document)
         defer(fail)
 
-    _in_a_session(work, told)
-    assert kept[0].models._freeze_count == 0
-    assert [type(fault) for fault in told] == [ZeroDivisionError]
+    _in_a_session(work, faults)
+    assert documents[0].models._freeze_count == 0
+    assert [type(fault) for fault in faults] == [ZeroDivisionError]
 
 
 def test_what_waits_for_a_slider_to_rest_is_done_at_once_and_when_it_rests(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,8 +104,8 @@ def test_without_a_server_all_is_done_at_once() -> None:
 
 
 def test_what_waits_for_the_first_screen_is_one_change(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[BaseException] = []
-    monkeypatch.setattr(pn.config, "exception_handler", told.append)
+    faults: list[BaseException] = []
+    monkeypatch.setattr(pn.config, "exception_handler", faults.append)
     document, place = Document(), pn.Column()
 
     def fail() -> None:
@@ -120,6 +120,6 @@ def test_what_waits_for_the_first_screen_is_one_change(monkeypatch: pytest.Monke
         pn.state._on_load(document)
         assert [part.object for part in place.objects] == ["a", "b"]
         assert sum(model.__class__.__name__ == "HTML" for model in document.models) == 2
-        assert [type(fault) for fault in told] == [ZeroDivisionError]
+        assert [type(fault) for fault in faults] == [ZeroDivisionError]
         once_loaded(lambda: place.append(pn.pane.HTML("c")))
         assert len(place.objects) == 3

@@ -92,15 +92,15 @@ async def _turns() -> None:
 
 async def _two_changes(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The second is made just when the first has been written; what has been sent when all tasks are done."""
-    begun, end = asyncio.Event(), asyncio.Event()
+    started, end = asyncio.Event(), asyncio.Event()
 
     async def written() -> None:
-        begun.set()
+        started.set()
         await end.wait()
 
     doc, connection = Document(), _Connection(monkeypatch, written)
     hands.panel(doc, [connection], ["first"])
-    await begun.wait()
+    await started.wait()
     end.set()  # the first's task goes on before the second's begins
     hands.panel(doc, [connection], ["second"])
     await _turns()
@@ -157,9 +157,9 @@ async def test_a_fault_in_a_message_does_not_hold_up_the_line(monkeypatch: pytes
     assert connection._socket.write_lock._block._value == 1, "the line goes on"
 
 
-@pytest.mark.parametrize(("asked", "told"), [("PULL-DOC-REQ", True), ("SERVER-INFO-REQ", False)])
+@pytest.mark.parametrize(("asked", "sent"), [("PULL-DOC-REQ", True), ("SERVER-INFO-REQ", False)])
 def test_what_a_hold_collects_once_the_document_is_sent_is_told(
-    asked: str, told: bool, monkeypatch: pytest.MonkeyPatch
+    asked: str, sent: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(panel_document, "_drain_unconnected_events", ours._collected)
     document, changes = Document(), list[Any]()
@@ -177,12 +177,12 @@ def test_what_a_hold_collects_once_the_document_is_sent_is_told(
     assert not changes
     with pn.io.hold(document):
         document.title = "changed after"
-    assert [each.title for each in changes] == ["changed after"] * told
+    assert [each.title for each in changes] == ["changed after"] * sent
 
 
 async def test_what_a_task_changes_is_told_once_the_session_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(panel_document, "_drain_unconnected_events", ours._collected)
-    document, told = Document(), asyncio.Queue[str]()
+    document, titles = Document(), asyncio.Queue[str]()
     context = BokehSessionContext("of a test", None, document)
     document._session_context = weakref.ref(context)
     session = ServerSession(context.id, document, IOLoop.current())
@@ -190,13 +190,13 @@ async def test_what_a_task_changes_is_told_once_the_session_is_free(monkeypatch:
 
     class Connection:
         async def send_patch_document(self, event: Any) -> None:
-            told.put_nowait(event.title)
+            titles.put_nowait(event.title)
 
     session.subscribe(Connection())
     ours._sent.add(document)
     with pn.io.hold(document):
         document.title = "by a task"
-    assert await asyncio.wait_for(told.get(), PATIENCE) == "by a task"
+    assert await asyncio.wait_for(titles.get(), PATIENCE) == "by a task"
     session.destroy()
 
 
@@ -311,8 +311,8 @@ async def test_a_change_while_the_page_loads_is_told_once_its_document_was_sent(
     sent: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ServerSession, "_document_patched", ours._patched)
-    told: list[Any] = []
-    monkeypatch.setattr(ours, "_in_line", lambda connection, events: told.append((connection, events[0].new)))
+    calls: list[Any] = []
+    monkeypatch.setattr(ours, "_in_line", lambda connection, events: calls.append((connection, events[0].new)))
     document, text = Document(), Div()
     document.add_root(text)
     session: Any = ServerSession("a", document)
@@ -325,5 +325,5 @@ async def test_a_change_while_the_page_loads_is_told_once_its_document_was_sent(
         ours._sent.add(document)
     with set_curdoc(document), pn.io.hold():
         text.text = "a result that has come"
-    assert told == ([(page, "a result that has come")] if sent else [])
+    assert calls == ([(page, "a result that has come")] if sent else [])
     assert text.text == "a result that has come"

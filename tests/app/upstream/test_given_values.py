@@ -52,7 +52,7 @@ def _told(model: Model) -> dict[str, Any]:
 def test_every_model_is_told_and_searched_as_before() -> None:
     import panel_material_ui  # noqa: F401  (its models are among them)
 
-    def found(kind: type[Model]) -> Any:
+    def content(kind: type[Model]) -> Any:
         model = kind()
         return _told(model), sorted(type(each).__name__ for each in model.references())
 
@@ -62,12 +62,12 @@ def test_every_model_is_told_and_searched_as_before() -> None:
             continue
         _as_shipped()
         try:
-            expected = found(kind)
+            expected = content(kind)
         except UnsetValueError:  # it cannot stand by itself
             continue
         finally:
             check_given_values()
-        assert found(kind) == expected, kind
+        assert content(kind) == expected, kind
         compared += 1
     assert compared > 400
 

@@ -27,9 +27,9 @@ def test_the_cookie_stays_here(protocol: str) -> None:
     request.protocol = protocol
     handler = CookieForThisSite(Application(cookie_secret="of a test"), request)
     handler.set_secure_cookie("user", "ada")
-    said = str(handler._new_cookie["user"].OutputString())
-    assert "SameSite=Lax" in said
-    assert ("Secure" in said) == (protocol == "https")
+    cookie = str(handler._new_cookie["user"].OutputString())
+    assert "SameSite=Lax" in cookie
+    assert ("Secure" in cookie) == (protocol == "https")
 
 
 def test_a_key_encrypts() -> None:

@@ -38,13 +38,13 @@ def _refuse(*, progress: Any) -> None:
 
 
 async def test_a_process_that_stayed_small_does_the_next_run_and_steps_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    said: list[str] = []
-    first = await run_alone(_who, progress=lambda _, what: said.append(what))
+    messages: list[str] = []
+    first = await run_alone(_who, progress=lambda _, what: messages.append(what))
     with pytest.raises(ValueError, match="not this one"):
         await run_alone(_refuse, progress=lambda *_: None)
     monkeypatch.setattr(cancellable, "_SMALL", 0)
     assert await run_alone(_who, progress=lambda *_: None) == first
-    assert said == ["looking"]
+    assert messages == ["looking"]
     assert not cancellable._waiting
     process, niceness, ends_first = first
     assert process not in [child.pid for child in multiprocessing.active_children()]
@@ -58,10 +58,10 @@ def _for_an_hour(*, progress: Any) -> None:
 
 
 async def test_cancelling_a_run_ends_it_at_once() -> None:
-    begun: list[str] = []
+    messages: list[str] = []
     others = set(multiprocessing.active_children())
-    task = asyncio.create_task(run_alone(_for_an_hour, progress=lambda _, what: begun.append(what)))
-    await soon(lambda: begun, "the run in its process")
+    task = asyncio.create_task(run_alone(_for_an_hour, progress=lambda _, what: messages.append(what)))
+    await soon(lambda: messages, "the run in its process")
     task.cancel()
     with pytest.raises(asyncio.CancelledError):
         await asyncio.wait_for(task, PATIENCE)
@@ -126,11 +126,11 @@ def test_what_workers_have_to_say_goes_through_the_log(tmp_path: Path) -> None:
     script = tmp_path / "script.py"  # a file: what is spawned imports it again
     script.write_text(_WARNING, encoding="utf-8")
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True, timeout=PATIENCE)
-    said = [json.loads(line) for line in done.stderr.splitlines()]
-    assert [(own["level"], own["event"]) for own in said] == [
+    records = [json.loads(line) for line in done.stderr.splitlines()]
+    assert [(record["level"], record["event"]) for record in records] == [
         ("warning", "warning"), ("warning", "warning"), ("error", "fault in a worker")
     ]  # fmt: skip
-    assert said[0]["category"] == "UserWarning"
-    assert said[0]["raised"].startswith(str(script))
-    assert said[2]["exception"] == "TypeError"
+    assert records[0]["category"] == "UserWarning"
+    assert records[0]["raised"].startswith(str(script))
+    assert records[2]["exception"] == "TypeError"
     assert "what a file says" not in done.stderr

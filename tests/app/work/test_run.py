@@ -55,7 +55,7 @@ def test_a_run_tells_shows_and_ends_with_its_result():
 
 
 @pytest.mark.parametrize(
-    ("error", "said"),
+    ("error", "message"),
     [
         (InputError("gyro", "is not there"), "gyro: is not there"),
         (InputError("trajectory.waypoints", "are too near"), "Waypoints: are too near"),  # as the page names them
@@ -64,14 +64,14 @@ def test_a_run_tells_shows_and_ends_with_its_result():
         (ZeroDivisionError("none"), "none"),
     ],
 )
-def test_what_is_refused_becomes_the_message_and_keeps_the_last_result(error: Exception, said: str):
+def test_what_is_refused_becomes_the_message_and_keeps_the_last_result(error: Exception, message: str):
     run = Run(result="last")
 
     async def work(_: Run) -> None:
         raise error
 
     to_the_end(run, work)
-    assert (run.running, run.progress, run.result, run.message) == (False, None, "last", said)
+    assert (run.running, run.progress, run.result, run.message) == (False, None, "last", message)
 
 
 def test_a_fault_of_ours_ends_the_run_and_is_not_swallowed():
@@ -87,10 +87,10 @@ def test_a_fault_of_ours_ends_the_run_and_is_not_swallowed():
 
 async def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
     run = Run()
-    begun = []
+    started = []
 
     async def endless(run: Run) -> None:
-        begun.append(1)
+        started.append(1)
         run.tell("3 of 9 runs", 1 / 3)
         await asyncio.Event().wait()
 
@@ -98,13 +98,13 @@ async def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
         return "second"
 
     first = run.start(endless)
-    while not begun:
+    while not started:
         await asyncio.sleep(0)
     second = run.start(short)
     await asyncio.wait({first, second})
     assert (run.result, run.running, run.message) == ("second", False, "")
     third = run.start(endless)
-    while len(begun) < 2:
+    while len(started) < 2:
         await asyncio.sleep(0)
     run.cancel()
     await third

@@ -110,14 +110,14 @@ async def test_pool_and_long_runs_let_another_visitor_in_before_the_rest_of_the_
         for kind, run in runs.items():
             order: list[str] = []
 
-            async def one(name: str, run: object = run, order: list[str] = order) -> None:
+            async def visit(name: str, run: object = run, order: list[str] = order) -> None:
                 await run()  # type: ignore[operator]
                 order.append(name)
 
             tasks = []
             for name in ("a1", "a2", "a3", "b1"):
                 asking[0] = name[0]
-                tasks.append(asyncio.create_task(one(name)))
+                tasks.append(asyncio.create_task(visit(name)))
                 await asyncio.sleep(0)
             await asyncio.gather(*tasks)
             assert order == ["a1", "a2", "b1", "a3"], kind

@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
-from commanded import told
+from commanded import reply
 
 from app.cli import main
 from nav_model.base.constants import SPEED_OF_LIGHT
@@ -30,19 +30,19 @@ def design(tmp_path: Path) -> str:
 
 
 def test_it_prints_the_contract_and_ends_with_0(design: str, capsys: pytest.CaptureFixture[str]) -> None:
-    result = told(capsys, "allocate", design, "--split", "equal", "--reserve", "10%")
+    result = reply(capsys, "allocate", design, "--split", "equal", "--reserve", "10%")
     assert result.keys() == {"requirement", "limit", "reserve", "closes", "blocked_by", "entries"}
     assert (result["requirement"], result["reserve"], result["closes"]) == ("detrended_phase", 0.1, True)
     square = sum(entry["allocated"] ** 2 for entry in result["entries"])
     assert math.sqrt(square) == pytest.approx(0.9 * math.radians(20), rel=1e-9)
-    (own,) = (entry for entry in result["entries"] if entry["source"] == "lever arm")
-    assert own["owner"] == "mechanics"
-    assert own["estimated"] == pytest.approx(2 * 4 * math.pi / (SPEED_OF_LIGHT / 9.6e9) * 1e-4, rel=1e-9)
+    (arm,) = (entry for entry in result["entries"] if entry["source"] == "lever arm")
+    assert arm["owner"] == "mechanics"
+    assert arm["estimated"] == pytest.approx(2 * 4 * math.pi / (SPEED_OF_LIGHT / 9.6e9) * 1e-4, rel=1e-9)
 
 
 def test_a_length_and_an_angle_lock_a_phase(design: str, capsys: pytest.CaptureFixture[str]) -> None:
     locks = ["--lock", "lever arm=0.2 mm", "--lock", "gyro noise=5 deg"]
-    result = told(capsys, "allocate", design, "--requirement", "detrended_phase", *locks)
+    result = reply(capsys, "allocate", design, "--requirement", "detrended_phase", *locks)
     entries = {entry["source"]: entry for entry in result["entries"]}
     assert entries["gyro noise"]["allocated"] == pytest.approx(math.radians(5), rel=1e-12)
     assert entries["lever arm"]["allocated"] == pytest.approx(4 * math.pi / (SPEED_OF_LIGHT / 9.6e9) * 2e-4, rel=1e-9)
@@ -51,7 +51,7 @@ def test_a_length_and_an_angle_lock_a_phase(design: str, capsys: pytest.CaptureF
 
 def test_a_lock_that_leaves_nothing_is_named_with_1(design: str, capsys: pytest.CaptureFixture[str]) -> None:
     locks = ["--lock", "gyro noise=30 deg", "--lock", "lever arm=0.1 mm"]
-    result = told(capsys, "allocate", design, *locks, code=1)
+    result = reply(capsys, "allocate", design, *locks, code=1)
     assert (result["closes"], result["blocked_by"]) == (False, ["gyro noise"])
 
 

@@ -33,14 +33,14 @@ def part() -> Contributors:
 def test_what_is_entered_becomes_part_of_the_design_and_can_be_undone(part: Contributors) -> None:
     session, before = part.session, part.session.budget
     part._contributors.put([_ROW | {"source": " "}])
-    (own,) = session.design.contributors
-    assert (own.name, own.value, own.owner) == ("lever <arm>", 1e-3, "mechanics")
+    (contributor,) = session.design.contributors
+    assert (contributor.name, contributor.value, contributor.owner) == ("lever <arm>", 1e-3, "mechanics")
     assert session.budget["detrended_phase", "real time"].sigma > before["detrended_phase", "real time"].sigma
     assert read_contributors(part._contributors.rows) == session.design.contributors
     part._limits.put([_LIMIT])
     assert [check.name for check in session.budget.verdict.checks] == ["detrended_phase", "tilt", "heading"]
     session.change({"gnss.interval": 0.5})
-    assert session.design.contributors == (own,)
+    assert session.design.contributors == (contributor,)
     for _ in range(3):
         session.undo()
     assert session.design == before.design
@@ -74,24 +74,24 @@ def test_the_allocation_follows_split_reserve_and_locks(part: Contributors) -> N
     part._requirement.value = "tilt"
     part._reserve.value = "30 %"
     part._split.value = "equal"
-    shown = [row["source"] for row in part._entries.rows]
-    part._entries.put([{"lock": "0.1°"} if source == "gyro noise" else {} for source in shown])
+    sources = [row["source"] for row in part._entries.rows]
+    part._entries.put([{"lock": "0.1°"} if source == "gyro noise" else {} for source in sources])
     plan = part.session.design.allocation
     assert (plan.split, plan.reserve) == ("equal", 0.3)
     assert [(lock.requirement, lock.name, lock.value) for lock in plan.locks] == [
         ("tilt", "gyro noise", pytest.approx(math.radians(0.1)))
     ]
-    found = allocate(part.session.budget, "tilt")
-    assert math.sqrt(sum(entry.allocated**2 for entry in found.entries)) == pytest.approx(0.7 * 0.01)
+    allocation = allocate(part.session.budget, "tilt")
+    assert math.sqrt(sum(entry.allocated**2 for entry in allocation.entries)) == pytest.approx(0.7 * 0.01)
     assert "Split: equal values" in part._outcome.object
     before = part.session.design
-    part._entries.put([{"lock": "2 m"} for _ in shown])
+    part._entries.put([{"lock": "2 m"} for _ in sources])
     assert part._entries.refused.startswith("gyro noise: ")
     part._reserve.value = "all"
     assert "role='alert'" in part._outcome.object
     assert part.session.design == before
     part._reserve.value = "30 %"
-    part._entries.put([{"lock": "20°"} for _ in shown])
+    part._entries.put([{"lock": "20°"} for _ in sources])
     assert "Does not fit" in part._outcome.object
     part.session.change({"requirements.tilt": None})
     assert "Detrended phase" in part._outcome.object
@@ -123,25 +123,25 @@ def test_frozen_values_stay_with_a_changed_plan_and_are_released_by_a_button(par
 
 
 def test_the_report_has_an_allocation_of_each_requirement() -> None:
-    own = UserEntries(read_contributors([_ROW]), read_limits([_LIMIT]), read_allocation({"reserve": "10 %"}))
-    budget = analyse(_DESIGN.replace({}, entries=own))
-    said = to_html(report_of([budget]))
-    assert "<arm>" not in said
+    entries = UserEntries(read_contributors([_ROW]), read_limits([_LIMIT]), read_allocation({"reserve": "10 %"}))
+    budget = analyse(_DESIGN.replace({}, entries=entries))
+    html = to_html(report_of([budget]))
+    assert "<arm>" not in html
     for label in ("Detrended phase", "Tilt", "Heading"):
-        assert f"Allocation of {label}" in said
-    assert "reserve 10\xa0%" in said
+        assert f"Allocation of {label}" in html
+    assert "reserve 10\xa0%" in html
     assert "Allocation of" not in to_html(report_of([analyse(_DESIGN)]))
 
 
 def test_a_comparison_lists_contributors_that_differ() -> None:
-    own, same = read_contributors([_ROW]), read_contributors([_ROW | {"name": "clock"}])
-    one, other = _DESIGN.replace({}, entries=UserEntries(own + same)), _DESIGN.replace({}, entries=UserEntries(same))
-    said = to_html(report_of([analyse(one), analyse(other)]))
-    row = re.search(r"<tr>(?:(?!</tr>).)*Contributor lever &lt;arm&gt;.*?</tr>", said, re.DOTALL)
+    arm, same = read_contributors([_ROW]), read_contributors([_ROW | {"name": "clock"}])
+    both, other = _DESIGN.replace({}, entries=UserEntries(arm + same)), _DESIGN.replace({}, entries=UserEntries(same))
+    html = to_html(report_of([analyse(both), analyse(other)]))
+    row = re.search(r"<tr>(?:(?!</tr>).)*Contributor lever &lt;arm&gt;.*?</tr>", html, re.DOTALL)
     assert "1\xa0mm in Detrended phase, random, both" in row[0]
     assert "not given" in row[0]
-    assert "Contributor clock" not in said
-    assert "The designs have the same inputs." not in said
+    assert "Contributor clock" not in html
+    assert "The designs have the same inputs." not in html
 
 
 def test_a_ready_made_contributor_asks_for_what_the_design_does_not_have(part: Contributors) -> None:
@@ -155,8 +155,8 @@ def test_a_ready_made_contributor_asks_for_what_the_design_does_not_have(part: C
     assert [box.visible for box in part._boxes] == [True, False]
     part._boxes[0].value = "1 ms"
     part._make()
-    (one,) = part.session.design.contributors
-    assert (one.name, one.value, one.kind, one.enters) == (
+    (contributor,) = part.session.design.contributors
+    assert (contributor.name, contributor.value, contributor.kind, contributor.enters) == (
         "time tag, offset", pytest.approx(1e-3 * _DESIGN.flight.speed), "systematic", "horizontal_position",
     )  # fmt: skip
     assert part._boxes[0].value == ""

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from commanded import told
+from commanded import reply
 from known_designs import MEMS, changed
 
 from app.cli import main
@@ -59,8 +59,8 @@ def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
 
 
 def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -> None:
-    told = {figure.label: (figure.limit, figure.met) for figure in key_figures(mems).items if figure.met is not None}
-    assert told == {
+    rows = {figure.label: (figure.limit, figure.met) for figure in key_figures(mems).items if figure.met is not None}
+    assert rows == {
         "Horizontal position": ("2 m", True),
         "Horizontal position after the outage": ("50 m", True),
         "Quadratic phase": ("90°", False),
@@ -82,8 +82,8 @@ def test_every_check_can_be_seen_to_fail() -> None:
         r'<tr class="limited"><th scope="row"[^>]*>along-track</th><td [^>]*><div class="over">.*?limit 90°', html
     )
     tight = changed(requirements__ce90=0.1, requirements__le90=0.1, requirements__azimuth_shift=0.01)
-    own = {"limits": [{"name": "mine", "on": "coast_tilt", "limit": "0.001°"}]}
-    tight = analyse(tight.design.replace({}, entries=read_entries(own)))
+    entries = {"limits": [{"name": "mine", "on": "coast_tilt", "limit": "0.001°"}]}
+    tight = analyse(tight.design.replace({}, entries=read_entries(entries)))
     tiles = {tile.label: tile.met for tile in key_figures(tight).items if tile.met is not None}
     assert tiles == {check.label: check.met for check in tight.verdict.checks}
     assert not any(tiles[label] for label in ("LE90", "CE90", "Azimuth shift", "mine"))
@@ -151,33 +151,33 @@ def test_a_limit_at_another_multiple_than_the_figure_beside_it_says_so() -> None
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
 def test_figures_within_a_detail_are_as_wide_as_the_one_they_explain(mode: str) -> None:
     budget = changed(processing__mode=mode)
-    for one, two in zip(key_figures(budget).items[:7], key_figures(budget, Display("2σ")).items[:7], strict=True):
+    for a, b in zip(key_figures(budget).items[:7], key_figures(budget, Display("2σ")).items[:7], strict=True):
         once, twice = (
             [si(amount) for amount in re.findall(r"[\d.]+ ?(?:[mc]?m(?:/s)?|°)(?!\w)", figure.detail)]
-            for figure in (one, two)
+            for figure in (a, b)
         )
-        assert twice == pytest.approx([2 * amount for amount in once], rel=6e-3), (one.detail, two.detail)
-        assert "1σ" not in two.detail
+        assert twice == pytest.approx([2 * amount for amount in once], rel=6e-3), (a.detail, b.detail)
+        assert "1σ" not in b.detail
 
 
 def test_a_design_that_closes_is_told_how_far_each_input_may_go() -> None:
     budget = changed(imu__angle_random_walk=0.03 * math.pi / 180 / 60)
     assert budget.verdict.closes
-    found = {way.what: way for way in ways(budget.design) if not way.what.startswith("IMU")}
-    noise = found["Angle random walk"]
-    assert "still close, one at a time" in str(ways_block(budget, tuple(found.values())))
+    by_input = {way.what: way for way in ways(budget.design) if not way.what.startswith("IMU")}
+    noise = by_input["Angle random walk"]
+    assert "still close, one at a time" in str(ways_block(budget, tuple(by_input.values())))
     ((key, most),) = noise.changes.items()
     assert analyse(budget.design.replace({key: most})).verdict.closes
     assert not analyse(budget.design.replace({key: 1.02 * most})).verdict.closes
 
 
 @pytest.mark.parametrize(
-    ("chosen", "said"), [("prior", "before a fix"), ("posterior", "after a fix"), ("closed", "average between")]
+    ("chosen", "moment"), [("prior", "before a fix"), ("posterior", "after a fix"), ("closed", "average between")]
 )
-def test_key_figures_are_of_the_moment_the_design_is_held_against(chosen: str, said: str) -> None:
+def test_key_figures_are_of_the_moment_the_design_is_held_against(chosen: str, moment: str) -> None:
     budget = changed(requirements__steady_state=chosen)
     position = key_figures(budget).items[0]
-    assert said in position.detail
+    assert moment in position.detail
     assert ("; average" in position.detail) == (chosen != "closed")
     expected = getattr(budget.steady_state, chosen)["horizontal_position"]
     assert si(position.value) == pytest.approx(expected, rel=5e-3)
@@ -188,13 +188,13 @@ def test_requirements_have_value_limit_margin_and_verdict(mems: Budget) -> None:
     for row, check in zip(table.rows, mems.verdict.checks, strict=True):
         assert row[0].text == check.label
         assert [si(cell.text) for cell in row[1:3]] == pytest.approx([check.value, check.limit], rel=5e-3, abs=0.05)
-        told = row[3].text.replace("−", "-")
+        margin = row[3].text.replace("−", "-")
         if check.margin < 0:
-            assert float(told.removesuffix(" × the limit")) == pytest.approx(
+            assert float(margin.removesuffix(" × the limit")) == pytest.approx(
                 check.value / check.limit, rel=5e-3, abs=0.05
             )
         else:
-            assert float(told.removesuffix(" %")) == pytest.approx(100 * check.margin, rel=5e-3, abs=0.05)
+            assert float(margin.removesuffix(" %")) == pytest.approx(100 * check.margin, rel=5e-3, abs=0.05)
         assert row[4].text.endswith("not met") != check.met
         assert row[6].text.startswith(f"{check.sensor}, ")
 
@@ -275,10 +275,10 @@ def test_page_and_report_cite_the_steady_state_that_was_computed() -> None:
     for noise, cited, absent in ((None, "[T-3]", "[P-6]"), (0.03, "[P-6]", "[T-3]")):
         budget = changed(**{"gnss.velocity_noise": noise, "requirements.steady_state": "closed"})
         charts = [make(budget) for make in (position_chart, velocity_chart, attitude_chart)]
-        said = [chart.knowledge for chart in charts]
-        said += [chart.lines[0].source for chart in charts]
-        said += [str(key_figures(budget)), str(steady_table(budget, "a"))]
-        assert all(cited in text and absent not in text for text in said)
+        texts = [chart.knowledge for chart in charts]
+        texts += [chart.lines[0].source for chart in charts]
+        texts += [str(key_figures(budget)), str(steady_table(budget, "a"))]
+        assert all(cited in text and absent not in text for text in texts)
 
 
 def test_charts_of_formulas_say_real_time_where_the_design_is_post_processed(mems: Budget) -> None:
@@ -317,8 +317,8 @@ def test_a_design_that_fails_by_far_has_tiles_in_their_place_and_an_image_that_s
 def test_what_the_image_comes_from_is_of_the_designs_processing(mems: Budget) -> None:
     """The response of a smoothed quadratic phase is not that of real time [S-5]."""
     smoothed = changed(processing__mode="post-processed")
-    for budget, said, mark in ((mems, "real time", "[S-5]"), (smoothed, "post-processed", "[P-5]")):
-        assert response_chart(budget).knowledge.startswith(f"With 1σ quadratic error, {said}: width")
+    for budget, mode, mark in ((mems, "real time", "[S-5]"), (smoothed, "post-processed", "[P-5]")):
+        assert response_chart(budget).knowledge.startswith(f"With 1σ quadratic error, {mode}: width")
         rows = {row[0].text: row[2].text for row in image_table(budget, "d").rows}
         assert rows["Response width"] == f"[S-3], {mark}"
 
@@ -354,7 +354,7 @@ def test_post_processed_curves_bridge_the_outage() -> None:
 
 def test_vendor_table_on_page_report_and_console_is_one(capsys):
     design = example("mems_x_band")
-    told_table = told(capsys, "table", MEMS, "--imu", "ADIS16495-1")
+    told_table = reply(capsys, "table", MEMS, "--imu", "ADIS16495-1")
     rows = told_table["rows"]
     assert "without the design's contributors" in told_table["of"]
     block = vendor_block(design, "d", "ADIS16495-1")

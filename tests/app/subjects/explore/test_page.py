@@ -121,8 +121,8 @@ def test_imus_with_the_designs_receiver_come_first_and_all_pairs_on_demand(explo
     few = len(margins)
     search.own = False
     assert len(search._ranking.rows) == few * (1 + len(catalogue("gnss")))
-    own = [row.margin for row in search._ranking.rows if row.gnss == OWN_GNSS]
-    assert own == margins
+    own_margins = [row.margin for row in search._ranking.rows if row.gnss == OWN_GNSS]
+    assert own_margins == margins
 
 
 def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) -> None:
@@ -165,7 +165,7 @@ def test_files_add_up_and_one_that_is_refused_changes_nothing_and_is_not_kept(ex
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (b"\xff\xfe", "not UTF-8"),
         (b"[[imu]\n", "not a catalogue file"),
@@ -176,12 +176,12 @@ def test_files_add_up_and_one_that_is_refused_changes_nothing_and_is_not_kept(ex
     ],
 )
 def test_files_that_hold_no_sensors_are_refused_and_change_nothing(
-    explore: ExplorePage, content: bytes, said: str
+    explore: ExplorePage, content: bytes, message: str
 ) -> None:
     before = _search(explore)._table.html
     answer = _open(explore, content)
     assert "Not opened" in answer
-    assert said in answer
+    assert message in answer
     assert _search(explore)._table.html == before
 
 
@@ -202,9 +202,9 @@ def test_files_whose_units_and_receivers_are_too_many_pairs_are_refused_and_chan
     search = _search(explore)
     before = search._ranking.rows
     few = len(catalogue("imu")), len(catalogue("gnss"))
-    said = _open(explore, _many(300, 280).encode())
-    assert f"{few[0] + 300} units with each of {few[1] + 280} receivers" in said
-    assert "at most 5000 are ranked at a time" in said
+    message = _open(explore, _many(300, 280).encode())
+    assert f"{few[0] + 300} units with each of {few[1] + 280} receivers" in message
+    assert "at most 5000 are ranked at a time" in message
     assert search._ranking.rows == before
     assert "Added" in _open(explore, _many(300, 0).encode())
     assert "at most 5000" in _open(explore, _many(0, 100).encode())  # they add up
@@ -249,7 +249,7 @@ def test_many_pairs_are_ranked_in_a_worker_and_the_first_rows_shown(
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("x" * 101, "not one line of at most 100 characters"),
         ("two\\nlines", "not one line of at most 100 characters"),
@@ -257,13 +257,13 @@ def test_many_pairs_are_ranked_in_a_worker_and_the_first_rows_shown(
         ("unit 1", "is the name of two entries"),
     ],
 )
-def test_names_that_would_be_mistaken_are_refused(explore: ExplorePage, name: str, said: str) -> None:
-    assert said in _open(explore, _many(2, 0).replace('"Unit 0"', f'"{name}"').encode())
+def test_names_that_would_be_mistaken_are_refused(explore: ExplorePage, name: str, message: str) -> None:
+    assert message in _open(explore, _many(2, 0).replace('"Unit 0"', f'"{name}"').encode())
 
 
 def test_an_offer_with_a_name_of_the_catalogue_is_listed_beside_it_and_that_is_said(explore: ExplorePage) -> None:
-    said = _open(explore, _many(2, 1).replace('"Unit 0"', '"ln-200"').replace('"Receiver 0"', '"RTK"').encode())
-    assert "The product&#x27;s catalogue has ln-200, RTK; yours: ln-200 (offer), RTK (offer)." in said
+    message = _open(explore, _many(2, 1).replace('"Unit 0"', '"ln-200"').replace('"Receiver 0"', '"RTK"').encode())
+    assert "The product&#x27;s catalogue has ln-200, RTK; yours: ln-200 (offer), RTK (offer)." in message
     search = _search(explore)
     assert {"LN-200", "ln-200 (offer)"} <= {row.imu for row in search._ranking.rows}
     twice = _many(2, 0).replace('"Unit 0"', '"ln-200"').replace('"Unit 1"', '"ln-200 (offer)"')
@@ -272,8 +272,8 @@ def test_an_offer_with_a_name_of_the_catalogue_is_listed_beside_it_and_that_is_s
 
 def test_a_unit_that_is_opened_again_takes_the_place_of_the_one_before_and_that_is_said(explore: ExplorePage) -> None:
     _open(explore, _many(2, 0).encode())
-    said = _open(explore, _many(1, 0).replace("0.1 °/√h", "0.2 °/√h").encode())
-    assert "Replaced: Unit 0." in said
+    message = _open(explore, _many(1, 0).replace("0.1 °/√h", "0.2 °/√h").encode())
+    assert "Replaced: Unit 0." in message
 
 
 def test_the_librarys_files_are_ranked_kept_and_removed(
@@ -301,8 +301,8 @@ def test_the_librarys_files_are_ranked_kept_and_removed(
 def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
     search = _search(explore)
     rows = list(csv.DictReader(io.StringIO(search._csv())))
-    shown = re.findall(r'<button type="button" value="(.*?)"', search._table.html)
-    assert [f"{row['imu']} with {row['gnss']}" for row in rows] == shown
+    pairs = re.findall(r'<button type="button" value="(.*?)"', search._table.html)
+    assert [f"{row['imu']} with {row['gnss']}" for row in rows] == pairs
     assert search._table.html.count("✓ closes") == sum(row["closes"] == "True" for row in rows) > 0
 
 
@@ -316,8 +316,8 @@ def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
 )
 def test_a_range_is_what_the_command_takes(cells: tuple[str, str, str], text: str) -> None:
     row = dict(zip(("kind", "first", "second"), cells, strict=True))
-    said = range_of(row, "°/√h")
-    assert read_uncertain("imu.angle_random_walk", said) == read_uncertain("imu.angle_random_walk", text)
+    range_text = range_of(row, "°/√h")
+    assert read_uncertain("imu.angle_random_walk", range_text) == read_uncertain("imu.angle_random_walk", text)
     assert range_of(row_of(text), "°/√h") == text
     assert not range_of({**row, "second": ""}, "°/√h")
 
@@ -355,13 +355,13 @@ async def test_the_probability_shown_is_the_commands(explore: ExplorePage) -> No
         "imu.angle_random_walk": "0.02 °/√h .. 0.06 °/√h", "imu.velocity_random_walk": "0.06 m/s/√h */ 1.3",
         "gnss.position_noise": "1 m */ 1.3",
     }  # fmt: skip
-    found = uncertain_verdict(first_design(), {key: read_uncertain(key, text) for key, text in texts.items()})
-    await soon(lambda: sure.run.result.closes == found.closes, "the probability")
+    exact = uncertain_verdict(first_design(), {key: read_uncertain(key, text) for key, text in texts.items()})
+    await soon(lambda: sure.run.result.closes == exact.closes, "the probability")
     (bars,) = sure.__panel__().select(pn.pane.Bokeh)  # the bins right of zero hold the probability
     assert bars.object.yaxis[0].axis_label == "designs in a bin [%]"
-    edges, shares = found.histogram
+    edges, shares = exact.histogram
     assert sum(share for edge, share in zip(edges, shares, strict=False) if edge >= -1e-9) == pytest.approx(
-        found.closes.value, abs=0.006
+        exact.closes.value, abs=0.006
     )
 
 
@@ -390,10 +390,10 @@ def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(expl
     assert "Residual biases 0 assumed, in real time." in explore._strip._text.object
     passing = {row.imu for row in search._ranking.rows if row.closes}
     explore.session.change({"imu.accelerometer_bias": 1e-3})
-    said = explore._strip._text.object.replace("\xa0", " ")
-    assert "None of 15" in said
-    assert "Residual biases as in your design: 0.102 mg, in real time." in said
-    assert f"With residual biases of zero, {len(passing)} would" in said
+    text = explore._strip._text.object.replace("\xa0", " ")
+    assert "None of 15" in text
+    assert "Residual biases as in your design: 0.102 mg, in real time." in text
+    assert f"With residual biases of zero, {len(passing)} would" in text
     search.biases = "zero"
     assert {row.imu for row in search._ranking.rows if row.closes} == passing
     search.biases = "in-run"
@@ -481,17 +481,17 @@ def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named
     arm = {"name": "Lever arm", "enters": "detrended_phase", "value": "2 mm"}
     design = read_design("examples/tactical_x_band.toml").replace({}, entries=read_entries({"contributors": [arm]}))
     explore = ExplorePage(Session(design))
-    said = " ".join(explore.question.answer.sentences)
-    assert "No two of these inputs together close it either. Lever arm alone: 46.1° of 20" in said
-    assert "Trade-off map" not in said
+    text = " ".join(explore.question.answer.sentences)
+    assert "No two of these inputs together close it either. Lever arm alone: 46.1° of 20" in text
+    assert "Trade-off map" not in text
     assert "½ × lever arm" in explore.question._ranking.object
 
 
 def test_the_map_of_each_figure_says_what_the_budget_says_at_its_confidence_and_lowest_limit() -> None:
-    own = {"name": "own", "on": "detrended_phase", "limit": "9°", "confidence": 3}
+    custom_limit = {"name": "own", "on": "detrended_phase", "limit": "9°", "confidence": 3}
     limits = {"ce90": 3.0, "detrended_phase": 1.0, "horizontal_position": 1.0, "le90": 1e-3}
     changes = {"requirements.confidence": 2.0} | {f"requirements.{name}": limit for name, limit in limits.items()}
-    design = first_design().replace(changes, entries=read_entries({"limits": [own]}))
+    design = first_design().replace(changes, entries=read_entries({"limits": [custom_limit]}))
     explore, verdict = ExplorePage(Session(design)), analyse(design).verdict
     view = _ask(explore, "Trade-off map")
     for name in limits:

@@ -29,18 +29,18 @@ def test_an_archive_is_judged_in_a_worker_and_not_in_the_process_of_the_pages(
         raise AssertionError
 
     monkeypatch.setattr(exchange, "revision_from_file", judged_here)
-    said: list[str] = []
+    messages: list[str] = []
 
     async def ask(work: Any) -> Any:
         return work(empty)
 
     async def refresh() -> None: ...
 
-    desk = SimpleNamespace(who="Bob", say=lambda text, wrong=False: said.append(text), ask=ask)
+    desk = SimpleNamespace(who="Bob", say=lambda text, wrong=False: messages.append(text), ask=ask)
     asyncio.run(LibraryView._brought(SimpleNamespace(desk=desk, refresh=refresh), "", content))  # type: ignore[arg-type]
     pool.stop()
     pool.pool.cache_clear()  # the next test has one of its own
-    assert said == ["Imported 1 design, 1 revision; 0 here already."]
+    assert messages == ["Imported 1 design, 1 revision; 0 here already."]
     assert [design.text for design in empty.designs()] == [saved.text]
     for library in (full, empty):
         library.close()

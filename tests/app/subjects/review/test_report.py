@@ -62,9 +62,9 @@ def test_a_reviews_report_has_outcome_signature_and_conditions_first_and_the_aud
     assert page.index("Waivers and rejections") < page.index("Inputs that differ")
     assert "<script>alert(1)" not in page
     printed = "".join("".join(sheets).split())
-    for said in (signed.seal, *(item.content_hash for item in signed.items), "Chief", "inputanglerandomwalk"):
-        assert said in page.replace("input angle random walk", "inputanglerandomwalk")
-        assert said in printed
+    for text in (signed.seal, *(item.content_hash for item in signed.items), "Chief", "inputanglerandomwalk"):
+        assert text in page.replace("input angle random walk", "inputanglerandomwalk")
+        assert text in printed
     assert HOSTILE.replace(" ", "") in printed
 
 
@@ -118,16 +118,16 @@ def test_owners_and_what_changed_between_designs_can_be_seen(tmp_path: Path) -> 
     assert (2, "heading") in review.open_points()
     review = decide(place, review.id, 2, "heading", True, "Bob", "")
     assert (2, "heading") not in review.open_points()
-    said = html_of(*owner_tables(review))
+    html = html_of(*owner_tables(review))
     for block in owner_tables(review):  # what a person writes is given a width, or no room is left on paper
         for cells in zip(block.columns, *block.rows, strict=True):
             assert cells[0].width or all(len(cell.text) < 40 for cell in cells[1:])
-    assert "<arm>" not in said
-    assert "mechanics, radar" in said
+    assert "<arm>" not in html
+    assert "mechanics, radar" in html
     for design in designs:
-        entry = next(one for one in allocate(analyse(design), "detrended_phase").entries if one.source == "<arm>")
-        assert f"{show(entry.allocated, 'angle')} ({show(entry.estimated, 'angle')})" in said
-    changed = said[said.index("What differs") :].replace("\xa0", " ")
+        entry = next(line for line in allocate(analyse(design), "detrended_phase").entries if line.source == "<arm>")
+        assert f"{show(entry.allocated, 'angle')} ({show(entry.estimated, 'angle')})" in html
+    changed = html[html.index("What differs") :].replace("\xa0", " ")
     for text in ("owner mechanics, survey", "owner radar, survey", "2 mm in Detrended phase", "reserve 10 %"):
         assert text in changed
     assert "heading" not in changed

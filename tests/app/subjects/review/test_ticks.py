@@ -29,7 +29,7 @@ class _Scene:
         table = self.view._table
         for name in names:
             others = [key for key in table.ticked if self.names[key] != name]
-            table.ticked = [*others, *(key for key, own in self.names.items() if own == name and value)]
+            table.ticked = [*others, *(key for key, label in self.names.items() if label == name and value)]
 
     @property
     def names(self) -> dict[str, str]:
@@ -42,7 +42,7 @@ class _Scene:
 
     @property
     def picked(self) -> str:
-        return "".join(sorted(own.name for own in self.desk.picked))
+        return "".join(sorted(design.name for design in self.desk.picked))
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commanded import told
+from commanded import reply
 from known_designs import MEMS
 from pages import at_once, when_done
 
@@ -57,7 +57,7 @@ def run(sar: SarPage) -> None:
     when_done(sar.begin, sar.run)
 
 
-def said(sar: SarPage) -> str:
+def strip(sar: SarPage) -> str:
     """What the answer strip says."""
     return sar._strip._text.object.replace("\xa0", " ")
 
@@ -76,9 +76,9 @@ def names(sar: SarPage) -> list[str]:
 
 
 def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPage) -> None:
-    assert "✗ Detrended phase not met" in said(sar)
-    assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
-    assert "Use INS from filter, the simplest within 5 % of the least: 48.9° by formula, 54.7° with" in said(sar)
+    assert "✗ Detrended phase not met" in strip(sar)
+    assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in strip(sar)
+    assert "Use INS from filter, the simplest within 5 % of the least: 48.9° by formula, 54.7° with" in strip(sar)
     assert "Formulas only so far." in sar._bar.state.object
     formulas = ["Whole-leg smoother", "INS from filter", "Quadratic fit, noise-weighted", "Quadratic fit"]
     assert names(sar)[:4] == formulas
@@ -121,8 +121,8 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert not session.running
     assert "The runs match the design. 50 runs of the error model, seed 0." in sar._bar.state.object
     study = sar._result.study
-    assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in said(sar)
-    assert re.search(rf"Use {study.best().name}, the simplest [^:]+: [\d.]+° by 50 runs, ", said(sar))
+    assert "INS from filter, in real time: 48.9°, limit 20°, 2.44 × the limit." in strip(sar)
+    assert re.search(rf"Use {study.best().name}, the simplest [^:]+: [\d.]+° by 50 runs, ", strip(sar))
     ranked = sorted((key for key in NAMES if key not in "13"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
     best = re.search(r'<tr class="best"><th scope="row">([^<]+)', sar._ranks.object)
@@ -133,37 +133,37 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     reasons = part(sar, "Why, and what would change it")
     marked = (sar._rank_head, sar._image_head, tables)
     assert not any("stale" in pane.object for pane in marked)
-    before = said(sar)
+    before = strip(sar)
     session.change({"requirements.quadratic_phase": 0.1})
     assert "stale" not in tables.object  # the ensemble knows no requirement
     session.change({"gnss.position_noise": 0.001})
     assert all("stale" in pane.object for pane in marked)
     assert "The runs belong to an earlier design. Run again." in sar._bar.state.object
-    assert "The runs belong to an earlier design" in said(sar)
+    assert "The runs belong to an earlier design" in strip(sar)
     # Of the formulas again, as the runs no longer count.
-    assert re.search(r"Use Quadratic fit, the simplest within 5 % of the least: [\d.]+° by formula", said(sar))
+    assert re.search(r"Use Quadratic fit, the simplest within 5 % of the least: [\d.]+° by formula", strip(sar))
     assert "yours is 1\xa0mm" in reasons.object
     session.undo()
     assert "stale" not in tables.object
-    assert said(sar) == before
+    assert strip(sar) == before
 
 
 def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> None:
-    said: list[str] = []
+    progress: list[str] = []
 
     async def work(run: Run) -> SarResult:
         return await run_strategies(run, session.budget, 1000, 0)
 
     def stop(event: Any) -> None:
         if event.new is not None:
-            said.append(event.new.what)
+            progress.append(event.new.what)
             if event.new.share:
                 runner.cancel()
 
     runner = Run()
     runner.param.watch(stop, "progress")
     when_done(lambda: runner.start(work))
-    assert said == ["0 of 1000 runs", "50 of 1000 runs"]
+    assert progress == ["0 of 1000 runs", "50 of 1000 runs"]
     assert runner.message == "Cancelled: 50 of 1000 runs."
     assert runner.result is None
 
@@ -222,8 +222,8 @@ def test_on_a_post_processed_map_the_contour_is_where_the_smoother_meets_the_lim
     for place in drawn[[5, len(drawn) // 2, -5]]:
         noise = float(chart.contour.y[place])
         there = {"radar.aperture_time": float(chart.contour.x[place]), "gnss.position_noise": noise}
-        found = analyse(design.replace(there))["detrended_phase", "post-processed"].sigma
-        assert found == pytest.approx(design.requirements.detrended_phase, rel=0.04)
+        sigma = analyse(design.replace(there))["detrended_phase", "post-processed"].sigma
+        assert sigma == pytest.approx(design.requirements.detrended_phase, rel=0.04)
 
 
 def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_report(
@@ -249,8 +249,8 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     assert pictures._pictures.object.count("<figure") == 2
     assert "without navigation error" in pictures._pictures.object
     assert pictures._view.visible
-    kept = session.findings["sar"]
-    (images,) = (part for part in sections(kept, "d") if part.title == "SAR: images")
+    finding = session.findings["sar"]
+    (images,) = (part for part in sections(finding, "d") if part.title == "SAR: images")
     assert [block.chart.key for block in images.blocks] == ["sar-point", "sar-scene", "sar-phase-history"]
     assert "point.npz" in to_svg(images.blocks[-1].chart)
     assert "wide&#x27; is not a number from 1 to 5000" in form(half_width="wide")
@@ -293,7 +293,7 @@ def test_sar_command_writes_the_study(tmp_path: Any, capsys: pytest.CaptureFixtu
     data = json.loads(out.read_text(encoding="utf-8"))
     assert (data["runs"], data["seed"], len(data["strategies"])) == (20, 3, 10)
     assert data["aperture_time_s"] == analyse(first_design()).sar.aperture_time
-    assert told(capsys, "sar", MEMS, "--runs", "20", "--seed", "3") == data
+    assert reply(capsys, "sar", MEMS, "--runs", "20", "--seed", "3") == data
 
 
 def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPage, session: Session) -> None:
@@ -321,21 +321,21 @@ def content(link: Any) -> io.BytesIO:
 
 def test_pictures_and_study_are_taken_away(sar: SarPage) -> None:
     run(sar)
-    shown = sar._result.points
+    points = sar._result.points
     point, scene = PicturePanel("p", "p"), PicturePanel("s", "s")
     point.chart = sar._points
-    budget, kept = sar._result.study.budget, [row for row, key in enumerate(NAMES) if key != "3"]
+    budget, rows = sar._result.study.budget, [row for row, key in enumerate(NAMES) if key != "3"]
     scene.chart = scene_picture(budget, scene_pictures(budget, sar._result.study.typical))
     npz, csv, _ = (content(link) for link in point.links)
     with np.load(npz) as packed:
         assert packed["power_db"].shape == (9, 61, 121)
-        np.testing.assert_array_equal(packed["power_db"], shown.power_db[kept])
+        np.testing.assert_array_equal(packed["power_db"], points.power_db[rows])
         assert packed["names"][0] == "Ideal"
     table = np.loadtxt(csv, delimiter=",", skiprows=1)
     assert table.shape == (61 * 121, 2 + 9)
     row = 17 * 121 + 40
-    assert table[row, :2] == pytest.approx([shown.x[40], shown.y[17]], rel=1e-4)
-    assert table[row, 4] == pytest.approx(shown.power_db[kept[2], 17, 40], rel=1e-4)
+    assert table[row, :2] == pytest.approx([points.x[40], points.y[17]], rel=1e-4)
+    assert table[row, 4] == pytest.approx(points.power_db[rows[2], 17, 40], rel=1e-4)
     drawn = content(scene.links[-1]).getvalue().decode("utf-8")
     assert drawn.count("<image") >= 9
     assert "RTS smoother of the aperture" in drawn

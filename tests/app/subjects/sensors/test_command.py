@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench_log import log, table
-from commanded import told
+from commanded import reply
 
 from app.cli import main
 
@@ -54,7 +54,7 @@ def test_archive_of_counts_with_named_arrays(tmp_path: Path, capsys: pytest.Capt
     path = tmp_path / "counts.npz"
     np.savez(path, first=np.round(table()[:, :3] / 1e-6), second=table()[:, 3:])
     command = ["allan", str(path), "--rate", "100", "--arrays", "gyro=first,accelerometer=second"]
-    gyro = told(capsys, *command, "--gyro-unit", "1e-6 rad/s", "--accelerometer-unit", "m/s2")["axes"][0]
+    gyro = reply(capsys, *command, "--gyro-unit", "1e-6 rad/s", "--accelerometer-unit", "m/s2")["axes"][0]
     assert gyro["random_walk"]["value"] == pytest.approx(0.3, rel=0.04)
     assert main([*command, "--accelerometer-unit", "m/s2"]) == 2
     assert "--gyro-unit: The file does not give the gyro unit" in capsys.readouterr().err
@@ -64,7 +64,7 @@ def test_motion_gives_a_qualified_factor(tmp_path: Path, capsys: pytest.CaptureF
     path = tmp_path / "flight.csv"
     path.write_bytes(log(8000, 4.0, 4.0))
     sheet = ["--bench-arw", "0.3 °/√h", "--bench-vrw", "0.05 m/s/√h"]
-    data = told(capsys, "allan", str(path), "--rate", "100", "--motion", *sheet)
+    data = reply(capsys, "allan", str(path), "--rate", "100", "--motion", *sheet)
     assert data["vibration_factor"] == pytest.approx(4.0, rel=0.05)
     assert "as white noise" in data["qualification"]
 
@@ -85,6 +85,6 @@ def test_columns_may_begin_with_one_that_is_skipped(tmp_path: Path, capsys: pyte
     names = "-,time,gyro_x,gyro_y,gyro_z,accelerometer_x,accelerometer_y,accelerometer_z"
     units = ["--gyro-unit", "rad/s", "--accelerometer-unit", "m/s2"]
     for columns in (["--columns", names], [f"--columns={names}"]):
-        data = told(capsys, "allan", str(path), *columns, *units)
+        data = reply(capsys, "allan", str(path), *columns, *units)
         assert len(data["axes"]) == 6
         assert data["provenance"]["reading"][0] == "rate 100 Hz from time"

@@ -52,8 +52,8 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert not panel.message.visible
     assert not session.running
     assert "bench.csv" in panel.static.head.object
-    for shown in ("bench.csv", analysis.provenance.sha256, "100\xa0Hz"):
-        assert shown in panel.static.head.object + panel.static.tables.object
+    for text in ("bench.csv", analysis.provenance.sha256, "100\xa0Hz"):
+        assert text in panel.static.head.object + panel.static.tables.object
     assert "&lt; " in panel.static.tables.object  # a limit for what the log does not resolve
     assert "Which log would resolve the rest" in panel.static.tables.object
     before = session.budget
@@ -84,13 +84,13 @@ def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
     asyncio.run(panel.take("good.csv", log(6000)))
-    shown = panel.static.head.object
+    head = panel.static.head.object
     asyncio.run(panel.take("bad.csv", log(6000).replace(b"\n", b"\n<script>,1,1,1,1,1\n", 2)))
     assert "bad.csv" in panel.run.message
     assert "&lt;script&gt;" not in panel.static.head.object
     assert "&lt;script&gt;" in panel.bar.state.object
     assert "<script>" not in panel.bar.state.object
-    assert panel.static.head.object == shown
+    assert panel.static.head.object == head
 
 
 def test_another_log_feeds_the_same_figures(sensors: SensorsPage):
@@ -172,8 +172,8 @@ def test_a_reading_at_1_s_stands_beside_its_white_floor():
         walk = axis.coefficients["random_walk"]
         assert walk.reading
         assert axis.white_floor < walk.value
-        for said in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):
-            assert said in cells
+        for value in (f"{60 * walk.value:.3g}", f"{60 * axis.white_floor:.3g}"):
+            assert value in cells
     assert "read at 1\xa0s; white-noise floor" in cells
     assert "not a confidence interval" in cells
 
@@ -185,9 +185,9 @@ def test_rows_of_a_data_sheet_are_filled_in(sensors: SensorsPage):
     assert session.design.imu.angle_random_walk == pytest.approx(math.radians(0.15) / 60)
     assert session.design.imu.gyro_bias == pytest.approx(math.radians(0.1) / 3600)
     assert session.design.origins["imu.angle_random_walk"] == "data sheet: Angle random walk 0.15 °/√h"
-    said = " ".join(unescape(re.sub("<[^>]+>", " ", box.answer.object)).split())
-    assert "0.3 °/h 3σ 0.1 °/h bias instability (3σ) 0.3 °/h" in said
-    assert "<b>scale</b> factor 100 ppm: not known" in said
+    text = " ".join(unescape(re.sub("<[^>]+>", " ", box.answer.object)).split())
+    assert "0.3 °/h 3σ 0.1 °/h bias instability (3σ) 0.3 °/h" in text
+    assert "<b>scale</b> factor 100 ppm: not known" in text
     assert "<b>" not in box.answer.object
     session.undo()
     box.rows.value = "nothing of use"

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from commanded import told
+from commanded import reply
 from known_designs import MEMS
 from waiting import refusing_port
 
@@ -48,7 +48,7 @@ def test_standard_output_holds_the_contracts_document(capsys) -> None:
 
 
 def test_the_same_seed_gives_the_same_numbers_and_another_does_not(capsys) -> None:
-    documents = [told(capsys, "simulate", MEMS, *SHORT, *extra) for extra in ([], [], ["--seed", "5"])]
+    documents = [reply(capsys, "simulate", MEMS, *SHORT, *extra) for extra in ([], [], ["--seed", "5"])]
     same, also, other = (document["position"]["north"]["rms_m"] for document in documents)
     assert same == also
     assert same != other
@@ -76,7 +76,7 @@ def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
     lines += [f"{t},{45 + 9e-6 * 60 * t},7,2000,0,0,0" for t in range(0, 36)]
     flight.write_text("\n".join(lines))
     arguments = [MEMS, "--runs", "2", "--trajectory", str(flight), "--states", "15", "--workers", "1"]
-    document = told(capsys, "simulate", *arguments)
+    document = reply(capsys, "simulate", *arguments)
     assert document["nees"]["states"] == 15
     assert document["time_s"][-1] == 35.0  # the file's length, as none was given
     assert "The flight comes from the file" in document["conditions"][0]
@@ -84,7 +84,7 @@ def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
 
 def test_what_is_added_to_the_design_is_flown_and_said(capsys) -> None:
     added = ["gyro.bias_instability=300 °/h", "gyro.correlation_time=2 min", "imu.rate=50 Hz"]
-    document = told(capsys, "simulate", MEMS, *SHORT, "--set", *added)
+    document = reply(capsys, "simulate", MEMS, *SHORT, "--set", *added)
     assert document["added"] == {"gyro.bias_instability": "300 °/h", "gyro.correlation_time": "120 s"}
     assert any("gyro bias instability 300 °/h" in sentence for sentence in document["conditions"])
     assert main(["simulate", "--inputs"]) == 0
@@ -114,5 +114,5 @@ def test_a_failure_leaves_the_old_file(tmp_path, capsys) -> None:
 def test_a_flight_beyond_this_machines_memory_is_refused_before_it_is_flown(capsys, monkeypatch) -> None:
     monkeypatch.setattr("app.subjects.simulation.console.os.sysconf", lambda _: 1000)  # a megabyte
     assert main(["simulate", MEMS, "--runs", "2", "--duration", "100", "--workers", "1"]) == 2
-    said = "--duration: 10,000 IMU samples take 0.0013 GB a process, 1 in all, and this machine has 0.001 GB."
-    assert f"{said} Give at most 77 s" in capsys.readouterr().err
+    message = "--duration: 10,000 IMU samples take 0.0013 GB a process, 1 in all, and this machine has 0.001 GB."
+    assert f"{message} Give at most 77 s" in capsys.readouterr().err

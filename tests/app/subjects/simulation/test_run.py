@@ -57,27 +57,27 @@ def study() -> SimulationStudy:
 
 def _fly(spec_options: dict[str, object], during: Callable[[Run], None] = lambda run: None) -> tuple[Run, list[str]]:
     """Run to the end; `during` sees the run at every piece of progress, whose words are kept."""
-    said: list[str] = []
+    messages: list[str] = []
     run = Run()
 
-    def told(event: param.parameterized.Event) -> None:
+    def record(event: param.parameterized.Event) -> None:
         if event.new is not None:
-            said.append(event.new.what)
+            messages.append(event.new.what)
             during(run)
 
     async def work(run: Run) -> Flown:
         return await fly(run, DESIGN, specification(DESIGN, **spec_options))
 
-    run.param.watch(told, "progress")
+    run.param.watch(record, "progress")
     when_done(lambda: run.start(work))
-    return run, said
+    return run, messages
 
 
 def test_a_run_tells_progress_and_ends_with_the_commands_numbers() -> None:
     options: dict[str, object] = {"runs": 80, "duration": 60.0, "every": 2.0, "outages": ((40, 60),)}
-    run, said = _fly(options)
-    assert said[0] == simulator.PREPARING
-    done = [int(words.split()[0]) for words in said if words.endswith("of 80 runs")]
+    run, messages = _fly(options)
+    assert messages[0] == simulator.PREPARING
+    done = [int(words.split()[0]) for words in messages if words.endswith("of 80 runs")]
     assert done == sorted(done)
     assert (done[0], done[-1]) == (0, 80)
     assert not run.result.partial
@@ -97,13 +97,13 @@ def test_what_is_found_so_far_is_shown_and_stays_partial_when_the_run_is_cancell
     run, _ = _fly({"runs": 5000, "duration": 60.0}, stop)
     assert run.result.partial
     assert 0 < run.result.study.result.spec.runs < run.result.wanted == 5000
-    told = re.fullmatch(r"Cancelled: ([1-9]\d*) of 5000 runs\.", run.message)
-    assert int(told[1]) == run.result.study.result.spec.runs  # none is thrown away
+    match = re.fullmatch(r"Cancelled: ([1-9]\d*) of 5000 runs\.", run.message)
+    assert int(match[1]) == run.result.study.result.spec.runs  # none is thrown away
 
 
 async def test_what_is_found_as_the_page_goes_is_not_shown_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(simulation_run, "_LOOK_SECONDS", 0.0)
-    shown: list[Flown] = []
+    results: list[Flown] = []
 
     async def until_it_goes(function: Callable[..., Any], *arguments: Any) -> Any:
         await asyncio.sleep(0)
@@ -113,30 +113,30 @@ async def test_what_is_found_as_the_page_goes_is_not_shown_to_it(monkeypatch: py
 
     monkeypatch.setattr(simulation_run, "run_in_pool", until_it_goes)
     run = Run()
-    run.param.watch(lambda event: shown.append(event.new), "result")
+    run.param.watch(lambda event: results.append(event.new), "result")
     spec = specification(DESIGN, runs=5000, duration=60.0)
     await run.start(lambda run: fly(run, DESIGN, spec))
-    assert not shown
+    assert not results
 
 
 def test_a_compilation_is_told_and_can_be_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = multiprocessing.get_context("spawn").Event()  # the compilation lasts until it is told
-    monkeypatch.setattr(simulator, "warm_up", told.wait)
+    compiled = multiprocessing.get_context("spawn").Event()  # the compilation lasts until it is told
+    monkeypatch.setattr(simulator, "warm_up", compiled.wait)
 
     def go_on(run: Run) -> None:
         if run.progress.what == simulator.PREPARING:
-            told.set()
+            compiled.set()
 
-    run, said = _fly({"runs": 2, "duration": 10.0}, go_on)
-    assert said[0] == simulator.PREPARING
+    run, messages = _fly({"runs": 2, "duration": 10.0}, go_on)
+    assert messages[0] == simulator.PREPARING
     assert run.result.wanted == 2
 
     def stop(run: Run) -> None:
         if run.progress.what == simulator.PREPARING:
             run.cancel()
-            told.set()
+            compiled.set()
 
-    told.clear()
+    compiled.clear()
     run, _ = _fly({"runs": 2, "duration": 10.0}, stop)
     assert run.message == f"Cancelled: {simulator.PREPARING}."
     assert run.result is None
@@ -189,8 +189,8 @@ def test_a_figure_is_made_once_and_fed_with_and_without_outages(study: Simulatio
         assert "<svg" in to_svg(fed)
         for drawn, line in zip(figure._lines, fed.lines, strict=True):
             assert np.array_equal(drawn.data_source.data[drawn.glyph.y.field], line.y, equal_nan=True)
-        shown = [box.visible for box, _ in figure._spans.values()]
-        assert sum(shown) == (len(other.result.spec.outages) if chart.spans else 0)
+        visible = [box.visible for box, _ in figure._spans.values()]
+        assert sum(visible) == (len(other.result.spec.outages) if chart.spans else 0)
 
 
 def test_the_charts_carry_the_studys_numbers(study: SimulationStudy) -> None:
@@ -210,17 +210,17 @@ def test_the_charts_carry_the_studys_numbers(study: SimulationStudy) -> None:
 
 
 def test_the_verdict_and_its_tables_are_the_studys(study: SimulationStudy) -> None:
-    said = verdict(study)
-    assert study.result.verdict.partition(":")[0].partition(",")[0] in said.word.lower()
+    answer = verdict(study)
+    assert study.result.verdict.partition(":")[0].partition(",")[0] in answer.word.lower()
     nees = study.result.nees
-    figures = [float(text) for text in re.findall(r"\d+\.\d+", said.sentences[0])]
+    figures = [float(text) for text in re.findall(r"\d+\.\d+", answer.sentences[0])]
     assert figures == pytest.approx([nees.mean, nees.low, nees.high], rel=5e-3)
     first, *blocks = sections(study, "page")[0].blocks
     titles = [block.caption for block in blocks if isinstance(block, Table)]
-    assert first == said
+    assert first == answer
     assert titles[0] == "Simulation set-up"
     assert titles[-1] == "Where formula and simulation differ, and why"
-    assert html_of(said, *blocks).count("<table") == len(titles) == 3
+    assert html_of(answer, *blocks).count("<table") == len(titles) == 3
 
 
 def said_by(page: SimulatePage) -> str:
@@ -239,11 +239,11 @@ def test_settings_travel_in_the_link_and_the_server_still_has_the_result(
     page.run.result = Flown(study, 20)
     again = Session(DESIGN)
     again.take_studies(split_link(session.link)[1])
-    found = SimulatePage(again)
-    assert (found.runs, found.outages, found.states, found.length) == ("12", "40,60", 15, "300")
-    assert found._specification().imu.gyro.bias_instability == page._specification().imu.gyro.bias_instability > 0
-    assert found.run.result.study is study
-    assert "Partial: 12 of 20 runs" in said_by(found)
+    restored = SimulatePage(again)
+    assert (restored.runs, restored.outages, restored.states, restored.length) == ("12", "40,60", 15, "300")
+    assert restored._specification().imu.gyro.bias_instability == page._specification().imu.gyro.bias_instability > 0
+    assert restored.run.result.study is study
+    assert "Partial: 12 of 20 runs" in said_by(restored)
     assert SimulatePage(Session(DESIGN))._result is None
 
 
@@ -259,9 +259,9 @@ def test_the_page_keeps_no_flight_of_more_than_its_share_of_memory(monkeypatch: 
     monkeypatch.setattr("app.subjects.simulation.page.run_in_pool", here)
     page = SimulatePage(Session(DESIGN))
     asyncio.run(page._uploaded("flight.csv", content))
-    kept = page._file
-    assert kept is not None
-    monkeypatch.setattr("app.subjects.simulation.page._MOST_KEPT", len(kept.samples) - 1)
+    file = page._file
+    assert file is not None
+    monkeypatch.setattr("app.subjects.simulation.page._MOST_KEPT", len(file.samples) - 1)
     other = SimulatePage(Session(DESIGN))
     asyncio.run(other._uploaded("flight.csv", content))
     assert other._file is None
@@ -282,7 +282,7 @@ def test_everything_folded_opens_and_shows_the_result_that_comes_later(study: Si
 def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: SimulationStudy) -> None:
     session = Session(DESIGN)
     page = SimulatePage(session)
-    for change, said in (
+    for change, message in (
         ({"runs": "5000"}, "Runs: "),
         ({"runs": "many"}, "Runs: "),
         ({"seed": "-1"}, "Seed: "),
@@ -295,7 +295,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
         before = {name: getattr(page, name) for name in change}
         for name, value in change.items():
             setattr(page, name, value)
-        with pytest.raises(InputError, match=f"^{said}"):
+        with pytest.raises(InputError, match=f"^{message}"):
             page._specification()
         for name, value in before.items():
             setattr(page, name, value)

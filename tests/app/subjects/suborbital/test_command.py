@@ -33,14 +33,14 @@ def run(*arguments: str) -> tuple[int, dict[str, Any], str]:
 
 
 def test_without_a_design_it_gives_the_printed_table() -> None:
-    code, answer, said = run("--noise-runs", "2")
+    code, answer, stderr = run("--noise-runs", "2")
     assert code == 0
     for (part, name), expected in PRINTED.items():
         result = answer[part][name]
         assert [result[axis] for axis in ("north", "east", "up")] == pytest.approx(expected, abs=5.0)
     assert {entry["from"] for entry in answer["inputs"].values()} == {"GP-1"}
     assert answer["white_noise_monte_carlo"]["runs"] == 2
-    assert said.startswith("flight (")  # what is being done
+    assert stderr.startswith("flight (")  # what is being done
 
 
 def test_a_design_and_options_enter_and_are_named() -> None:
@@ -62,13 +62,13 @@ def test_a_design_and_options_enter_and_are_named() -> None:
 def test_every_section_of_a_design_may_be_changed() -> None:
     changes = ("name=other", "flight.speed=120 m/s", "processing.mode=post-processed", "motion.delay=1 ms",
                "oscillator.bistatic=true", "flight.latitude=30°")  # fmt: skip
-    code, answer, said = run(MEMS, "--set", *changes)
-    assert code == 0, said
+    code, answer, stderr = run(MEMS, "--set", *changes)
+    assert code == 0, stderr
     assert answer["design"] == "other"
     assert answer["inputs"]["flight.latitude"]["from"] == "command line"  # the study's own
-    code, _, said = run(MEMS, "--set", "motion.wings=1")
+    code, _, stderr = run(MEMS, "--set", "motion.wings=1")
     assert code == 2
-    assert said.startswith("navbudget: motion.wings: unknown key; [motion] has ")
+    assert stderr.startswith("navbudget: motion.wings: unknown key; [motion] has ")
 
 
 def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp_path: Path) -> None:
@@ -93,14 +93,14 @@ def test_a_study_file_gives_the_same_answer_as_the_options_it_was_saved_from(tmp
 
 def test_a_wrong_study_file_is_one_line_and_exit_2(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    for text, said in (
+    for text, message in (
         ('study = "suborbital"\n[gyros]\nbias = "5 kg"\n', "gyros.bias: 'kg' is not a unit of angular rate"),
         ('study = "suborbital"\n[trajectory]\nname = "a.csv"\ncsv = "a,b\\n1,2"\n', "a.csv: columns time_s"),
     ):
         file.write_text(text)
         code, answer, error = run(str(file))
         assert (code, answer) == (2, {})
-        assert said in error.splitlines()[-1]
+        assert message in error.splitlines()[-1]
     file.write_text('study = "suborbital"\n')
     code, _, error = run(str(file), "--set", "imu.gyro_bias=3 °/h")
     assert code == 2

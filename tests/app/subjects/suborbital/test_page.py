@@ -171,12 +171,12 @@ def test_what_a_person_set_stays_while_the_design_moves(here: SuborbitalPage) ->
 
 def test_exact_run_in_a_process_shows_progress(here: SuborbitalPage) -> None:
     here.inputs.put("gyros.bias", INPUTS["gyros.bias"].read("6, 8, 4 °/h"))
-    told: list[tuple[bool, str]] = []
+    progress: list[tuple[bool, str]] = []
     here.run.param.watch(
-        lambda event: told.append((here._session.running, event.new.words)) if event.new else None, "progress"
+        lambda event: progress.append((here._session.running, event.new.words)) if event.new else None, "progress"
     )
     when_done(here.begin, here.run)
-    assert any(running and "error sources" in words for running, words in told)
+    assert any(running and "error sources" in words for running, words in progress)
     assert here.study.page.exact
     assert "From the full simulation" in here._strip._text.object
     assert not here._session.running
@@ -241,12 +241,12 @@ def test_a_study_is_saved_opened_and_linked_without_loss(here: SuborbitalPage, s
 
 def test_a_wrong_study_is_refused_by_name_and_changes_nothing(here: SuborbitalPage) -> None:
     before = here.inputs.settings
-    for content, said in (
+    for content, message in (
         (b'study = "suborbital"\n[gyros]\nbias = "5 kg"\n', "gyros.bias: &#x27;kg&#x27; is not a unit"),
         (b'[imu]\npreset = "LN-200"\n', "study: is missing"),
     ):
         asyncio.run(here.inputs.open("mine.toml", content))
-        assert said in here.inputs.notice.object
+        assert message in here.inputs.notice.object
         assert here.inputs.notice.visible
         assert here.inputs.settings is before
     session = Session(first_design())
@@ -279,9 +279,9 @@ def test_white_noise_is_flown_beside_its_prediction_and_dropped_when_inputs_move
     flown = sensors.noise_chart(page, 2)
     assert flown.lines[2].y[-1] == pytest.approx(flown.lines[0].y[-1], rel=0.4)
     assert "50 runs, seed 1" in noise_table(page).note
-    told = json.loads(here._json())
-    assert (told["white_noise_monte_carlo"]["runs"], told["exact"]) == (50, True)
-    assert told["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)  # as the command has it
+    document = json.loads(here._json())
+    assert (document["white_noise_monte_carlo"]["runs"], document["exact"]) == (50, True)
+    assert document["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)  # as the command has it
     here.inputs.put("gyros.white_noise", 1e-5)
     assert here.study.page.ensemble is None
     assert "Press Run for an ensemble" in noise_table(here.study.page).note
@@ -319,10 +319,10 @@ def test_everything_has_white_noise_and_says_that_signed_errors_cancel(survey: S
     first, noise = figures.items[0], figures.items[-1]
     assert (first.label, noise.label) == ("Everything", "White noise, 1σ")
     k = study.names.index("all")
-    for found, spread, text in zip(
+    for systematic, spread, text in zip(
         (study.pure, study.aided), (study.pure_noise, study.aided_noise), first.value.split(" → "), strict=True
     ):
-        whole = math.sqrt(sum(found.position_m[k, -1] ** 2) + sum(spread.position_sigma_m[-1] ** 2))
+        whole = math.sqrt(sum(systematic.position_m[k, -1] ** 2) + sum(spread.position_sigma_m[-1] ** 2))
         assert text.replace("\u00a0", " ") == show(whole, "length")
     assert "partly cancel" in first.detail
     assert first.value.partition(" → ")[2] in word.word

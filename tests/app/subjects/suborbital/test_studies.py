@@ -44,9 +44,9 @@ async def test_the_usual_study_is_there_before_anybody_asks(flights: _Flights) -
 
 
 async def test_the_study_of_a_file_is_not_kept(flights: _Flights) -> None:
-    said: list[str] = []
-    await fly_study(_USUAL, ("mine.csv", b""), lambda _, what: said.append(what))
-    assert said == ["gravity models"]
+    messages: list[str] = []
+    await fly_study(_USUAL, ("mine.csv", b""), lambda _, what: messages.append(what))
+    assert messages == ["gravity models"]
     assert cached(*asked(_USUAL)) is None
 
 

@@ -19,8 +19,8 @@ def table():
 
 def test_every_comparison_has_its_row_with_its_kind(table):
     assert len(table) == len(record().rows)
-    shown = Counter(cells[1] for cells in table)
-    assert shown == Counter(f"– {OURS}" if row.kind == OURS else f"✓ {row.kind}" for row in record().rows)
+    kinds = Counter(cells[1] for cells in table)
+    assert kinds == Counter(f"– {OURS}" if row.kind == OURS else f"✓ {row.kind}" for row in record().rows)
 
 
 def test_the_head_counts_the_rows(table):

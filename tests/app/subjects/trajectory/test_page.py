@@ -76,7 +76,7 @@ def after(page: TrajectoryPage, do: Any) -> str:
 
 
 def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) -> None:
-    said = verdict(followed, "detrended_phase")
+    answer = verdict(followed, "detrended_phase")
     limit = dict(followed.result.spec.most)["detrended_phase"]
     values, time = followed.result.real_time.figures["detrended_phase"], followed.result.time_s
     good = 0
@@ -84,9 +84,9 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
         half = followed.result.spec.inputs.aperture / 2
         good += bool((values[(time >= line.start + half) & (time <= line.stop - half)] <= limit).all())
     assert good == 0
-    assert said.word == "✗ 0 of 2 lines within the limits in real time"
+    assert answer.word == "✗ 0 of 2 lines within the limits in real time"
     worst = max(followed.result.lines, key=lambda line: line.worst["detrended_phase"])
-    assert said.sentences[0].startswith(f"{worst.name.capitalize()} fails: {worst.because}; ")
+    assert answer.sentences[0].startswith(f"{worst.name.capitalize()} fails: {worst.because}; ")
     assert worst.because.startswith("detrended phase ")
     listed = line_list(followed, "detrended_phase")
     assert [[cell.text.lower() for cell in row][:3] for row in listed.rows] == [
@@ -123,12 +123,12 @@ def test_a_design_that_is_good_enough_says_so_and_one_without_limits_too() -> No
     strict = first_design()
     given = [f"requirements.{name}" for name in LIMITED if strict[f"requirements.{name}"] is not None]
     loose = strict.replace(dict.fromkeys(given, 30.0))
-    kept = verdict(follow(loose.replace(TWO_LINES), 9), "ce90")
-    assert kept.word == "✓ 2 of 2 lines within the limits in real time"
+    passing = verdict(follow(loose.replace(TWO_LINES), 9), "ce90")
+    assert passing.word == "✓ 2 of 2 lines within the limits in real time"
     free = Design({"flight.speed": 60.0})
-    said = verdict(follow(free.replace(TWO_LINES), 9), "ce90")
-    assert (said.word, said.tone) == ("No limit", "open")
-    assert said.sentences[0].startswith("CE90 is at most ")
+    answer = verdict(follow(free.replace(TWO_LINES), 9), "ce90")
+    assert (answer.word, answer.tone) == ("No limit", "open")
+    assert answer.sentences[0].startswith("CE90 is at most ")
 
 
 def test_shares_are_stacked_up_to_one_hundred_percent(followed: Followed) -> None:
@@ -233,9 +233,9 @@ def test_what_is_typed_goes_into_the_design_and_what_is_refused_stays(session: S
     session.change({"trajectory.ground": 5000.0})
     assert "is not above the ground" in after(page, lambda: page.show(session.budget))
     session.undo()
-    said = after(page, lambda: page.show(session.budget))
-    assert "of 4 lines" in said
-    assert "above the ground" not in said
+    text = after(page, lambda: page.show(session.budget))
+    assert "of 4 lines" in text
+    assert "above the ground" not in text
 
 
 def test_a_double_click_on_the_map_adds_a_waypoint_there(session: Session) -> None:
@@ -339,8 +339,8 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     assert chosen.offered() == [{"kind": "trajectory", "label": "Trajectory in the report", "ticked": True}]
     session.change({"trajectory.flight": "lines"})
     assert "belong to another design: Trajectory" in chosen.lacking()
-    told, drawn = study_sections({"trajectory": followed}, followed.design, "d1")
-    assert told.blocks[0].word == "✗ 0 of 2 lines within the limits in real time"
+    section, drawn = study_sections({"trajectory": followed}, followed.design, "d1")
+    assert section.blocks[0].word == "✗ 0 of 2 lines within the limits in real time"
     assert [block.chart.title for block in drawn.blocks if isinstance(block, ChartBlock)][:2] == [
         "Map", FIGURES[main_figure(followed.result)].label,
     ]  # fmt: skip
