@@ -113,7 +113,7 @@ def _designs():
     )
     # One in four has vibration or an oscillator: they take longer.
     fast = st.sampled_from([False, False, False, True]).flatmap(lambda given: _FAST if given else st.just({}))
-    return st.builds(lambda one, more: Design(one | more), plain, fast)
+    return st.builds(lambda values, more: Design(values | more), plain, fast)
 
 
 @pytest.fixture(scope="session")

@@ -14,9 +14,9 @@ from spectral import KERNELS, NODES, PAIRS, WEIGHTS, scaled
 _X, _W = np.polynomial.legendre.leggauss(4)
 
 
-def grown(channel, one, two, kind_one, kind_two):
+def grown(channel, first, second, kind_one, kind_two):
     """Covariance of two errors that grow from nothing: position (kind 0), velocity (1), acceleration by tilt (2)."""
-    least = np.minimum(one[:, None], two[None, :])
+    least = np.minimum(first[:, None], second[None, :])
     result = np.zeros(least.shape)
 
     def response(kind, rest):
@@ -25,7 +25,7 @@ def grown(channel, one, two, kind_one, kind_two):
 
     for node, weight in zip(_X, _W, strict=True):
         u = least * (node + 1) / 2
-        (a, w), (b, v) = response(kind_one, one[:, None] - u), response(kind_two, two[None, :] - u)
+        (a, w), (b, v) = response(kind_one, first[:, None] - u), response(kind_two, second[None, :] - u)
         result += least * weight / 2 * (a * b + w * v)
     return result
 
@@ -134,7 +134,7 @@ def run_up(channel, duration):
     return p
 
 
-def begun(channel, gap):
+def initial(channel, gap):
     """Just after the fixes at the start of an aperture, without those of a gap before it."""
     events = _events(channel)
     step, period = (of(interval for *_, interval in events) for of in (min, max))
@@ -194,9 +194,9 @@ def errors(channel, aperture, after, start):
 
 def smoothed(channel, aperture, after, gap=0.0, start=None):
     """Columns of `nav_model.processing.smoother.smoothed_error` for one channel."""
-    result = errors(channel, aperture, after, begun(channel, gap) if start is None else start)
+    result = errors(channel, aperture, after, initial(channel, gap) if start is None else start)
     along, now = result[: len(NODES), : len(NODES)], np.diag(result)[len(NODES) :]
     kernels = {name: kernel[1:-1] * WEIGHTS for name, kernel in KERNELS.items()}
-    columns = {name: kernels[one] @ along @ kernels[other] for name, (one, other) in PAIRS.items()}
+    columns = {name: kernels[row] @ along @ kernels[column] for name, (row, column) in PAIRS.items()}
     columns["whole"] = WEIGHTS @ np.diag(along) / 2
     return scaled(columns, aperture) | dict(zip(("position", "velocity", "tilt"), now, strict=True))

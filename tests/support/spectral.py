@@ -38,15 +38,15 @@ PAIRS = {
 }  # fmt: skip
 
 
-def scaled(found, aperture):
+def scaled(powers, aperture):
     """With slopes a second, and what polynomials up to orders 1, 2 and 3 leave of the mean square `whole`."""
-    whole = found.pop("whole")
-    found["left_1"] = whole - found["mean"] - found["slope"] / 3
-    found["left_2"] = found["left_1"] - found["quadratic"] * 4 / 45
-    found["left_3"] = found["left_2"] - found["cubic"] * 4 / 175
-    found["slope"] *= 4 / aperture**2
-    found["mean_slope"] *= 2 / aperture
-    return found
+    whole = powers.pop("whole")
+    powers["left_1"] = whole - powers["mean"] - powers["slope"] / 3
+    powers["left_2"] = powers["left_1"] - powers["quadratic"] * 4 / 45
+    powers["left_3"] = powers["left_2"] - powers["cubic"] * 4 / 175
+    powers["slope"] *= 4 / aperture**2
+    powers["mean_slope"] *= 2 / aperture
+    return powers
 
 
 def _panels(edges, points=10):
@@ -62,10 +62,10 @@ def filters(x):
     wave = np.exp(1j * x[near, None] * NODES) * WEIGHTS
     through = {name: wave @ kernel[1:-1] for name, kernel in KERNELS.items()}
     result = {"whole": np.ones_like(x)}
-    for name, (one, other) in PAIRS.items():
-        ends = KERNELS[one][0] * KERNELS[other][0] + KERNELS[one][-1] * KERNELS[other][-1]
+    for name, (row, column) in PAIRS.items():
+        ends = KERNELS[row][0] * KERNELS[column][0] + KERNELS[row][-1] * KERNELS[column][-1]
         result[name] = ends / x**2  # far above the oscillation only the kernels' ends count
-        result[name][near] = (through[one] * through[other].conj()).real
+        result[name][near] = (through[row] * through[column].conj()).real
     return result
 
 
@@ -91,10 +91,10 @@ def smoothed(channel, aperture):
     half = float(aperture) / 2
     w, weights = x / half, weights / (math.pi * half)
     drift, receiver = densities(channel, w)
-    left = weights / (1 / drift + 1 / receiver)
-    result = scaled({name: float(left @ power) for name, power in filters(x).items()}, float(aperture))
-    result |= {"position": left.sum(), "velocity": left @ w**2}
+    spectrum = weights / (1 / drift + 1 / receiver)
+    result = scaled({name: float(spectrum @ power) for name, power in filters(x).items()}, float(aperture))
+    result |= {"position": spectrum.sum(), "velocity": spectrum @ w**2}
     if channel.gyro is not None:
-        own, rest = channel.gyro**2 / w**2, channel.accelerometer**2 + w**4 * receiver
-        result["tilt"] = np.sum(weights / (1 / own + 1 / rest))
+        gyro, rest = channel.gyro**2 / w**2, channel.accelerometer**2 + w**4 * receiver
+        result["tilt"] = np.sum(weights / (1 / gyro + 1 / rest))
     return result

@@ -24,8 +24,8 @@ RATE, SAMPLES = 100.0, 6000
 
 
 def lost(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    kept = np.sort(rng.choice(SAMPLES, SAMPLES - SAMPLES // 200, replace=False))
-    return kept / RATE, white(rng)[kept]
+    indices = np.sort(rng.choice(SAMPLES, SAMPLES - SAMPLES // 200, replace=False))
+    return indices / RATE, white(rng)[indices]
 
 
 def jittered(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -83,13 +83,13 @@ def in_stretches(signal: np.ndarray, breaks: list[int]) -> LogAnalysis:
 @pytest.mark.long
 def test_a_pause_costs_nothing_but_its_samples(simulate):
     """The walk restarts where it likes after the pause: joined as one, the step would be read as noise."""
-    one, other = (simulate(seed, 40_000, 0.1, random_walk=1e-4, rate_random_walk=2e-6) for seed in (1, 2))
-    joined = np.concatenate([one, other + 5e-3])[:, None]
+    first, second = (simulate(seed, 40_000, 0.1, random_walk=1e-4, rate_random_walk=2e-6) for seed in (1, 2))
+    joined = np.concatenate([first, second + 5e-3])[:, None]
     (axis,) = in_stretches(joined, [40_000]).axes
     for term, truth in (("random_walk", 1e-4), ("rate_random_walk", 2e-6)):
-        found = axis.coefficients[term]
-        assert found is not None
-        assert found.low <= truth <= found.high
+        coefficient = axis.coefficients[term]
+        assert coefficient is not None
+        assert coefficient.low <= truth <= coefficient.high
     (wrong,) = in_stretches(joined, []).axes
     walk = wrong.coefficients["rate_random_walk"]
     assert walk is None or walk.low > 2e-6
@@ -105,9 +105,9 @@ def test_deviations_over_gaps_are_the_mean_over_stretches_with_the_freedom_that_
     ratios = []
     for _ in range(400):
         signal = rng.standard_normal(3000)
-        found = overlapping_allan_deviation(signal, 1.0, taus, breaks=breaks)
-        ratios.append(found.deviation**2 * taus)
-    for tau, deviation in zip((1, 4, 16, 64), found.deviation, strict=True):
+        result = overlapping_allan_deviation(signal, 1.0, taus, breaks=breaks)
+        ratios.append(result.deviation**2 * taus)
+    for tau, deviation in zip((1, 4, 16, 64), result.deviation, strict=True):
         squares = [
             (signal[i + tau : i + 2 * tau].mean() - signal[i : i + tau].mean()) ** 2 / 2.0
             for start, stop in pairwise(edges)
@@ -118,7 +118,7 @@ def test_deviations_over_gaps_are_the_mean_over_stretches_with_the_freedom_that_
     np.testing.assert_allclose(ratios.mean(axis=0), 1.0, atol=0.05)
     from scipy.special import chdtri
 
-    for column, low, deviation in zip(ratios.T, found.low, found.deviation, strict=True):
+    for column, low, deviation in zip(ratios.T, result.low, result.deviation, strict=True):
         freedom = 2.0 / column.var()
         assert low / deviation == pytest.approx(math.sqrt(freedom / chdtri(freedom, 0.025)), rel=0.06)
 

@@ -270,8 +270,8 @@ def test_names_and_units():
     assert meaning_of("latitude") is None
     assert scale_of("accelerometer", "125 ug s").per_sample
     assert scale_of("gyro", "0.1 arcsec").factor == pytest.approx(np.radians(0.1 / 3600))
-    for said in ("0.05 deg/s", "0.05 deg/s a count", "0.05 deg/s per count", "0.05 deg/s/count"):
-        assert scale_of("gyro", said).factor == pytest.approx(np.radians(0.05))
+    for printed in ("0.05 deg/s", "0.05 deg/s a count", "0.05 deg/s per count", "0.05 deg/s/count"):
+        assert scale_of("gyro", printed).factor == pytest.approx(np.radians(0.05))
     assert (scale_of("gyro", "rads").factor, scale_of("gyro", "rads").per_sample) == (1.0, False)
     for text in ("furlong", "", "-1 deg/s", "0 deg/s", "1.2.3 deg/s"):
         with pytest.raises(InputError, match="gyro_unit"):
@@ -323,7 +323,7 @@ def rows_of(table: np.ndarray) -> list[str]:
     return [",".join(f"{value:.17g}" for value in row) for row in table]
 
 
-def said(log: ImuLog) -> str:
+def reading_of(log: ImuLog) -> str:
     return "; ".join(log.reading)
 
 
@@ -393,9 +393,9 @@ def test_names_of_programs(program: str):
     np.testing.assert_allclose(log.accelerometer, FORCE, rtol=1e-12)
     assert log.rate_hz == pytest.approx(100.0, rel=1e-5)
     if by not in ("", "deg", "mg", "deg mg", "deg/h mg"):
-        assert f"by convention ({by})" in said(log)
+        assert f"by convention ({by})" in reading_of(log)
     if program == "ROS topic as CSV":
-        assert "not used: field.header.seq, field.header.frame_id" in said(log)
+        assert "not used: field.header.seq, field.header.frame_id" in reading_of(log)
 
 
 def test_a_tracker_whose_rates_may_be_degrees_is_asked_for_them():
@@ -415,7 +415,7 @@ def test_angular_accelerations_are_no_specific_forces():
     lines = rows_of(np.hstack([TIME + 1.7e9, GYRO, FORCE - 9.8]))
     log = read_log("\n".join(["timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z", *lines]).encode())
     assert log.accelerometer is None
-    assert "alpha not used" in said(log)
+    assert "alpha not used" in reading_of(log)
 
 
 def test_units_below_the_names_and_padded_lines_above_them():
@@ -424,7 +424,7 @@ def test_units_below_the_names_and_padded_lines_above_them():
     log = read_log(text.encode("cp1252"))
     np.testing.assert_allclose(log.gyro, GYRO, rtol=1e-12)
     assert log.rate_hz == pytest.approx(100.0)
-    assert "10 Hz" not in said(log)
+    assert "10 Hz" not in reading_of(log)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
@@ -462,7 +462,7 @@ def test_only_a_rate_of_these_samples_is_one(comment: str, rate: float | None):
 def test_stamps_win_over_a_comment_and_the_contradiction_is_said():
     log = read_log(b"# sample rate: 200 Hz\n" + "\n".join(GOOD).encode())
     assert log.rate_hz == pytest.approx(100.0)
-    assert "a comment in the file says 200 Hz" in said(log)
+    assert "a comment in the file says 200 Hz" in reading_of(log)
 
 
 def test_lost_samples_and_rows_without_a_value_are_gaps():
@@ -475,7 +475,7 @@ def test_lost_samples_and_rows_without_a_value_are_gaps():
         assert log.rate_hz == pytest.approx(100.0)
         assert {role: breaks.tolist() for role, breaks in log.breaks.items()} == {"gyro": [19], "accelerometer": [19]}
         np.testing.assert_allclose(log.gyro, np.delete(GYRO, 19, axis=0), rtol=1e-9)
-        assert "1 samples lost, so read in 2 stretches" in said(log)
+        assert "1 samples lost, so read in 2 stretches" in reading_of(log)
     untimed = csv(np.where(np.arange(50)[:, None] == 30, np.nan, GYRO), ",".join(f"{n} [rad/s]" for n in NAMES[:3]))
     assert read_log(untimed, LogOptions(rate_hz=10.0)).breaks["gyro"].tolist() == [30]
 
@@ -506,7 +506,7 @@ def test_a_held_sensor_is_read_at_its_own_rate_also_as_increments():
     log = read_log(csv(table, GOOD_HEADER))
     np.testing.assert_allclose(log.accelerometer, force)
     assert [axis.rate_hz for axis in log.axes()] == pytest.approx([250.0] * 3 + [62.5] * 3)
-    assert "each value of accelerometer is held for 4 rows; analysed at its own 62.5 Hz" in said(log)
+    assert "each value of accelerometer is held for 4 rows; analysed at its own 62.5 Hz" in reading_of(log)
     summed = read_log(csv(table, GOOD_HEADER.replace("m/s^2", "m/s")))
     np.testing.assert_allclose(summed.accelerometer, force * 62.5)
 
@@ -530,8 +530,8 @@ def test_several_times_are_one_if_they_agree():
     header = "time [s],stamp [s]," + ",".join(f"{name} [rad/s]" for name in NAMES[:3])
     jittery = TIME + 0.002 * np.random.default_rng(2).random(TIME.shape)
     log = read_log(csv(np.hstack([jittery, TIME, GYRO]), header))
-    assert "from stamp [s]" in said(log)
-    assert "time [s] not used" in said(log)
+    assert "from stamp [s]" in reading_of(log)
+    assert "time [s] not used" in reading_of(log)
     with pytest.raises(InputError, match=r"disagree: 'time \[s\]' 50 Hz, 'stamp \[s\]' 100 Hz"):
         read_log(csv(np.hstack([2 * TIME, TIME, GYRO]), header))
 
@@ -564,5 +564,5 @@ def test_names_of_a_file_are_told_short():
         + "".join(f",<b>{'x' * 500}{n}</b>" for n in range(30))
     )
     log = read_log(csv(np.hstack([TIME, GYRO, np.tile(GYRO[:, :1], 30)]), header))
-    assert len(said(log)) < 600
-    assert "and 22 more" in said(log)
+    assert len(reading_of(log)) < 600
+    assert "and 22 more" in reading_of(log)

@@ -54,7 +54,7 @@ def measure_coverage(simulate: Simulator, case: str, samples: int, logs: tuple[i
     """Analyse simulated axes: shown coefficients hold the truth, absent ones stay unresolved."""
     truth = CASES[case]
     inside = dict.fromkeys(TERMS, 0)
-    shown = dict.fromkeys(TERMS, 0)
+    resolved = dict.fromkeys(TERMS, 0)
     widths: dict[str, list[float]] = {term: [] for term in TERMS}
     axes, fewest = logs
     for log in range(axes // 3):
@@ -65,15 +65,15 @@ def measure_coverage(simulate: Simulator, case: str, samples: int, logs: tuple[i
                 if coefficient is None:
                     assert axis.not_resolved[term].startswith("not resolved")
                     continue
-                shown[term] += 1
+                resolved[term] += 1
                 inside[term] += coefficient.low <= truth.get(term, 0.0) <= coefficient.high
                 widths[term].append(coefficient.high / coefficient.low)
     for term in SHOWN[case]:
-        assert inside[term] >= fewest, (term, inside, shown)
+        assert inside[term] >= fewest, (term, inside, resolved)
         # An interval that covers by being wide is no result.
         assert np.median(widths[term]) < (1.1 if term == "random_walk" else 4.0), (term, widths[term])
     for term in set(TERMS) - set(truth):
-        assert shown[term] <= axes - fewest, (term, shown)
+        assert resolved[term] <= axes - fewest, (term, resolved)
 
 
 @pytest.mark.parametrize("logs", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])

@@ -124,6 +124,6 @@ def test_a_row_that_settles_late_or_never_leaves_the_others():
         together = settled_cycle(*arguments, (fixes, fixes), (0.05, 0.05), (3.0, 600.0))
     for n in (0, 1, 2, 5):
         alone = settled_cycle(*arguments, (fixes[n], fixes[n]), (0.05, 0.05), (3.0, 600.0))
-        for some, one in zip(together[:2], alone[:2], strict=True):
-            for array, value in zip(variances(some), variances(one), strict=True):
+        for some, single in zip(together[:2], alone[:2], strict=True):
+            for array, value in zip(variances(some), variances(single), strict=True):
                 assert array[n] == pytest.approx(float(value), rel=1e-9)

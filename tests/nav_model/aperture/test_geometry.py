@@ -67,10 +67,10 @@ def test_a_squinted_cell_is_half_a_wavelength_of_range_difference(squint):
     """Two points a cell apart across the line of sight: their exact ranges part by half a wavelength."""
     wavelength, far, speed, span = 0.031, 8000.0, 110.0, 4.0
     cell = float(cell_length(wavelength, far, speed, span, squint))
-    one = far * np.array([np.sin(squint), np.cos(squint)])
-    other = one + cell * np.array([np.cos(squint), -np.sin(squint)])
+    target = far * np.array([np.sin(squint), np.cos(squint)])
+    other = target + cell * np.array([np.cos(squint), -np.sin(squint)])
     ends = np.array([[-speed * span / 2, 0.0], [speed * span / 2, 0.0]])
-    parted = [np.linalg.norm(other - end) - np.linalg.norm(one - end) for end in ends]
+    parted = [np.linalg.norm(other - end) - np.linalg.norm(target - end) for end in ends]
     assert abs(parted[1] - parted[0]) == pytest.approx(wavelength / 2, rel=1e-3)
     assert aperture_time(wavelength, far, speed, WINDOW_WIDTH["uniform"] * cell, "uniform", squint) == pytest.approx(
         span

@@ -47,8 +47,8 @@ def _project(covariance, order):
     fit = np.linalg.solve(basis.T @ (weight[:, None] * basis), basis.T * weight)
     half = fit @ covariance
     coefficients = half @ fit.T
-    left = np.trace(covariance) - 2 * np.sum(half.T * basis) + np.sum((basis @ coefficients) * basis)
-    return left / NODES, coefficients[-1, -1]
+    residual = np.trace(covariance) - 2 * np.sum(half.T * basis) + np.sum((basis @ coefficients) * basis)
+    return residual / NODES, coefficients[-1, -1]
 
 
 def _processes(t_ap, t_c, p33, a, w, b, d):
@@ -87,12 +87,12 @@ def test_every_source_against_the_projection(t_ap, t_c, angle, order, compared, 
     for source, (horizontal, vertical) in _processes(t_ap, t_c, p33, a, w, b, d).items():
         covariance = level * horizontal + upright * vertical
         size = level * w**2 * G**2 * t_ap**5 * 1e-12
-        left, _ = _project(covariance, order)
+        residual, _ = _project(covariance, order)
         _, quadratic = _project(covariance, 2)
         _, cubic = _project(covariance, 3)
-        assert float(ours[source].detrended) == pytest.approx(left, rel=2e-5, abs=size), source
+        assert float(ours[source].detrended) == pytest.approx(residual, rel=2e-5, abs=size), source
         off["quadratic"].append(ratio_off(ours[source].quadratic, quadratic))
-        for name, theirs in (("detrended", left), ("cubic", cubic)):
+        for name, theirs in (("detrended", residual), ("cubic", cubic)):
             if theirs > 1e6 * size:  # below, quadrature leaves nothing to compare
                 off[name].append(ratio_off(getattr(ours[source], name), theirs))
         assert float(ours[source].cubic) == pytest.approx(cubic, rel=2e-5, abs=size), source
@@ -123,13 +123,13 @@ INPUTS = st.tuples(
 
 @given(INPUTS, st.floats(0, 1.57))
 def test_autofocus_never_harms_and_totals_add_up(inputs, angle):
-    left = [phase_budget(*inputs, angle, order) for order in (1, 2, 3)]
+    budgets = [phase_budget(*inputs, angle, order) for order in (1, 2, 3)]
     for source in SOURCES:
-        values = [float(budget[source].detrended) for budget in left]
+        values = [float(budget[source].detrended) for budget in budgets]
         assert values[0] >= values[1] >= values[2] >= 0
-        assert len({float(budget[source].quadratic) for budget in left}) == 1  # quoted before autofocus
-    whole = total(left[0])
-    for i, column in enumerate(zip(*left[0].values(), strict=True)):
+        assert len({float(budget[source].quadratic) for budget in budgets}) == 1  # quoted before autofocus
+    whole = total(budgets[0])
+    for i, column in enumerate(zip(*budgets[0].values(), strict=True)):
         assert float(whole[i]) == pytest.approx(math.fsum(float(x) for x in column), rel=1e-14)
 
 

@@ -22,9 +22,9 @@ def test_the_message_is_made_of_the_fields_and_all_survive_pickling(kind, value)
     error = kind("imu.rate", "is not allowed: 1 = 2; try 100 Hz", value)
     again = pickle.loads(pickle.dumps(error))
     assert type(again) is kind
-    for one in (error, again):
-        assert (one.key, one.reason, one.value) == ("imu.rate", "is not allowed: 1 = 2; try 100 Hz", value)
-        assert str(one) == "imu.rate: is not allowed: 1 = 2; try 100 Hz"
+    for e in (error, again):
+        assert (e.key, e.reason, e.value) == ("imu.rate", "is not allowed: 1 = 2; try 100 Hz", value)
+        assert str(e) == "imu.rate: is not allowed: 1 = 2; try 100 Hz"
     renamed = again.under("--rate")
     assert (type(renamed), renamed.key, renamed.reason, renamed.value) == (kind, "--rate", error.reason, value)
 

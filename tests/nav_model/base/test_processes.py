@@ -35,9 +35,9 @@ def test_workers_end_when_their_parent_is_killed(tmp_path, module: str, name: st
     script = tmp_path / "script.py"  # a file: what is spawned imports it again
     script.write_text(_POOL.format(module=module, name=name, arguments=arguments), encoding="utf-8")
     with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as process:
-        told = {int(word) for word in process.stdout.readline().split()}
+        pids = {int(word) for word in process.stdout.readline().split()}
         workers = psutil.Process(process.pid).children(recursive=True)
-        assert told <= {worker.pid for worker in workers}
+        assert pids <= {worker.pid for worker in workers}
         process.kill()
     _, alive = psutil.wait_procs(workers, timeout=PATIENCE)
     assert not alive
@@ -97,5 +97,5 @@ if __name__ == "__main__":
 def test_workers_killed_while_they_send_a_result_end_their_pool(tmp_path: Path, workers: int, kill: str) -> None:
     script = tmp_path / "script.py"
     script.write_text(_HALF_A_RESULT.replace("{workers}", str(workers)).replace("{kill}", kill), encoding="utf-8")
-    told = subprocess.check_output([sys.executable, str(script)], cwd=tmp_path, text=True, timeout=PATIENCE)
-    assert told == "['BrokenProcessPool', 'BrokenProcessPool']\n"
+    output = subprocess.check_output([sys.executable, str(script)], cwd=tmp_path, text=True, timeout=PATIENCE)
+    assert output == "['BrokenProcessPool', 'BrokenProcessPool']\n"

@@ -85,14 +85,14 @@ def test_two_clocks_and_time_that_runs_back_are_refused_by_name(stamps: np.ndarr
 
 @pytest.mark.parametrize("length", [1.6, 2.0, 2.08, 2.5, 4.0, 40.0])
 def test_held_values_are_found_at_their_own_rate(length: float):
-    own = RNG.standard_normal((5000, 3))
-    own[100] = own[99]  # twice by chance
-    rows = own[(np.arange(int(5000 * length)) / length).astype(int)]
+    samples = RNG.standard_normal((5000, 3))
+    samples[100] = samples[99]  # twice by chance
+    rows = samples[(np.arange(int(5000 * length)) / length).astype(int)]
     result = held_values(rows, NO_GAP)
     assert result is not None
     first, rows_per_sample = result
     assert rows_per_sample == pytest.approx(length, rel=2e-3)
-    np.testing.assert_array_equal(rows[first], own[: len(first)])
+    np.testing.assert_array_equal(rows[first], samples[: len(first)])
 
 
 @pytest.mark.parametrize("step", [0.1, 0.5, 1.0, 2.0, 4.0])

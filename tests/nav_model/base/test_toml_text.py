@@ -33,9 +33,9 @@ print(taken() - before, time.process_time() - began, said)
 def _cost(text: str) -> tuple[float, str]:
     """MB taken at most, and what was said; fails if it took more than ten times the time stated."""
     done = subprocess.run([sys.executable, "-c", _READ, text], capture_output=True, text=True, check=True)
-    memory, seconds, said = done.stdout.split(" ", 2)
+    memory, seconds, message = done.stdout.split(" ", 2)
     assert float(seconds) < 10
-    return float(memory), said.strip()
+    return float(memory), message.strip()
 
 
 @pytest.mark.long

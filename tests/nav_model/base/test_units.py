@@ -332,11 +332,11 @@ ASKED = [
 ]
 
 
-@pytest.mark.parametrize(("text", "dimension", "said"), ASKED, ids=[row[0] for row in ASKED])
-def test_what_has_two_meanings_is_asked_for(text, dimension, said):
+@pytest.mark.parametrize(("text", "dimension", "message"), ASKED, ids=[row[0] for row in ASKED])
+def test_what_has_two_meanings_is_asked_for(text, dimension, message):
     with pytest.raises(InputError) as caught:
         parse_quantity(text, dimension)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 HOSTILE = ["1 " + "(" * 97, "1 m" + "^9" * 40, "1 ppm^12" + "^12" * 20, "1 " + "((ppm^9)^9)" * 8,

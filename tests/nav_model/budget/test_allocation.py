@@ -34,12 +34,12 @@ def _budget(seed: int) -> Budget:
         "processing.mode": draw.choice(["real time", "post-processed"]),
         "imu.angle_random_walk": 10 ** draw.uniform(-6, -4), "gnss.position_noise": 10 ** draw.uniform(-1.5, 0.5),
     }  # fmt: skip
-    own = (
+    contributors = (
         Contributor("lever arm", 10 ** draw.uniform(-4, -3), "detrended_phase", "length", owner="mechanics"),
         Contributor("time tag", 10 ** draw.uniform(-2.5, -1), "detrended_phase", "angle", kind="systematic"),
         Contributor("datum", 10 ** draw.uniform(-2, 0), "ce90", "length", kind="systematic", allowance=0.2),
     )
-    return analyse(Design(changes, entries=UserEntries(own)))
+    return analyse(Design(changes, entries=UserEntries(contributors)))
 
 
 def _combined(values: dict[str, float]) -> float:
@@ -48,8 +48,8 @@ def _combined(values: dict[str, float]) -> float:
     return math.sqrt(square) + sum(value for source, value in values.items() if source in _SYSTEMATIC)
 
 
-def _whole(found: Allocation) -> float:
-    return _combined({entry.source: entry.allocated for entry in found.entries})
+def _whole(allocation: Allocation) -> float:
+    return _combined({entry.source: entry.allocated for entry in allocation.entries})
 
 
 def test_today_combines_to_the_value_that_is_checked() -> None:
@@ -122,29 +122,29 @@ def test_equal_ones_are_equal_and_shares_keep_their_ratio() -> None:
 def test_the_cheapest_is_that_of_a_numerical_optimiser(seed: int) -> None:
     budget = _budget(seed)
     for name, reserve in (("detrended_phase", 0.2), ("ce90", 0.2), ("detrended_phase", 0.95)):
-        found = allocate(budget, name, Allotment("cheapest", reserve))
-        target = (1 - reserve) * found.limit
-        e = np.array([entry.estimated for entry in found.entries])
-        linear = np.array([entry.source in _SYSTEMATIC for entry in found.entries])
-        ours = np.array([entry.allocated for entry in found.entries]) / e
+        allocation = allocate(budget, name, Allotment("cheapest", reserve))
+        target = (1 - reserve) * allocation.limit
+        e = np.array([entry.estimated for entry in allocation.entries])
+        linear = np.array([entry.source in _SYSTEMATIC for entry in allocation.entries])
+        ours = np.array([entry.allocated for entry in allocation.entries]) / e
 
-        def left(x: Any, e: Any = e, linear: Any = linear, target: float = target) -> float:
+        def remaining(x: Any, e: Any = e, linear: Any = linear, target: float = target) -> float:
             root = np.sqrt(np.sum((e * x)[~linear] ** 2))
             return float((root + np.sum((e * x)[linear])) / target - 1)
 
         def cost(x: Any) -> float:
             return float(np.sum((x - 1) ** 2))
 
-        starts = [target / (left(np.ones(len(e))) * target + target) * np.ones(len(e)), ours * 1.3 + 0.01]
+        starts = [target / (remaining(np.ones(len(e))) * target + target) * np.ones(len(e)), ours * 1.3 + 0.01]
         best = min(
             (
-                minimize(cost, start, constraints={"type": "eq", "fun": left}, bounds=[(0, None)] * len(e),
+                minimize(cost, start, constraints={"type": "eq", "fun": remaining}, bounds=[(0, None)] * len(e),
                          method="SLSQP", options={"ftol": 1e-15, "maxiter": 2000})
                 for start in starts
             ),
-            key=lambda result: result.fun if abs(left(result.x)) < 1e-7 else math.inf,
+            key=lambda result: result.fun if abs(remaining(result.x)) < 1e-7 else math.inf,
         )  # fmt: skip
-        assert abs(left(best.x)) < 1e-7
+        assert abs(remaining(best.x)) < 1e-7
         assert cost(ours) <= best.fun * (1 + 1e-5) + 1e-9
         assert ours == pytest.approx(best.x, rel=1e-3, abs=2e-3 * float(np.max(best.x)))
 

@@ -91,11 +91,11 @@ def test_vibration_multiplies_both_random_walks_everywhere(slow):
             }
         )
     )
-    one, two = dict(_numbers(shaken)), dict(_numbers(direct))
-    assert len(one) > 3000
-    assert one.keys() == two.keys()
-    for path, value in one.items():
-        assert value == pytest.approx(two[path], rel=1e-12, abs=1e-300), path
+    a, b = dict(_numbers(shaken)), dict(_numbers(direct))
+    assert len(a) > 3000
+    assert a.keys() == b.keys()
+    for path, value in a.items():
+        assert value == pytest.approx(b[path], rel=1e-12, abs=1e-300), path
     assert shaken.steady_state.closed["tilt"] > 5 * analyse(base).steady_state.closed["tilt"]
 
 
@@ -125,15 +125,15 @@ def test_the_end_of_the_coast_does_not_depend_on_the_times():
 
 
 def test_vertical_noise_touches_the_vertical_only():
-    one = analyse(BASE).steady_state
+    state = analyse(BASE).steady_state
     two = analyse(BASE.replace({"gnss.vertical_position_noise": 2.0})).steady_state
     for moment in ("closed", "prior", "posterior"):
-        a, b = getattr(one, moment), getattr(two, moment)
+        a, b = getattr(state, moment), getattr(two, moment)
         for name in ("horizontal_position", "tilt"):
             assert b[name] == pytest.approx(a[name], rel=1e-12)
         assert b["vertical_position"] > 1.4 * a["vertical_position"]
     # v11 ~ s^(3/2): the sigma goes with the 3/4 power
-    assert two.closed["vertical_position"] / one.closed["vertical_position"] == pytest.approx(2**0.75, rel=1e-12)
+    assert two.closed["vertical_position"] / state.closed["vertical_position"] == pytest.approx(2**0.75, rel=1e-12)
 
 
 def test_slow_error_through_the_whole_budget():
@@ -239,18 +239,18 @@ def test_values_that_double_precision_cannot_hold_together_are_refused(smoothed)
     with pytest.raises(InputError) as caught:
         analyse(design)
     assert caught.value.key == "gnss.correlated_noise"
-    for said in ("600 m is too far from", "gnss.position_noise 1700 m", "gnss.velocity_noise 0.0003 m/s", "closer"):
-        assert said in caught.value.reason
+    for text in ("600 m is too far from", "gnss.position_noise 1700 m", "gnss.velocity_noise 0.0003 m/s", "closer"):
+        assert text in caught.value.reason
 
 
 def test_autofocus_rescores_the_detrended_phase_only():
-    one, two, three = (analyse(BASE.replace({"radar.autofocus_order": n})) for n in (1, 2, 3))
-    quadratic = {budget.figure("quadratic_phase").sigma for budget in (one, two, three)}
+    order_1, order_2, order_3 = (analyse(BASE.replace({"radar.autofocus_order": n})) for n in (1, 2, 3))
+    quadratic = {budget.figure("quadratic_phase").sigma for budget in (order_1, order_2, order_3)}
     assert len(quadratic) == 1
-    first, second, third = (budget.figure("detrended_phase").sigma for budget in (one, two, three))
+    first, second, third = (budget.figure("detrended_phase").sigma for budget in (order_1, order_2, order_3))
     assert first > second > third > 0
-    assert two.response_after_autofocus().peak_loss_db == pytest.approx(0, abs=1e-9)
-    assert one.response_after_autofocus() == one.response("real time")
+    assert order_2.response_after_autofocus().peak_loss_db == pytest.approx(0, abs=1e-9)
+    assert order_1.response_after_autofocus() == order_1.response("real time")
 
 
 def test_wide_sawtooth_is_flagged():
@@ -272,8 +272,8 @@ def test_wide_sawtooth_is_flagged():
     ],
 )
 def test_an_aperture_without_a_fix_after_it_is_flagged(changes, due):
-    said = cautions(analyse(BASE.replace({"gnss.interval": 10.0, **changes})))
-    assert any("No fix falls in the time after the aperture" in sentence for sentence in said) is due
+    messages = cautions(analyse(BASE.replace({"gnss.interval": 10.0, **changes})))
+    assert any("No fix falls in the time after the aperture" in sentence for sentence in messages) is due
 
 
 def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refused():
@@ -291,10 +291,10 @@ def test_squint_lengthens_the_aperture_and_a_target_behind_the_horizon_is_refuse
 def test_a_geometry_that_no_ground_allows_is_told() -> None:
     """Seven kilometres at 35 degrees are four kilometres up; over a plain at 1.8 km a flight is as much higher."""
 
-    def told(**changes: float) -> bool:
+    def warned(**changes: float) -> bool:
         design = BASE.replace({"radar.slant_range": 7000.0, "radar.grazing_angle": math.radians(35)} | changes)
         return any("do not agree" in sentence for sentence in cautions(analyse(design)))
 
-    assert [told(**{"flight.altitude": height}) for height in (3000.0, 4015.0, 5800.0, 14000.0)] == [
+    assert [warned(**{"flight.altitude": height}) for height in (3000.0, 4015.0, 5800.0, 14000.0)] == [
         True, False, False, True,
     ]  # fmt: skip

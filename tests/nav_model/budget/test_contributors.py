@@ -54,9 +54,9 @@ def test_a_millimetre_enters_the_phase_by_four_pi_over_lambda(mode: str) -> None
             assert check.shares["lever arm"] == pytest.approx(size**2 / check.sigma**2, rel=1e-14)
         else:
             assert check == before
-    (told,) = json.loads(json.dumps(to_json(budget)))["contributors"]
+    (entry,) = json.loads(json.dumps(to_json(budget)))["contributors"]
     expected = {"name": "lever arm", "enters": "detrended_phase", "unit": "rad", "owner": "mechanics"}
-    assert told == expected | {"sigma": pytest.approx(size, rel=1e-14)}
+    assert entry == expected | {"sigma": pytest.approx(size, rel=1e-14)}
     before = alone.figure("detrended_phase").sigma
     assert budget.figure("detrended_phase").sigma == pytest.approx(math.hypot(before, size), rel=1e-14)
 
@@ -65,7 +65,7 @@ def test_the_lines_of_the_phase_budget_name_it_and_add_up() -> None:
     table = {**LEVER_ARM, "kind": "systematic", "enters": "cubic_phase"}
     budget, alone = analyse(_with(table, LEVER_ARM | {"name": "other"})), _ALONE["real time"]
     size = 4 * math.pi / alone.sar.wavelength * 1e-3
-    lines, before = (one.phase_lines("real time") for one in (budget, alone))
+    lines, before = (each.phase_lines("real time") for each in (budget, alone))
     assert {line.source for line in lines} - {line.source for line in before} == {"lever arm", "other"}
     cubic = budget["cubic_phase", "real time"]
     assert cubic.sigma == pytest.approx(alone["cubic_phase", "real time"].sigma + size, rel=1e-14)
@@ -81,8 +81,8 @@ def test_one_of_zero_changes_nothing(mode: str) -> None:
         ("horizontal_velocity", "0 m/s"),
     )]  # fmt: skip
     left, right = to_json(analyse(_with(*zeros, mode=mode))), to_json(_ALONE[mode])
-    for told in (left, right):
-        del told["contributors"], told["design"]
+    for document in (left, right):
+        del document["contributors"], document["design"]
     assert left == right
 
 
@@ -107,21 +107,21 @@ def _random_set(draw: random.Random) -> list[Contributor]:
 def test_random_sets_agree_with_the_sum_written_out() -> None:
     draw = random.Random(29)
     for number in range(500):
-        own = _random_set(draw)
+        contributors = _random_set(draw)
         mode = ("real time", "post-processed")[number % 2]
-        design = DESIGN.replace({"processing.mode": mode}, entries=UserEntries(tuple(own), _OWN_LIMITS))
+        design = DESIGN.replace({"processing.mode": mode}, entries=UserEntries(tuple(contributors), _OWN_LIMITS))
         # The maps' way for all, the verdict's for some, since a budget takes longer.
         budget = analyse(design) if number % 25 < 2 else None
         result = {c.name: c.sigma for c in budget.verdict.checks} if budget else figures(inputs_of(design), _NAMES)
         for before in _ALONE[mode].verdict.checks:
             square, linear = before.sigma**2, 0.0
-            for one in own:
-                lasting = one.processing == "both" and f"coast_{one.enters}" == before.on and "position" in before.on
-                if lasting or (one.enters == before.on and one.processing in ("both", mode)):
-                    size = one.value * (1 + one.allowance)
-                    if one.dimension == "length" and FIGURES[one.enters].dimension == "angle":
+            for c in contributors:
+                lasting = c.processing == "both" and f"coast_{c.enters}" == before.on and "position" in before.on
+                if lasting or (c.enters == before.on and c.processing in ("both", mode)):
+                    size = c.value * (1 + c.allowance)
+                    if c.dimension == "length" and FIGURES[c.enters].dimension == "angle":
                         size *= 4 * math.pi / (SPEED_OF_LIGHT / design.radar.frequency)
-                    square, linear = (square + size**2, linear) if one.kind == "random" else (square, linear + size)
+                    square, linear = (square + size**2, linear) if c.kind == "random" else (square, linear + size)
             assert float(result[before.name]) == pytest.approx(math.sqrt(square) + linear, rel=1e-12), before.name
         for check in budget.verdict.checks if budget else ():
             assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
@@ -214,9 +214,9 @@ def test_a_list_that_is_wrong_is_refused_by_name(tables: Any, named: str) -> Non
 
 
 def test_a_search_judges_measures_of_the_response_by_the_quadratic_phase() -> None:
-    own = read_contributors([LEVER_ARM | {"enters": "quadratic_phase", "value": "1 mm"}])
+    arm = read_contributors([LEVER_ARM | {"enters": "quadratic_phase", "value": "1 mm"}])
     limits = [{"name": f"my {name}", "on": name, "limit": "1 dB"} for name in ("peak_loss", "pslr")]
-    design = Design(entries=UserEntries(own, read_limits(limits)))
+    design = Design(entries=UserEntries(arm, read_limits(limits)))
     rows = search(design, catalogue("imu"), {})
     assert {"lever arm", "gyro noise"} <= {row.dominant for row in rows}
     for row in rows:
@@ -227,8 +227,8 @@ def test_a_search_judges_measures_of_the_response_by_the_quadratic_phase() -> No
 
 @pytest.mark.parametrize("kind", ["random", "systematic"])
 def test_a_search_names_a_contributor_that_dominates_with_its_share(kind: str) -> None:
-    own = read_contributors([LEVER_ARM | {"kind": kind, "value": "5 mm"}])
-    design = Design({"requirements.detrended_phase": 0.3, "requirements.tilt": 1.0}, entries=UserEntries(own))
+    arm = read_contributors([LEVER_ARM | {"kind": kind, "value": "5 mm"}])
+    design = Design({"requirements.detrended_phase": 0.3, "requirements.tilt": 1.0}, entries=UserEntries(arm))
     rows = search(design, catalogue("imu"), catalogue("gnss"))
     dominated = [row for row in rows if row.dominant == "lever arm"]
     assert len(dominated) > 3

@@ -69,9 +69,9 @@ def test_an_echo_is_where_the_doppler_of_its_line_is(open_design):
     )
     p = 4 * math.pi / wavelength * 1e-4
     assert 20 * math.log10(echo.level) == pytest.approx(20 * math.log10(p / 2 * (1 + p**2 / 8)), abs=1e-4)
-    said = to_json(budget)["spectral"]
-    assert said["echoes"][0]["level_db"] == pytest.approx(20 * math.log10(echo.level))
-    assert budget.response("real time").pslr_fixed_db >= said["echoes"][0]["level_db"]
+    spectral = to_json(budget)["spectral"]
+    assert spectral["echoes"][0]["level_db"] == pytest.approx(20 * math.log10(echo.level))
+    assert budget.response("real time").pslr_fixed_db >= spectral["echoes"][0]["level_db"]
 
 
 def test_vibration_is_what_the_delay_leaves(open_design):
@@ -111,14 +111,14 @@ def test_rectification_is_a_bias(open_design):
 
 def test_an_oscillator_of_one_radar_cancels_what_is_slow(open_design):
     noise = {key: value for key, value in SOURCES.items() if key == "oscillator.phase_noise"}
-    one, two = (analyse(open_design.replace(noise | {"oscillator.bistatic": both})) for both in (False, True))
+    mono, bi = (analyse(open_design.replace(noise | {"oscillator.bistatic": both})) for both in (False, True))
 
     def of(budget):
         return next(line for line in budget.phase_lines("real time") if line.source == "oscillator")
 
-    assert of(two).quadratic > 1000 * of(one).quadratic > 0
+    assert of(bi).quadratic > 1000 * of(mono).quadratic > 0
     at_ten = analyse(open_design.replace(noise | {"oscillator.bistatic": True, "oscillator.frequency": 10e6}))
-    assert of(at_ten).quadratic == pytest.approx(of(two).quadratic * open_design.radar.frequency / 10e6, rel=1e-9)
+    assert of(at_ten).quadratic == pytest.approx(of(bi).quadratic * open_design.radar.frequency / 10e6, rel=1e-9)
 
 
 def test_limits_in_decibels(open_design):
@@ -164,8 +164,8 @@ def test_arrays_and_slopes(full):
     delays = np.geomspace(1e-4, 1e-2, 4)
     result = figures(inputs_of(full, {"motion.delay": delays}))
     for n, delay in enumerate(delays):
-        one = figures(inputs_of(full.replace({"motion.delay": float(delay)})))
-        for name, value in one.items():
+        values = figures(inputs_of(full.replace({"motion.delay": float(delay)})))
+        for name, value in values.items():
             assert np.broadcast_to(result[name], 4)[n] == pytest.approx(float(value), rel=1e-12), name
     by_key = {item.key: item for item in rank(full, "islr")}
     scaled = figures(inputs_of(full, {"motion.delay": 2e-4 * np.array([0.999, 1.001])}), ("islr",))["islr"]
@@ -211,7 +211,7 @@ def test_sources_are_kept_while_the_design_changes_elsewhere(full):
         *((design, *change) for change in changes.items()),
         (at_carrier, "radar.frequency", 5e9),
     ):
-        before, after = (inputs_of(one).fast for one in (start, start.replace({key: value})))
+        before, after = (inputs_of(each).fast for each in (start, start.replace({key: value})))
         assert any(
             getattr(before[name], field) != getattr(after[name], field)
             for name in before

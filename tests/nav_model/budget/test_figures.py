@@ -41,8 +41,8 @@ def test_arrays_are_designs_side_by_side(closed_design):
     grid = figures(inputs_of(closed_design, {"imu.angle_random_walk": x[None, :], "gnss.position_noise": y[:, None]}))
     for j, noise in enumerate(y):
         for i, walk in enumerate(x):
-            one = closed_design.replace({"imu.angle_random_walk": float(walk), "gnss.position_noise": float(noise)})
-            for check in analyse(one).verdict.checks:
+            case = closed_design.replace({"imu.angle_random_walk": float(walk), "gnss.position_noise": float(noise)})
+            for check in analyse(case).verdict.checks:
                 value = np.broadcast_to(grid[check.name], (4, 5))[j, i]
                 assert value == pytest.approx(check.sigma, rel=1e-13), check.name
 

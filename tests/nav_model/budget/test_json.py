@@ -170,8 +170,8 @@ def test_with_velocity_fixes_every_source_of_the_steady_state_is_the_equation_th
     )  # fmt: skip
     plain = to_json(analyse(design))
     assert [check["equation"] for check in plain["verdict"]["requirements"]] == ["[P-6]", "[P-6]"]
-    cycle = {key: told for key, told in plain["provenance"].items() if told["note"] == "rms over a fix interval"}
+    cycle = {key: entry for key, entry in plain["provenance"].items() if entry["note"] == "rms over a fix interval"}
     assert len(cycle) == 5
-    assert {told["equation"] for told in cycle.values()} == {"[P-6]"}
+    assert {entry["equation"] for entry in cycle.values()} == {"[P-6]"}
     for key in ("gyro_dominance", "asymptote"):
         assert "velocity fixes are left out" in plain["provenance"][f"steady_state.{key}"]["note"]

@@ -44,28 +44,28 @@ def test_values_in_the_outage_agree_with_the_curves_at_that_time(mode: str) -> N
         for name, (_, limit) in names.items() for at in ("0.1 s", "30 s", "end")
     ]  # fmt: skip
     budget = analyse(_design(*limits).replace({"processing.mode": mode}), times=[0.1, 30.0, 100.0])
-    found = {check.name: check for check in budget.verdict.checks}
-    assert len(found) == 18
+    checks = {check.name: check for check in budget.verdict.checks}
+    assert len(checks) == 18
     for name, (curve, _) in names.items():
         for at, value in zip(("0.1 s", "30 s", "end"), getattr(budget.coast, curve), strict=True):
-            check = found[f"{name} {at}"]
+            check = checks[f"{name} {at}"]
             assert check.sigma == pytest.approx(float(value), rel=1e-9, abs=1e-18)
             assert check.value == 2 * check.sigma
             assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
-    assert found["coast_heading 30 s"].sigma == pytest.approx(math.hypot(1e-5 * math.sqrt(30), 30e-6), rel=1e-12)
+    assert checks["coast_heading 30 s"].sigma == pytest.approx(math.hypot(1e-5 * math.sqrt(30), 30e-6), rel=1e-12)
     across = ratios(budget.design)
     assert {name: float(value) for name, value in across.items()} == {
-        name: pytest.approx(check.value / check.limit, rel=1e-9, abs=1e-15) for name, check in found.items()
+        name: pytest.approx(check.value / check.limit, rel=1e-9, abs=1e-15) for name, check in checks.items()
     }
 
 
 def test_own_confidence_and_contributors_count_and_a_contributor_can_be_limited() -> None:
-    own = [
+    contributors = [
         _ARM, {"name": "drift", "value": "1 mrad", "enters": "coast_heading", "kind": "systematic"},
         {"name": "mount", "value": "2 mrad", "enters": "coast_heading"},
     ]  # fmt: skip
     arm = {"name": "arm", "on": "lever arm", "limit": "5 mm"}
-    budget = analyse(_design(_HEADING, arm, contributors=own))
+    budget = analyse(_design(_HEADING, arm, contributors=contributors))
     heading, held = budget.verdict.checks
     assert heading.sigma == pytest.approx(math.hypot(1e-5 * math.sqrt(30), 30e-6, 2e-3) + 1e-3, rel=1e-12)
     assert (heading.value, heading.confidence) == (3 * heading.sigma, 3)
@@ -74,8 +74,8 @@ def test_own_confidence_and_contributors_count_and_a_contributor_can_be_limited(
     assert (held.sigma, held.value) == (pytest.approx(3e-3), pytest.approx(6e-3))
     assert not held.met
     assert dict(held.shares) == {"lever arm": 1.0}
-    told = to_json(budget)["verdict"]["requirements"]
-    assert [(one["name"], one["on"], one["confidence"]) for one in told] == [
+    requirements = to_json(budget)["verdict"]["requirements"]
+    assert [(row["name"], row["on"], row["confidence"]) for row in requirements] == [
         ("heading", "coast_heading", 3), ("arm", "lever arm", 2),
     ]  # fmt: skip
     assert [entry.source for entry in allocate(budget, "arm").entries] == ["lever arm"]
@@ -105,16 +105,16 @@ def test_measures_of_the_response_and_cep_are_those_that_are_printed(mode: str, 
         "half": place[mode.replace("-", "_").replace(" ", "_")]["cep_m"],
         "loss": -response.peak_loss_db,
     }
-    found = {check.name: check for check in budget.verdict.checks}
-    assert {name: check.value for name, check in found.items()} == {
+    checks = {check.name: check for check in budget.verdict.checks}
+    assert {name: check.value for name, check in checks.items()} == {
         name: pytest.approx(float(value), rel=1e-12) for name, value in expected.items()
     }
-    assert {check.confidence for check in found.values()} == {None}
-    for check in found.values():
+    assert {check.confidence for check in checks.values()} == {None}
+    for check in checks.values():
         assert math.fsum(check.shares.values()) == pytest.approx(1, rel=1e-12)
     across = ratios(budget.design, {"imu.angle_random_walk": [1e-5, 1e-3, 1.0]})
     for name, values in across.items():
-        assert list(values[:1]) == [pytest.approx(found[name].value / found[name].limit, rel=1e-9)]
+        assert list(values[:1]) == [pytest.approx(checks[name].value / checks[name].limit, rel=1e-9)]
         assert values[0] < values[2] < math.inf
     with pytest.raises(InputError, match="'width' limits a measure of the impulse response"):
         allocate(budget, "width")
@@ -122,14 +122,14 @@ def test_measures_of_the_response_and_cep_are_those_that_are_printed(mode: str, 
 
 
 def test_a_contributor_to_the_width_or_to_cep_adds_to_it() -> None:
-    own = [
+    contributors = [
         {"name": "pad", "value": "3 cm", "enters": "response_width", "kind": "systematic"},
         {"name": "datum", "value": "40 cm", "enters": "cep"},
         {"name": "taper", "value": "0.1 dB", "enters": "peak_loss", "kind": "systematic"},
     ]  # fmt: skip
     plain, more = (
         {check.name: check for check in analyse(_design(*_RESPONSE, contributors=each)).verdict.checks}
-        for each in ([], own)
+        for each in ([], contributors)
     )
     assert more["width"].value == pytest.approx(plain["width"].value + 0.03, rel=1e-12)
     assert more["half"].value == pytest.approx(math.hypot(plain["half"].value, 0.4), rel=1e-12)
@@ -146,14 +146,14 @@ def test_a_phase_after_another_order_of_autofocus_is_that_of_a_design_of_this_or
     design = _design({"name": "own", "on": on, "limit": "1°"}, contributors=[arm]).replace(changes)
     changes |= {"radar.autofocus_order": order, "requirements.detrended_phase": 1.0}
     of_order = _design(contributors=[]).replace(changes)
-    (found,), (there,) = (analyse(one).verdict.checks for one in (design, of_order))
+    (check,), (there,) = (analyse(each).verdict.checks for each in (design, of_order))
     size = 4 * math.pi / analyse(design).sar.wavelength * 1e-4
-    assert found.sigma == pytest.approx(math.hypot(there.sigma, size), rel=1e-9)
-    left = there.sigma**2 / found.sigma**2
-    assert found.shares == {"mast": pytest.approx(1 - left, rel=1e-9)} | {
-        source: pytest.approx(share * left, rel=1e-9) for source, share in there.shares.items()
+    assert check.sigma == pytest.approx(math.hypot(there.sigma, size), rel=1e-9)
+    share_of_rest = there.sigma**2 / check.sigma**2
+    assert check.shares == {"mast": pytest.approx(1 - share_of_rest, rel=1e-9)} | {
+        source: pytest.approx(share * share_of_rest, rel=1e-9) for source, share in there.shares.items()
     }
-    assert float(ratios(design)["own"]) == pytest.approx(found.value / found.limit, rel=1e-9)
+    assert float(ratios(design)["own"]) == pytest.approx(check.value / check.limit, rel=1e-9)
     assert {entry.source for entry in allocate(analyse(design)).entries} >= {"mast", "gyro noise"}
 
 
@@ -166,7 +166,7 @@ def test_a_limit_on_a_phase_takes_any_unit_of_an_angle(limit: str) -> None:
 def test_what_would_close_it_solves_for_them() -> None:
     limit = {"name": "heading", "on": "coast_heading", "limit": "1e-5 rad", "at": "30 s"}
     solutions = solve(_design(limit).replace({"imu.gyro_bias": 0.0}))
-    solved = next(one for one in solutions if one.key == "imu.angle_random_walk")
+    solved = next(solution for solution in solutions if solution.key == "imu.angle_random_walk")
     assert solved.together.value == pytest.approx(1e-5 / 2 / math.sqrt(30), rel=1e-6)
 
 
@@ -185,7 +185,7 @@ def test_file_link_pickle_and_hash_keep_them() -> None:
         _design(_HEADING | {"confidence": 2}), _design(_HEADING | {"limit": "1°"}),
         _design(_HEADING, allocation=plan | {"locks": {"heading": {"gyro noise": "0.02°"}}}),
     ]  # fmt: skip
-    assert len({one.content_hash for one in variants}) == len({*variants}) == 8
+    assert len({variant.content_hash for variant in variants}) == len({*variants}) == 8
     assert Design(_SENSORS, entries=read_entries({})).content_hash == Design(_SENSORS).content_hash
 
 
@@ -193,13 +193,13 @@ def test_an_allocation_is_that_of_the_design_unless_something_is_given() -> None
     plan = {"split": "equal", "reserve": "10 %", "locks": {"detrended_phase": {"gyro noise": "0.1 mm"}}}
     design = _design(allocation=plan).replace({"requirements.detrended_phase": 3.0})
     budget = analyse(design)
-    found = allocate(budget)
-    locked = next(entry for entry in found.entries if entry.locked)
-    assert (locked.source, found.reserve) == ("gyro noise", 0.1)
+    allocation = allocate(budget)
+    locked = next(entry for entry in allocation.entries if entry.locked)
+    assert (locked.source, allocation.reserve) == ("gyro noise", 0.1)
     assert locked.allocated == pytest.approx(4 * math.pi / budget.sar.wavelength * 1e-4, rel=1e-12)
-    free = {entry.allocated for entry in found.entries if not entry.locked}
+    free = {entry.allocated for entry in allocation.entries if not entry.locked}
     assert max(free) == pytest.approx(min(free))
-    assert math.sqrt(sum(entry.allocated**2 for entry in found.entries)) == pytest.approx(0.9 * 3.0)
+    assert math.sqrt(sum(entry.allocated**2 for entry in allocation.entries)) == pytest.approx(0.9 * 3.0)
     assert not any(entry.locked for entry in allocate(budget, plan=Allotment()).entries)
     plain = analyse(design.replace({}, entries=read_entries({"contributors": [_ARM]})))
     assert allocate(budget, plan=Allotment(reserve=0.5)) == allocate(plain, plan=Allotment(reserve=0.5))
@@ -252,8 +252,8 @@ def test_what_is_wrong_is_refused_by_name(tables: dict[str, Any], named: str) ->
 
 
 def test_what_is_still_used_is_not_removed_without_a_word() -> None:
-    own = _design({"name": "arm", "on": "lever arm", "limit": "2 mm"}).entries.tables()
-    locked = own | {"allocation": {"locks": {"arm": {"lever arm": "1 mm"}}}}
+    base = _design({"name": "arm", "on": "lever arm", "limit": "2 mm"}).entries.tables()
+    locked = base | {"allocation": {"locks": {"arm": {"lever arm": "1 mm"}}}}
     renamed = {"contributors": [_ARM | {"name": "lever arms"}]}
     first = (
         "limits[arm].on: The requirement 'arm' limits 'lever arm', which is neither a contributor nor a figure of "
@@ -263,7 +263,7 @@ def test_what_is_still_used_is_not_removed_without_a_word() -> None:
         "allocation.locks: 'arm' is not a requirement, but some of its sources are locked. Remove these locks first."
     )
     for tables, message in (
-        (own | {"contributors": []}, first), (own | renamed, first), (locked | {"limits": []}, then)
+        (base | {"contributors": []}, first), (base | renamed, first), (locked | {"limits": []}, then)
     ):  # fmt: skip
         with pytest.raises(InputError) as refused:
             read_entries(tables)

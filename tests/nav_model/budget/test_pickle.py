@@ -21,10 +21,10 @@ pytestmark = pytest.mark.long
 ORIGINS = {"imu.angle_random_walk": "static log bench.csv"}
 
 
-def _same(one, other):
-    assert one == other
-    assert format_design(one) == format_design(other)  # units and origins too, which equality leaves out
-    assert one.content_hash == other.content_hash
+def _same(first, second):
+    assert first == second
+    assert format_design(first) == format_design(second)  # units and origins too, which equality leaves out
+    assert first.content_hash == second.content_hash
 
 
 @settings(max_examples=25, deadline=None)

@@ -108,7 +108,7 @@ def test_a_micrometre_of_slow_error_changes_nothing(position):
     slow = {"gnss.correlated": True, "gnss.correlated_noise": 1e-6, "gnss.correlation_time": 60.0}
     for processing in (REAL_TIME, POST_PROCESSED):
         without, with_it = (
-            figures(replace(inputs_of(one), processing=processing)) for one in (design, design.replace(slow))
+            figures(replace(inputs_of(variant), processing=processing)) for variant in (design, design.replace(slow))
         )
         for name, figure in without.items():
             assert float(with_it[name]) == pytest.approx(float(figure), rel=1e-6), name

@@ -21,7 +21,7 @@ def _conversion(design: Design, key: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("key", "text", "value", "said"),
+    ("key", "text", "value", "note"),
     [
         ("gnss.position_noise", "0.2 m CEP", 0.2 / _CEP, "0.2 m CEP = 0.170 m, 1σ per axis"),
         ("gnss.position_noise", "20 cm (CEP)", 0.2 / _CEP, "20 cm CEP = 17.0 cm, 1σ per axis"),
@@ -33,14 +33,14 @@ def _conversion(design: Design, key: str) -> str:
         ("imu.accelerometer_bias", "250 mGal", 2.5e-3, "250 mGal = 0.255 mg"),
     ],
 )  # fmt: skip
-def test_a_file_keeps_what_was_written_and_says_what_was_made_of_it(key, text, value, said):
+def test_a_file_keeps_what_was_written_and_says_what_was_made_of_it(key, text, value, note):
     section, _, name = key.partition(".")
     design = parse_design(f'[{section}]\n{name} = "{text}"\n')
     assert design[key] == pytest.approx(value, rel=1e-6)
-    assert _conversion(design, key) == said
-    kept = format_design(design)
-    assert f'{name} = "{said.partition(" = ")[0]}"' in kept
-    assert parse_design(kept) == design
+    assert _conversion(design, key) == note
+    printed = format_design(design)
+    assert f'{name} = "{note.partition(" = ")[0]}"' in printed
+    assert parse_design(printed) == design
     assert from_query(to_query(design)) == design
 
 

@@ -44,13 +44,13 @@ def test_a_bound_is_accepted_as_printed(declared):
     names = [(None, dimension)]
     if declared.alternative:
         names.append((declared.alternative.key, declared.alternative.dimension))
-    for key, own in names:
-        for unit in DIMENSIONS[own].units:
-            said = _refusal(lambda text, key=key: declared.read(text, key), f"1e300 {unit}")
-            printed = re.fullmatch(r".* (at least|more than) (.+) and (at most|less than) (.+)\.", said)
-            assert printed, said
+    for key, kind in names:
+        for unit in DIMENSIONS[kind].units:
+            message = _refusal(lambda text, key=key: declared.read(text, key), f"1e300 {unit}")
+            printed = re.fullmatch(r".* (at least|more than) (.+) and (at most|less than) (.+)\.", message)
+            assert printed, message
             for taken, text in (("at least", printed[2]), ("at most", printed[4])):
-                assert taken in said
+                assert taken in message
                 assert low <= declared.read(text, key).value <= high
 
 
@@ -69,8 +69,8 @@ def test_the_bounds_of_a_row_are_accepted_as_printed(declared):
     for dimension in declared.dimensions:
         far = 3000 if DIMENSIONS[dimension].decibels else 1e300
         for unit in DIMENSIONS[dimension].units:
-            said = _refusal(declared.read, f"{least} {far} {unit}; {highest} {far} {unit}")
-            most = re.search(r"at most (.+)\.$", said)[1]
+            message = _refusal(declared.read, f"{least} {far} {unit}; {highest} {far} {unit}")
+            most = re.search(r"at most (.+)\.$", message)[1]
             assert declared.read(f"{least} {most}; {highest} {most}")
 
 

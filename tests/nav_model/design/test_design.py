@@ -105,7 +105,7 @@ latitude = "{latitude}"
 
 
 def test_identity_does_not_depend_on_units_or_way_of_saying():
-    one = parse_design(
+    first = parse_design(
         WRITTEN_TWICE.format(
             vrw="0.06 m/s/√h",
             arw="0.6 °/√h",
@@ -123,10 +123,10 @@ def test_identity_does_not_depend_on_units_or_way_of_saying():
             latitude="-0 rad",
         )
     )
-    assert one == two
-    assert hash(one) == hash(two)
-    assert one.content_hash == two.content_hash
-    assert one.unit("imu.velocity_random_walk") == "m/s/√h"
+    assert first == two
+    assert hash(first) == hash(two)
+    assert first.content_hash == two.content_hash
+    assert first.unit("imu.velocity_random_walk") == "m/s/√h"
     assert two.unit("imu.velocity_random_walk") == "m/s²/√Hz"
 
 
@@ -158,6 +158,6 @@ def test_content_hash_is_the_same_in_another_process_with_another_hash_seed():
     st.lists(st.tuples(st.sampled_from(["name", "description"]), st.text(max_size=8)), max_size=2).map(dict),
     st.lists(st.tuples(st.sampled_from(["name", "description"]), st.text(max_size=8)), max_size=2).map(dict),
 )
-def test_different_texts_have_different_hashes(one, two):
-    a, b = Design(one), Design(two)
+def test_different_texts_have_different_hashes(first, second):
+    a, b = Design(first), Design(second)
     assert (a == b) == (a.content_hash == b.content_hash)

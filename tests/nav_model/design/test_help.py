@@ -59,10 +59,10 @@ def fleet():
 
 @pytest.mark.parametrize("key", REACHED)
 def test_what_a_grade_is_said_to_reach_it_reaches(key, fleet):
-    said = INPUTS["requirements"][key].typical
-    assert "reached with 1.5 m fixes at 1 Hz" in said
+    text = INPUTS["requirements"][key].typical
+    assert "reached with 1.5 m fixes at 1 Hz" in text
     for grade in ("navigation", "tactical", "MEMS"):
-        low, high = (float(x) for x in re.search(rf"{grade} ([\d.]+) to ([\d.]+)", said).groups())
+        low, high = (float(x) for x in re.search(rf"{grade} ([\d.]+) to ([\d.]+)", text).groups())
         values = [figures[key] for of, figures in fleet if of == grade]
         assert low <= min(values)
         assert max(values) <= high

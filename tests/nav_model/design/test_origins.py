@@ -43,12 +43,12 @@ def test_a_value_that_changes_loses_it():
 
 
 def test_it_is_no_part_of_the_identity():
-    plain, told = Design({ARW: HALF}), Design({ARW: HALF}, origins={ARW: LOG})
-    assert plain == told
-    assert hash(plain) == hash(told)
-    assert plain.content_hash == told.content_hash
+    plain, noted = Design({ARW: HALF}), Design({ARW: HALF}, origins={ARW: LOG})
+    assert plain == noted
+    assert hash(plain) == hash(noted)
+    assert plain.content_hash == noted.content_hash
     with pytest.raises(TypeError):
-        told.origins[ARW] = "forged"
+        noted.origins[ARW] = "forged"
 
 
 @pytest.mark.parametrize(

@@ -32,17 +32,17 @@ def bias_after(walk: float, bias: float, time: float) -> tuple[float, float]:
 
 
 def test_kalibr_reads_densities_in_si() -> None:
-    told = yaml.safe_load(noise_for(DESIGN, "kalibr"))
+    config = yaml.safe_load(noise_for(DESIGN, "kalibr"))
     # Its reader takes these keys, and wants each above zero (kalibr_common/ConfigReader.py, ImuParameters).
-    assert told["gyroscope_noise_density"] == pytest.approx(_ARW, rel=1e-12)
-    assert told["accelerometer_noise_density"] == pytest.approx(_VRW, rel=1e-12)
-    assert (told["update_rate"], told["rostopic"]) == (250.0, "/imu0")
-    walked, gained = bias_after(told["gyroscope_random_walk"], DESIGN.imu.gyro_bias, 60.0)
+    assert config["gyroscope_noise_density"] == pytest.approx(_ARW, rel=1e-12)
+    assert config["accelerometer_noise_density"] == pytest.approx(_VRW, rel=1e-12)
+    assert (config["update_rate"], config["rostopic"]) == (250.0, "/imu0")
+    walked, gained = bias_after(config["gyroscope_random_walk"], DESIGN.imu.gyro_bias, 60.0)
     assert walked == pytest.approx(gained, rel=0.01)
-    walked, gained = bias_after(told["accelerometer_random_walk"], DESIGN.imu.accelerometer_bias, 60.0)
+    walked, gained = bias_after(config["accelerometer_random_walk"], DESIGN.imu.accelerometer_bias, 60.0)
     assert walked == pytest.approx(gained, rel=0.01)
     # 0.3 °/√h is 0.005 °/s/√Hz by the usual rule of sixty.
-    assert math.degrees(told["gyroscope_noise_density"]) == pytest.approx(0.3 / 60, rel=1e-12)
+    assert math.degrees(config["gyroscope_noise_density"]) == pytest.approx(0.3 / 60, rel=1e-12)
     with pytest.raises(InputError, match="kalibr needs a random walk above zero"):
         noise_for(DESIGN.replace({"imu.gyro_bias": 0.0}), "kalibr")
 
@@ -67,8 +67,8 @@ def test_px4_adds_the_variance_of_the_random_walks() -> None:
 
 
 def test_kf_gins_reads_data_sheet_units() -> None:
-    told = yaml.safe_load(noise_for(DESIGN, "kf-gins"))
-    noise = told["imunoise"]
+    config = yaml.safe_load(noise_for(DESIGN, "kf-gins"))
+    noise = config["imunoise"]
     # Its loader multiplies by D2R/60, 1/60, D2R/3600, 1e-5 and 3600 (kf_gins.cpp).
     assert np.array(noise["arw"]) * math.pi / 180 / 60 == pytest.approx([_ARW] * 3, rel=1e-12)
     assert np.array(noise["vrw"]) / 60 == pytest.approx([_VRW] * 3, rel=1e-12)

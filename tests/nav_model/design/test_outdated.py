@@ -34,8 +34,8 @@ def test_it_is_read_has_no_effect_and_is_said(read):
     assert (design, design.content_hash) == (same, same.content_hash)
     assert design.outdated == (KEY,)
     assert KEY not in design.origins
-    assert [said for said in cautions(analyse(design)) if KEY in said]
-    assert not [said for said in cautions(analyse(same)) if KEY in said]
+    assert [caution for caution in cautions(analyse(design)) if KEY in caution]
+    assert not [caution for caution in cautions(analyse(same)) if KEY in caution]
     assert pickle.loads(pickle.dumps(design)).outdated == (KEY,)
     # what is written from then on does not have it
     assert "leg_before" not in format_design(design)

@@ -25,13 +25,13 @@ _CASES = {
 @pytest.mark.parametrize("name", READY_MADE)
 def test_each_is_its_formula_and_an_ordinary_contributor(name: str) -> None:
     texts, expected = _CASES[name]
-    one = ready_made(name, texts, _DESIGN)
-    assert one.value == pytest.approx(expected, rel=5e-4)  # as it is shown
-    assert (one.name, one.enters) == (name, READY_MADE[name].enters)
-    assert all(text in one.source for text in texts)
-    assert "[P-16]" in one.source
-    assert read_entries({"contributors": [one.record()]}).contributors == (one,)
-    again = ready_made(name, texts, _DESIGN.replace({}, entries=UserEntries((one,))))
+    contributor = ready_made(name, texts, _DESIGN)
+    assert contributor.value == pytest.approx(expected, rel=5e-4)  # as it is shown
+    assert (contributor.name, contributor.enters) == (name, READY_MADE[name].enters)
+    assert all(text in contributor.source for text in texts)
+    assert "[P-16]" in contributor.source
+    assert read_entries({"contributors": [contributor.record()]}).contributors == (contributor,)
+    again = ready_made(name, texts, _DESIGN.replace({}, entries=UserEntries((contributor,))))
     assert again.name == f"{name} 2"
 
 

@@ -57,8 +57,8 @@ def test_a_class_gives_the_budget_of_its_numbers_typed_in(name: str) -> None:
     for baseline in (0.0, 10e3, 35e3):
         design = chosen(f"gnss.preset={name}", f"gnss.baseline={baseline} m")
         have, by_hand = (
-            numbers([part for key, part in to_json(analyse(one)).items() if key != "design"])
-            for one in (design, typed(name, baseline))
+            numbers([part for key, part in to_json(analyse(variant)).items() if key != "design"])
+            for variant in (design, typed(name, baseline))
         )
         assert len(have) > 100
         assert have == pytest.approx(by_hand, rel=1e-9, nan_ok=True)

@@ -52,7 +52,7 @@ def test_a_design_of_before_is_the_same_design():
 
 
 @pytest.mark.parametrize(
-    ("key", "text", "said"),
+    ("key", "text", "message"),
     [
         ("motion.spectrum", "20 Hz 1 g²/Hz; 10 Hz 1 g²/Hz", "10 Hz comes after 20 Hz"),
         ("motion.spectrum", "20 Hz 1 g²/Hz; 20 Hz 2 g²/Hz", "Sort the rows"),
@@ -71,11 +71,11 @@ def test_a_design_of_before_is_the_same_design():
         ("oscillator.phase_noise", "1 Hz -90 dB; 2 Hz -90 dB", "is not a unit of phase noise"),
     ],
 )
-def test_refused_by_name(key, text, said):
+def test_refused_by_name(key, text, message):
     with pytest.raises(InputError) as caught:
         parse_design('name = "x"', changes=[f"{key}={text}"])
     assert caught.value.key == key
-    assert said in caught.value.reason
+    assert message in caught.value.reason
 
 
 @pytest.mark.parametrize("content", ["5", "true", '[["20 Hz"]]', "[[20, 1]]", '[{frequency = "20 Hz"}]', "{a = 1}"])

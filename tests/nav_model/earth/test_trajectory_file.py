@@ -31,9 +31,9 @@ def test_a_table_is_what_numpy_reads():
 
 
 def test_the_first_line_may_be_written_in_many_ways():
-    turned = ",".join(reversed(COLUMNS)).upper()
+    header = ",".join(reversed(COLUMNS)).upper()
     rows = [",".join([*reversed(row.split(",")), '"text, of any kind"']) for row in ROWS]
-    text = "\ufeff# " + turned + ", Remark\r\n" + "\r\n".join([rows[0], "", "# a comment", *rows[1:]])
+    text = "\ufeff# " + header + ", Remark\r\n" + "\r\n".join([rows[0], "", "# a comment", *rows[1:]])
     np.testing.assert_array_equal(samples(text), samples(TEXT))
 
 
@@ -44,7 +44,7 @@ def test_what_is_written_is_read_again():
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", "the file is empty"),
         (TEXT.replace("roll_deg", "bank"), "column roll_deg is missing; found time_s"),
@@ -60,11 +60,11 @@ def test_what_is_written_is_read_again():
         (TEXT + '\n"' + "\0", "The file is not text."),
     ],
 )
-def test_a_file_is_refused_by_name_and_line(text, said):
+def test_a_file_is_refused_by_name_and_line(text, message):
     with pytest.raises(InputError) as caught:
         samples(text)
     assert caught.value.key == "flown.csv"
-    assert caught.value.reason.startswith(said)
+    assert caught.value.reason.startswith(message)
 
 
 def test_bytes_that_are_no_text_are_refused():

@@ -62,13 +62,13 @@ def largest(key, changes):
 
 
 def test_the_largest_value_is_the_root(design, compared, ratio_off):
-    found = {answer.key: answer.together.value for answer in solve(design)}
+    values = {answer.key: answer.together.value for answer in solve(design)}
     compared(
         "Solve: largest allowed random walks, fix noise and fix interval",
         "T-8",
         SOLVER,
         "SciPy's root finder on its discrete Riccati solution of [T-1], written out in the test",
-        ratio_off([found[key] for key in OWN], [largest(key, {}) for key in OWN]),
+        ratio_off([values[key] for key in OWN], [largest(key, {}) for key in OWN]),
         1e-8,
     )
 
@@ -120,10 +120,10 @@ def test_the_map_is_one_riccati_equation_a_cell(design, compared, ratio_off):
 
 def test_the_search_judges_every_pair_by_its_own_sheet(design, compared):
     units, receivers = catalogue("imu"), catalogue("gnss")
-    found = search(design, units, receivers)
-    assert len(found) > 50
+    ranking = search(design, units, receivers)
+    assert len(ranking) > 50
     off = []
-    for row in found:
+    for row in ranking:
         sheets = [("imu", units[row.imu])] + ([] if row.gnss == OWN_GNSS else [("gnss", receivers[row.gnss])])
         values = {f"{kind}.{name}": item.value for kind, sheet in sheets for name, item in sheet.values.items()}
         off.append(row.margin - (1 - before_a_fix(values) / LIMIT))
@@ -141,7 +141,7 @@ def test_the_search_judges_every_pair_by_its_own_sheet(design, compared):
 def test_the_probability_is_the_integral(design, compared):
     """Gyro noise lognormal, fix noise log-uniform: over the fixes, the chance that the gyro is good enough."""
     low, high, factor = 0.8, 1.4, 1.6
-    found = uncertain_verdict(
+    probability = uncertain_verdict(
         design, {ARW: Uncertain("lognormal", OWN[ARW], factor), FIX: Uncertain("log-uniform", low, high)}
     ).closes
 
@@ -152,13 +152,13 @@ def test_the_probability_is_the_integral(design, compared):
     span = math.log(high / low)
     exact = quad(good_enough, math.log(low), math.log(high), epsabs=1e-6, limit=20)[0] / span
     assert 0.1 < exact < 0.3  # off the middle, where every symmetrical distribution gives a half
-    assert found.low <= exact <= found.high
+    assert probability.low <= exact <= probability.high
     compared(
         "Uncertainty: probability that a design closes, two uncertain inputs",
         "T-8",
         SOLVER,
         "SciPy's quadrature and lognormal distribution, on its Riccati solution of [T-1] written out in the test",
-        found.value - exact,
+        probability.value - exact,
         2e-3,
         "difference of the probability",
     )

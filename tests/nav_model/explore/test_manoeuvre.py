@@ -102,11 +102,11 @@ def test_what_is_offered_keeps_the_limits_when_it_is_put_into_the_plan_and_flown
     assert excess(base, answer.lines) == pytest.approx(
         max(f.worst / f.limit for f in answer.figures.values()), rel=1e-9
     )
-    kept = {line.name for line in base.lines if line.closes} | set(answer.lines)
+    names = {line.name for line in base.lines if line.closes} | set(answer.lines)
     assert [option.closes for option in answer.options] == sorted((o.closes for o in answer.options), reverse=True)
     for option in answer.options:
         again = flown(taken(design, option))
-        closes = all(line.closes for line in again.lines if line.name in kept)
+        closes = all(line.closes for line in again.lines if line.name in names)
         assert closes == option.closes, option.name
         assert again.spec.study.duration - base.spec.study.duration == pytest.approx(option.costs_s, abs=1e-6)
         if option.useless:
@@ -254,8 +254,8 @@ def test_turns_in_front_of_a_line_leave_it_and_what_comes_before_as_they_were(
         assert [line.name for line in flight.lines] == ["a", "b", "c"]
         assert [point for point in changed.waypoints if point.line] == [point for point in points if point.line]
         before = fly(plan)
-        for line, own in zip(flight.lines, before.lines, strict=True):
-            assert line.stop - line.start >= own.stop - own.start - 1e-6  # none is cut short
+        for line, original in zip(flight.lines, before.lines, strict=True):
+            assert line.stop - line.start >= original.stop - original.start - 1e-6  # none is cut short
         samples = np.frombuffer(flight.trajectory.samples).reshape(-1, 7)
         time, course = samples[:, 0], np.unwrap(samples[:, 6])
         start = flight.lines[{0: 0, 2: 1, 3: 2}[number]].start

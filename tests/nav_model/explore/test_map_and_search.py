@@ -29,8 +29,8 @@ def test_cells_are_analysed_designs(open_design):
             verdict = analyse(open_design.replace({ARW: float(trade.x[i]), GNSS: float(trade.y[j])})).verdict
             assert trade.z[j, i] == pytest.approx(1 - verdict.tightest.margin, rel=1e-12)
     figure = trade_map(open_design, ARW, "coast.duration", "coast_horizontal_position", size=3)
-    one = analyse(open_design.replace({ARW: float(figure.x[2]), "coast.duration": float(figure.y[1])}))
-    assert figure.z[1, 2] == pytest.approx(one["coast_horizontal_position", "real time"].sigma, rel=1e-12)
+    budget = analyse(open_design.replace({ARW: float(figure.x[2]), "coast.duration": float(figure.y[1])}))
+    assert figure.z[1, 2] == pytest.approx(budget["coast_horizontal_position", "real time"].sigma, rel=1e-12)
     assert figure.limit == 50.0
 
 
@@ -80,10 +80,10 @@ def test_maps_that_make_no_sense(open_design, x, y, result, message):
 
 
 def test_search_rows_are_analysed_designs(open_design):
-    found = search(open_design, catalogue("imu"), catalogue("gnss"))
-    assert [row.margin for row in found] == sorted((row.margin for row in found), reverse=True)
-    assert len(found) == (len(catalogue("imu")) - len(left_out(catalogue("imu")))) * (1 + len(catalogue("gnss")))
-    for row in found:
+    ranking = search(open_design, catalogue("imu"), catalogue("gnss"))
+    assert [row.margin for row in ranking] == sorted((row.margin for row in ranking), reverse=True)
+    assert len(ranking) == (len(catalogue("imu")) - len(left_out(catalogue("imu")))) * (1 + len(catalogue("gnss")))
+    for row in ranking:
         verdict = analyse(open_design.replace(row.changes)).verdict
         assert row.closes is verdict.closes
         assert row.margin == pytest.approx(verdict.tightest.margin, rel=1e-10)
@@ -95,8 +95,8 @@ def test_search_rows_are_analysed_designs(open_design):
 
 
 def test_own_sensors_in_the_same_format(open_design):
-    own = read_catalogue(OWN, "imu")
-    row = next(r for r in search(open_design, own, {}) if r.gnss == OWN_GNSS)
+    sensors = read_catalogue(OWN, "imu")
+    row = next(r for r in search(open_design, sensors, {}) if r.gnss == OWN_GNSS)
     assert row.imu == "Ours"
     assert row.doubts == ()
     with pytest.raises(InputError, match="both random walks"):
@@ -117,9 +117,9 @@ def test_a_pair_that_is_adopted_has_the_margin_it_was_ranked_by(open_design):
 def test_pairs_that_close_a_design_do_in_the_whole_analysis_and_the_others_nowhere():
     design = read_design("examples/mems_x_band.toml").replace({"imu.velocity_random_walk": 1 / 60})
     keys = ["imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "coast.duration"]
-    found = closing_pairs(design, keys)
-    assert 0 < len(found) < 6
+    pairs = closing_pairs(design, keys)
+    assert 0 < len(pairs) < 6
     for pair in combinations(keys, 2):
         places = product(*([float(value) for value in axis(design, key, 3)] for key in pair))
         closes = [analyse(design.replace(dict(zip(pair, at, strict=True)))).verdict.closes for at in places]
-        assert any(closes) == (pair in found), pair
+        assert any(closes) == (pair in pairs), pair

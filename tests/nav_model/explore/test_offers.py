@@ -16,7 +16,7 @@ velocity_random_walk = {{ value = "0.03 m/s/√h", status = "confirmed", source 
 """
 
 
-def said(key: str, value: str) -> str:
+def field(key: str, value: str) -> str:
     return f'{key} = {{ value = "{value}", status = "confirmed", source = "offer 7" }}'
 
 
@@ -27,10 +27,10 @@ def offer(name: str, arw: float, *more: str) -> dict[str, Entry]:
 def test_the_cheapest_that_passes_is_first_and_a_cheap_failure_is_not() -> None:
     design = read_design("examples/tactical_x_band.toml")
     imus = {
-        **offer("best", 0.001, said("price", "90000 EUR"), said("mass", "2 kg")),
-        **offer("good", 0.01, said("price", "8 kEUR"), said("mass", "300 g"), said("power", "900 mW")),
+        **offer("best", 0.001, field("price", "90000 EUR"), field("mass", "2 kg")),
+        **offer("good", 0.01, field("price", "8 kEUR"), field("mass", "300 g"), field("power", "900 mW")),
         **offer("no price", 0.005),
-        **offer("bad", 5.0, said("price", "10 EUR")),
+        **offer("bad", 5.0, field("price", "10 EUR")),
     }
     rows = search(design, imus, {})
     assert [row.imu for row in rows] == ["good", "best", "no price", "bad"]
@@ -45,10 +45,10 @@ def test_the_cheapest_that_passes_is_first_and_a_cheap_failure_is_not() -> None:
 def test_a_pair_costs_both_or_is_not_priced() -> None:
     receivers = read_catalogue(
         '[[gnss]]\nname = "rx"\nposition_noise = { value = "1 m", status = "assumed", source = "s" }\n'
-        + said("price", "500 EUR"),
+        + field("price", "500 EUR"),
         "gnss",
     )
-    imus = {**offer("priced", 0.01, said("price", "1000 EUR")), **offer("free", 0.01)}
+    imus = {**offer("priced", 0.01, field("price", "1000 EUR")), **offer("free", 0.01)}
     rows = {row.pair: row for row in search(read_design("examples/tactical_x_band.toml"), imus, receivers)}
     assert rows["priced with rx"].price == 1500.0
     assert rows["free with rx"].price is None
@@ -62,7 +62,7 @@ def test_a_pair_costs_both_or_is_not_priced() -> None:
 )  # fmt: skip
 def test_an_offer_without_a_unit_or_with_a_bad_one_is_refused_by_name(key: str, value: str) -> None:
     with pytest.raises(InputError) as refused:
-        offer("Our unit", 0.1, said(key, value))
+        offer("Our unit", 0.1, field(key, value))
     assert refused.value.key == f"imu.Our unit.{key}"
 
 
@@ -72,7 +72,7 @@ def test_an_offer_without_a_source_is_refused_by_name() -> None:
 
 
 def test_prices_in_two_currencies_are_refused_by_name() -> None:
-    imus = {**offer("one", 0.1, said("price", "1 EUR")), **offer("other", 0.1, said("price", "1 USD"))}
+    imus = {**offer("one", 0.1, field("price", "1 EUR")), **offer("other", 0.1, field("price", "1 USD"))}
     with pytest.raises(InputError) as refused:
         search(read_design("examples/tactical_x_band.toml"), imus, {})
     assert refused.value.key == "other.price"

@@ -60,8 +60,8 @@ CONDITIONAL = [key for key in VARIABLES if quantity(key).needs or quantity(key).
 def _moves(design, key):
     """Whether any figure of either processing follows an input."""
     modes = (design.replace({"processing.mode": mode}) for mode in (REAL_TIME, POST_PROCESSED))
-    slopes = [log_derivatives(one, [key], list(REQUIRED)) for one in modes]
-    return any(np.any(np.nan_to_num(slope) != 0) for found in slopes for slope in found.values())
+    slopes = [log_derivatives(each, [key], list(REQUIRED)) for each in modes]
+    return any(np.any(np.nan_to_num(slope) != 0) for derivatives in slopes for slope in derivatives.values())
 
 
 @pytest.mark.parametrize("key", CONDITIONAL)
@@ -111,29 +111,29 @@ def test_slopes_are_the_shares_of_the_closed_form(closed_design):
     design = closed_design.replace({"requirements.steady_state": "closed"})
     x = inputs_of(design)
     keys = ["imu.velocity_random_walk", "imu.angle_random_walk", "gnss.position_noise"]
-    found = log_derivatives(design, keys, ("horizontal_position", "tilt"))
+    slopes_by_figure = log_derivatives(design, keys, ("horizontal_position", "tilt"))
     by_gyro = 2 * x.g * x.sigma_w * x.s**5 * horizontal(x.sigma_a, x.sigma_w, x.s, x.g).p11
     by_accelerometer = x.s**6 * x.sigma_a**2
     whole = 3 * by_gyro + 4 * by_accelerometer
     p11 = np.array([2 * by_accelerometer, by_gyro, 5 * by_gyro + 6 * by_accelerometer]) / whole
-    np.testing.assert_allclose(found["horizontal_position"], p11 / 2, rtol=1e-12)
-    np.testing.assert_allclose(found["tilt"], p11 + np.array([0, 1 / 2, -3 / 2]), rtol=1e-12)
+    np.testing.assert_allclose(slopes_by_figure["horizontal_position"], p11 / 2, rtol=1e-12)
+    np.testing.assert_allclose(slopes_by_figure["tilt"], p11 + np.array([0, 1 / 2, -3 / 2]), rtol=1e-12)
     budget = analyse(design)
-    for name, slopes in found.items():
+    for name, slopes in slopes_by_figure.items():
         assert list(budget[name, "real time"].shares.values()) == pytest.approx(list(slopes), rel=1e-12)
 
 
 def test_sorted_and_halvings_are_exact(open_design):
-    found = rank(open_design, "quadratic_phase")
-    assert [abs(item.slope) for item in found] == sorted((abs(item.slope) for item in found), reverse=True)
+    ranking = rank(open_design, "quadratic_phase")
+    assert [abs(item.slope) for item in ranking] == sorted((abs(item.slope) for item in ranking), reverse=True)
     now = analyse(open_design)["quadratic_phase", "real time"].sigma
-    for item in found:
+    for item in ranking:
         value = open_design[item.key]
         if not np.isnan(item.halved):
             half = analyse(open_design.replace({item.key: value / 2}))["quadratic_phase", "real time"].sigma
             assert item.halved == pytest.approx(half / now - 1, rel=1e-9, abs=1e-13)
     assert "imu.gyro_bias" in silent(open_design)
-    assert "imu.gyro_bias" not in {item.key for item in found}
+    assert "imu.gyro_bias" not in {item.key for item in ranking}
 
 
 def test_unknown_figure(open_design):
@@ -157,7 +157,7 @@ def test_a_contributor_is_ranked_by_what_halving_it_really_does():
         assert item.slope == pytest.approx(now.shares["Lever arm"], rel=1e-12)
         slopes = [each.slope for each in rank(design, "detrended_phase") if each.key in SENSORS]
         assert sum(slopes) + item.slope == pytest.approx(1)
-        assert not [one for one in rank(design, "tilt") if one.label == "Lever arm"]
+        assert not [entry for entry in rank(design, "tilt") if entry.label == "Lever arm"]
 
 
 def test_an_angle_that_cannot_be_flown_is_not_offered_and_a_coarser_image_is_named():

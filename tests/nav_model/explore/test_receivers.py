@@ -23,7 +23,7 @@ RECEIVERS = [
 @pytest.mark.parametrize("mode", ["real time", "post-processed"])
 @pytest.mark.parametrize(
     ("name", "size", "time"),
-    [pytest.param(*one, marks=[] if one in RECEIVERS[6::14] else [pytest.mark.slow]) for one in RECEIVERS],
+    [pytest.param(*row, marks=[] if row in RECEIVERS[6::14] else [pytest.mark.slow]) for row in RECEIVERS],
 )
 def test_solving_has_an_answer(name, size, time, mode):
     """Forty-eight of them; for half the filter once did not settle in an array of designs, though it did alone."""

@@ -75,8 +75,8 @@ def test_positions_that_tell_nearly_nothing_beside_velocities(interval, limit):
          "gnss.velocity_noise": 0.005, "gnss.interval": interval, "requirements.horizontal_position": limit}
     )  # fmt: skip
     answers = {solution.key: solution.each for solution in solve(design)}["gnss.position_noise"]
-    [found] = [answer for answer in answers if answer.requirement == "horizontal_position"]
-    assert found.value is None or found.value > 1e3 * design.gnss.position_noise
+    [noise] = [answer for answer in answers if answer.requirement == "horizontal_position"]
+    assert noise.value is None or noise.value > 1e3 * design.gnss.position_noise
 
 
 @settings(max_examples=8)
@@ -170,17 +170,17 @@ def test_slow_error_and_missing_requirements(closed_design):
 @given(st.floats(1e-11, 0.09), st.sampled_from([1, 2, 3]), st.sampled_from(["°/√h", "°/h/√Hz", "rad/√s"]))
 def test_a_typed_value_is_what_its_text_reads_as_and_not_above_the_value(value, digits, unit):
     design = Design({}, written={"imu.angle_random_walk": unit})
-    found = rounded_offer(design, "imu.angle_random_walk", value, digits)
-    text = quantity(found.key).write(found.value, found.unit)[1]
+    rounded = rounded_offer(design, "imu.angle_random_walk", value, digits)
+    text = quantity(rounded.key).write(rounded.value, rounded.unit)[1]
     number = text.split()[0]
     assert len(number.partition("e")[0].replace(".", "").strip("0")) <= digits
-    assert quantity(found.key).read(text).value == found.value
-    assert 0.5 * value < found.value <= value
+    assert quantity(rounded.key).read(text).value == rounded.value
+    assert 0.5 * value < rounded.value <= value
 
 
 def test_an_offer_is_typed_in_the_unit_of_the_design(open_design):
     """Not 0.036000000000000006."""
     solution = next(s for s in solve(open_design) if s.key == "imu.angle_random_walk")
-    found = offer(open_design, solution)
-    assert found.value == quantity(found.key).read("0.036 °/√h").value
-    assert found.written == {"imu.angle_random_walk": "°/√h"}
+    offered = offer(open_design, solution)
+    assert offered.value == quantity(offered.key).read("0.036 °/√h").value
+    assert offered.written == {"imu.angle_random_walk": "°/√h"}

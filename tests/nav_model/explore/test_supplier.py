@@ -40,9 +40,9 @@ def test_with_all_required_values_of_all_sheets_at_once_every_limit_is_met_and_o
 
 def test_frozen_values_do_not_move_with_the_design_and_go_through_its_file() -> None:
     before = {unit: required(DESIGN, unit) for unit in ("imu", "gnss")}
-    kept = DESIGN.replace({}, entries=frozen(DESIGN))
-    assert kept.allocation.frozen == DESIGN.content_hash[:12]
-    better = kept.replace({"imu.velocity_random_walk": 0.2 * DESIGN.imu.velocity_random_walk})
+    design = DESIGN.replace({}, entries=frozen(DESIGN))
+    assert design.allocation.frozen == DESIGN.content_hash[:12]
+    better = design.replace({"imu.velocity_random_walk": 0.2 * DESIGN.imu.velocity_random_walk})
     again = parse_design(format_design(better).encode(), "design")
     assert again == better
     assert again.content_hash == better.content_hash != better.replace({}, entries=UserEntries()).content_hash
@@ -51,7 +51,7 @@ def test_frozen_values_do_not_move_with_the_design_and_go_through_its_file() -> 
     assert required(better.replace({}, entries=UserEntries()), "imu")[1].value != before["imu"][1].value
     assert frozen(better) == better.entries  # once
     assert frozen(DESIGN, "2026-11-26").allocation.frozen == f"{DESIGN.content_hash[:12]}, 2026-11-26"
-    assert DESIGN.replace({}, entries=released(kept)) == DESIGN
+    assert DESIGN.replace({}, entries=released(design)) == DESIGN
     planned = DESIGN.replace({}, entries=UserEntries(allocation=Allotment("equal")))
     assert released(planned.replace({}, entries=frozen(planned))) == planned.entries
     with pytest.raises(InputError, match=r"allocation.required.radar.slant_range"):
@@ -64,13 +64,13 @@ def test_frozen_values_do_not_move_with_the_design_and_go_through_its_file() -> 
 def test_values_from_the_allocation_meet_each_limit_less_its_reserve(name: str, mode: str, split: str) -> None:
     plan = read_entries({"allocation": {"split": split, "reserve": "20 %"}})
     design = read_design(f"examples/{name}.toml").replace({"processing.mode": mode}, entries=plan)
-    found = {line.key: line for unit in ("imu", "gnss") for line in required(design, unit)}
-    new = analyse(design.replace({key: line.value for key, line in found.items()}))
+    lines = {line.key: line for unit in ("imu", "gnss") for line in required(design, unit)}
+    new = analyse(design.replace({key: line.value for key, line in lines.items()}))
     assert all(check.value <= 0.8 * check.limit * (1 + 1e-9) for check in new.verdict.checks), [
         (check.name, check.value / check.limit) for check in new.verdict.checks
     ]
     # The noise that limits one entry is at its part: written out for gyro noise in the tightest.
-    gyro = found["imu.angle_random_walk"]
+    gyro = lines["imu.angle_random_walk"]
     ratios = [
         entry.allocated / entry.estimated
         for check in analyse(design).verdict.checks
@@ -171,6 +171,6 @@ def test_a_unit_at_its_required_value_passes_in_one_case_of_twenty() -> None:
     share = accepted_share(degrees_of(seconds, rate))
     passed = 0
     for _ in range(runs):
-        found = overlapping_allan_deviation(rng.standard_normal(int(rate * seconds)), 1 / rate, np.array([AVERAGING]))
-        passed += found.deviation[0] * np.sqrt(rate) <= share
+        allan = overlapping_allan_deviation(rng.standard_normal(int(rate * seconds)), 1 / rate, np.array([AVERAGING]))
+        passed += allan.deviation[0] * np.sqrt(rate) <= share
     assert passed / runs == pytest.approx(0.05, abs=4 * np.sqrt(0.05 * 0.95 / runs))

@@ -88,9 +88,9 @@ def test_killed_midway_it_goes_on_where_it_was(plan_file, tmp_path, kill_during_
     assert 5 <= len(done) < plan.parts
 
     seen = []
-    kept = run_sweep(plan, out, progress=lambda done, total: seen.append(done))
-    assert kept == 50 * len(done)
-    assert seen[0] == kept
+    result = run_sweep(plan, out, progress=lambda done, total: seen.append(done))
+    assert result == 50 * len(done)
+    assert seen[0] == result
     assert len(seen) - 1 == plan.parts - len(done)
     whole = tmp_path / "whole.csv"
     run_sweep(plan, whole)
@@ -303,13 +303,13 @@ imu.angle_random_walk = {{ from = "0.001 °/√h", to = "1 °/√h", points = 12
     rows = [dict(zip((axis.key for axis in plan.axes), values, strict=True)) for values in noises]
     passes = sweep_ratios(columns) <= 1
 
-    def easier(one, other):
+    def easier(candidate, other):
         keys = ("gnss.position_noise", "imu.angle_random_walk")
-        alike = one["radar.window"] == other["radar.window"]
-        return one != other and alike and all(one[key] >= other[key] for key in keys)
+        alike = candidate["radar.window"] == other["radar.window"]
+        return candidate != other and alike and all(candidate[key] >= other[key] for key in keys)
 
     expected = [
-        bool(met) and not any(passes[i] and easier(one, row) for i, one in enumerate(rows))
+        bool(met) and not any(passes[i] and easier(candidate, row) for i, candidate in enumerate(rows))
         for row, met in zip(rows, passes, strict=True)
     ]
     assert list(least_demanding(plan, columns)) == expected

@@ -112,10 +112,10 @@ def test_contradictions_are_found() -> None:
         texts = [printed(row, factors={name: factor} if i == wrong else {}) for i, row in enumerate(rows)]
         inversion = invert(design, texts)
         assert not inversion.agree
-        places = [(found.entry.outage, found.entry.column) for found in inversion.contradictions]
+        places = [(clash.entry.outage, clash.entry.column) for clash in inversion.contradictions]
         assert (rows[wrong].outage, name) in places
-        found = inversion.contradictions[places.index((rows[wrong].outage, name))]
-        assert found.factor == pytest.approx(factor, rel=0.35)  # the others leave it open a little
+        clash = inversion.contradictions[places.index((rows[wrong].outage, name))]
+        assert clash.factor == pytest.approx(factor, rel=0.35)  # the others leave it open a little
 
 
 def test_bare_bones_of_a_row() -> None:
@@ -130,7 +130,7 @@ def test_bare_bones_of_a_row() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         (["horizontal 1 m"], "is not a row of a table"),
         (["60 s: depth 1 m"], "'depth 1 m' is none of horizontal"),
@@ -145,8 +145,8 @@ def test_bare_bones_of_a_row() -> None:
         (["60 s:" + " horizontal 1 m," * 100], "is not a row"),
     ],
 )
-def test_bad_rows_are_refused(rows: list[str], said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_bad_rows_are_refused(rows: list[str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         invert(Design(), rows)
 
 

@@ -154,9 +154,9 @@ def test_echo_is_the_ratio_of_bessel_functions():
 
 def test_the_highest_echo_counts_and_slow_lines_do_not():
     fast, slow = _lines(20.0, 0.1, 3.0), _lines(0.2, 0.5, 3.0)
-    one, aperture = np.array(1.0), np.array(3.0)
-    assert float(highest_echo([slow, fast], one, aperture, 1.0)) == pytest.approx(jv(1, 0.1) / jv(0, 0.1), rel=1e-12)
-    assert float(highest_echo([slow], one, aperture, 1.0)) == NOTHING
+    k, aperture = np.array(1.0), np.array(3.0)
+    assert float(highest_echo([slow, fast], k, aperture, 1.0)) == pytest.approx(jv(1, 0.1) / jv(0, 0.1), rel=1e-12)
+    assert float(highest_echo([slow], k, aperture, 1.0)) == NOTHING
 
 
 @pytest.mark.parametrize(
@@ -184,8 +184,8 @@ def test_islr_of_random_phase(window, density, falls, compared):
     assert phase.var() == pytest.approx(float(made.scattered), rel=0.1)
     ideal = quadratic_response(0.0, window)
     side = 10 ** (ideal.islr_fixed_db / 10)
-    found = 10 ** (np.asarray(impulse_response(np.exp(1j * phase), window, 8).islr_fixed_db) / 10)
-    random = (found - side) / (1 + side)
+    islr_power = 10 ** (np.asarray(impulse_response(np.exp(1j * phase), window, 8).islr_fixed_db) / 10)
+    random = (islr_power - side) / (1 + side)
     mean, error = random.mean(), random.std() / math.sqrt(runs)
     assert error < 0.02 * mean  # 0.09 dB
     compared(
@@ -206,8 +206,8 @@ def test_response_with_echoes(window):
     x = aperture_positions(1024)
     starts = np.linspace(0, 2 * np.pi, 16, endpoint=False)[:, None]
     real = impulse_response(np.exp(1j * (quadratic * x**2 + phase * np.cos(np.pi * cells * x + starts))), window)
-    stays = float(jv(0, phase)) ** 2
-    made = with_echoes(quadratic_response(quadratic, window), float(echo(np.array(phase))), stays, 1.0)
+    power_at_target = float(jv(0, phase)) ** 2
+    made = with_echoes(quadratic_response(quadratic, window), float(echo(np.array(phase))), power_at_target, 1.0)
     for name in ("peak_loss_db", "pslr_fixed_db", "islr_fixed_db", "islr_null_db"):
         assert float(np.mean(getattr(real, name))) == pytest.approx(float(getattr(made, name)), abs=0.15), name
 
@@ -234,12 +234,12 @@ def test_what_vibrates_shifts_the_image(open_design):
     )
     plain, moved = analyse(open_design), analyse(design)
     aperture = plain.sar.aperture_time
-    one = _line_fitted(np.array([0.15]), aperture)
+    line = _line_fitted(np.array([0.15]), aperture)
     f = np.geomspace(0.1, 5.0, 4000)
     density = 2 * np.exp(np.interp(np.log(f), np.log([0.1, 5.0]), np.log([1e-6, 1e-8])))
     mean, slope = (
         4e-6 * float(of_line[0]) + np.trapezoid(density * of_all, f)
-        for of_line, of_all in zip(one, _line_fitted(f, aperture), strict=True)
+        for of_line, of_all in zip(line, _line_fitted(f, aperture), strict=True)
     )
     lever = design.radar.slant_range / design.flight.speed
     for mode in ("real time", "post-processed"):
@@ -267,10 +267,10 @@ def test_islr_of_large_random_phase(variance):
     phase = drawn[0] @ np.cos(turns) + drawn[1] @ np.sin(turns)
     field = np.exp(1j * phase)
     at_target = np.mean(field, axis=1)
-    left = np.abs(at_target.mean()) ** 2
+    coherent = np.abs(at_target.mean()) ** 2
     scattered = np.mean(np.abs(field - at_target.mean()) ** 2)
     formula = 20 * math.log10(float(scattered_ratio(np.array(variance))))
-    assert formula == pytest.approx(10 * math.log10(scattered / left), abs=0.3)
+    assert formula == pytest.approx(10 * math.log10(scattered / coherent), abs=0.3)
 
 
 @pytest.mark.parametrize("window", ["uniform", "taylor"])
@@ -291,8 +291,8 @@ def test_the_floor_of_the_response_is_the_mean_of_random_histories(open_design, 
     beyond = f * aperture > ideal_null_cells(window)
     assert budget.spectral.random == pytest.approx(np.sum(amplitude[beyond] ** 2), rel=0.02)
     _, power = response_curve(np.exp(1j * phase), window, extent_cells=41.0)
-    cells, own = response_curve(np.ones((1, 1024), complex), window, extent_cells=41.0)
-    mean = np.mean(10 ** (power / 10), axis=0) - 10 ** (own[0] / 10) * math.exp(-np.sum(amplitude**2))
+    cells, response = response_curve(np.ones((1, 1024), complex), window, extent_cells=41.0)
+    mean = np.mean(10 ** (power / 10), axis=0) - 10 ** (response[0] / 10) * math.exp(-np.sum(amplitude**2))
     floor = scattered_floor(design, cells, wavelength, aperture, budget.spectral.random)
     for low, high in ((8, 12), (20, 40)):
         there = (np.abs(cells) > low) & (np.abs(cells) < high)

@@ -61,27 +61,27 @@ def test_printed_check_values(named, name):
 
 
 @pytest.mark.parametrize(
-    ("sigma", "time", "quadratic", "left", "position"),
+    ("sigma", "time", "quadratic", "residual", "position"),
     [(0.3, 300.0, 71.34, 22.14, 0.335), (1.0, 60.0, 85.46, 26.21, None)],
 )
-def test_slow_gnss_error(named, sigma, time, quadratic, left, position):
+def test_slow_gnss_error(named, sigma, time, quadratic, residual, position):
     slow = {"gnss.correlated": True, "gnss.correlated_noise": sigma, "gnss.correlation_time": time}
     budget = analyse(named["A"].replace(slow | {"processing.leg_after": 3000.0}))
     assert math.degrees(budget["quadratic_phase", "post-processed"].sigma) == pytest.approx(quadratic, rel=1e-3)
-    assert math.degrees(budget["detrended_phase", "post-processed"].sigma) == pytest.approx(left, rel=1e-3)
+    assert math.degrees(budget["detrended_phase", "post-processed"].sigma) == pytest.approx(residual, rel=1e-3)
     if position:
         assert budget["horizontal_position", "post-processed"].sigma == pytest.approx(position, abs=5e-4)
 
 
 @pytest.mark.parametrize(
-    ("after", "quadratic", "left"),
+    ("after", "quadratic", "residual"),
     [(0, 147.5, 44.4), (5, 132.3, 39.9), (10, 116.6, 35.3), (20, 89.6, 27.4), (30, 75.2, 23.3), (50, 71.5, 22.2),
      (80, 70.70, 21.96)],
 )  # fmt: skip
-def test_how_long_one_waits(named, after, quadratic, left):
+def test_how_long_one_waits(named, after, quadratic, residual):
     budget = analyse(named["A"].replace({"processing.leg_after": float(after)}))
     assert math.degrees(budget["quadratic_phase", "post-processed"].sigma) == pytest.approx(quadratic, rel=2e-3)
-    assert math.degrees(budget["detrended_phase", "post-processed"].sigma) == pytest.approx(left, rel=3e-3)
+    assert math.degrees(budget["detrended_phase", "post-processed"].sigma) == pytest.approx(residual, rel=3e-3)
 
 
 def test_shares_add_up_and_are_what_each_source_leaves(named):
@@ -142,9 +142,9 @@ def test_continuous_riccati_with_velocity(fleet, compared):
     known = np.zeros_like(p)
     known[:, 0, 0], known[:, 1, 1] = 1 / fleet.s**2, 1 / s_v**2
     grows, learnt = f @ p, p @ known @ p
-    left = grows + np.swapaxes(grows, 1, 2) + noise - learnt
+    residual = grows + np.swapaxes(grows, 1, 2) + noise - learnt
     compared("Steady state with velocity fixes", "P-6", "our own derivation", "the Riccati equation, put back",
-             left / (np.abs(grows) + np.abs(np.swapaxes(grows, 1, 2)) + noise + np.abs(learnt)), 1e-9,
+             residual / (np.abs(grows) + np.abs(np.swapaxes(grows, 1, 2)) + noise + np.abs(learnt)), 1e-9,
              "largest residual over the terms")  # fmt: skip
     assert np.all(np.linalg.eigvalsh(p) > -1e-15)
     upright = vertical(fleet.sigma_a, fleet.s, s_v)
@@ -176,8 +176,8 @@ def test_sampled_filter_with_velocity(slow, compared):
             p = end.horizontal
             off = [float(p.p11) / theirs[0, 0], float(p.p22) / theirs[1, 1], float(p.p33) / theirs[2, 2]]
             worst = max(worst, *(abs(ratio - 1) for ratio in off))
-    said = "with" if slow else "without"
-    compared(f"Sampled filter with velocity fixes, {said} slow GNSS error", "T-8", "solver written by others",
+    word = "with" if slow else "without"
+    compared(f"Sampled filter with velocity fixes, {word} slow GNSS error", "T-8", "solver written by others",
              "SciPy's solve_discrete_are", worst, 1e-6)  # fmt: skip
 
 
@@ -203,10 +203,10 @@ def test_arrays_are_designs_side_by_side(named, aperture, velocity_interval, acr
         for j in range(4):
             values = {key: float(value[i]) for key, value in columns.items()}
             values |= {key: float(value[j]) for key, value in rows.items()}
-            one = smoothed_figures(inputs_of(design.replace(values)))
+            single = smoothed_figures(inputs_of(design.replace(values)))
             for name, figures_of in grid.items():
                 whole = np.broadcast_to(figures_of, (4, 3) if across else (3, 4))
-                assert whole[(j, i) if across else (i, j)] == pytest.approx(float(one[name]), rel=1e-9), name
+                assert whole[(j, i) if across else (i, j)] == pytest.approx(float(single[name]), rel=1e-9), name
 
 
 def test_each_verdict_names_its_processing_and_the_chosen_one_decides(named):
@@ -215,18 +215,18 @@ def test_each_verdict_names_its_processing_and_the_chosen_one_decides(named):
     assert (budget.verdict.closes, budget.other_verdict.closes) == (False, True)
     chosen = analyse(named["B"].replace({"processing.mode": "post-processed"}))
     assert (chosen.verdict, chosen.other_verdict) == (budget.other_verdict, budget.verdict)
-    said = to_json(chosen)
+    document = to_json(chosen)
     # What the turn makes of the position is told of the chosen processing alone, and goes with the distance.
     near, far = (
         analyse(chosen.design.replace({"radar.slant_range": r, "radar.aperture_time": 5.0})) for r in (2e3, 7e4)
     )
     for words in ("line of sight turns", "With the turn it is"):
-        told = [any(words in caution for caution in cautions(one)) for one in (near, far, budget)]
-        assert told == [True, False, False]
-    assert said["processing"] == {"mode": "post-processed"}
-    assert said["verdict"]["processing"] == "post-processed"
-    assert said["sar"] == to_json(budget)["sar"]  # keys of before stay real time
-    lines = said["post_processed"]["lines"]
+        warned = [any(words in caution for caution in cautions(each)) for each in (near, far, budget)]
+        assert warned == [True, False, False]
+    assert document["processing"] == {"mode": "post-processed"}
+    assert document["verdict"]["processing"] == "post-processed"
+    assert document["sar"] == to_json(budget)["sar"]  # keys of before stay real time
+    lines = document["post_processed"]["lines"]
     assert math.fsum(line["share"] for line in lines) == pytest.approx(1, abs=1e-9)
 
 
@@ -235,15 +235,15 @@ def test_a_turn_that_counts_is_told_with_its_size(named, order):
     """A long aperture at short range turns the line of sight far; the words say the ratios of the figures."""
     near = {"radar.slant_range": 2000.0, "radar.aperture_time": 5.38, "processing.mode": "post-processed"}
     budget = analyse(named["A"].replace({**near, "radar.autofocus_order": order}))
-    said = " ".join(cautions(budget))
+    text = " ".join(cautions(budget))
     quadratic, along, residual = (
         budget.figure(name).sigma for name in ("quadratic_phase", "along_track_quadratic_phase", "detrended_phase")
     )
     change = 100 * (budget.beside("turning_quadratic_phase") / math.hypot(quadratic, along) - 1)
     raises = "raises" if change > 0 else "lowers"
-    assert f"{raises} quadratic and along-track phase together by {abs(change):.2g} %" in said
+    assert f"{raises} quadratic and along-track phase together by {abs(change):.2g} %" in text
     change = 100 * (budget.beside(f"turning_detrended_phase_{order}") / residual - 1) if order < 3 else 0.0
-    assert ("With the turn it is" in said) == (abs(change) > 0.5)
+    assert ("With the turn it is" in text) == (abs(change) > 0.5)
     if abs(change) > 0.5:
-        assert f"With the turn it is {abs(change):.2g} % {'larger' if change > 0 else 'smaller'}" in said
-    assert "{" not in said
+        assert f"With the turn it is {abs(change):.2g} % {'larger' if change > 0 else 'smaller'}" in text
+    assert "{" not in text

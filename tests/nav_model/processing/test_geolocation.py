@@ -34,11 +34,11 @@ def test_circular_error_of_a_circle_and_of_a_line(compared):
         )
 
 
-@pytest.mark.parametrize(("one", "other", "both"), [(1.0, 0.3, 0.2), (9.0, 0.04, 0.5), (2.0, 2.0, -1.9)])
-def test_circular_error_by_sampling(one, other, both):
+@pytest.mark.parametrize(("first", "second", "both"), [(1.0, 0.3, 0.2), (9.0, 0.04, 0.5), (2.0, 2.0, -1.9)])
+def test_circular_error_by_sampling(first, second, both):
     rng = np.random.default_rng(1)
-    points = rng.multivariate_normal([0, 0], [[one, both], [both, other]], 400_000)
-    inside = np.mean(np.hypot(*points.T) <= float(circular_error(one, other, both)))
+    points = rng.multivariate_normal([0, 0], [[first, both], [both, second]], 400_000)
+    inside = np.mean(np.hypot(*points.T) <= float(circular_error(first, second, both)))
     assert inside == pytest.approx(0.9, abs=4 * math.sqrt(0.09 / 400_000))  # four sigmas
 
 
@@ -77,7 +77,7 @@ def test_shifts_of_the_image_by_exact_geometry():
     grazing, slant, speed, height = math.radians(35), 7000.0, 90.0, 7000.0 * math.sin(math.radians(35))
     target = np.array([0.0, slant * math.cos(grazing), 0.0])
 
-    def found(moved, faster, scene):
+    def shift(moved, faster, scene):
         position, velocity = np.array([0.0, 0.0, -height]), np.array([speed, 0.0, 0.0])
         sight = target - position
         distance, rate = np.linalg.norm(sight), velocity @ sight / np.linalg.norm(sight)
@@ -96,16 +96,16 @@ def test_shifts_of_the_image_by_exact_geometry():
         return math.sqrt(float(ground[0])), math.sqrt(float(ground[1]))
 
     small = 1e-3
-    across = found(np.array([0, small, 0.0]), np.zeros(3), 0.0)
+    across = shift(np.array([0, small, 0.0]), np.zeros(3), 0.0)
     assert abs(across[1]) == pytest.approx(small, rel=1e-4)
-    up = found(np.array([0, 0, small]), np.zeros(3), 0.0)
+    up = shift(np.array([0, 0, small]), np.zeros(3), 0.0)
     assert abs(up[1]) == pytest.approx(ours((0, small**2), (0, 0), 0.0)[1], rel=1e-4)
-    scene = found(np.zeros(3), np.zeros(3), -small)
+    scene = shift(np.zeros(3), np.zeros(3), -small)
     assert abs(scene[1]) == pytest.approx(ours((0, 0), (0, 0), small)[1], rel=1e-4)
     for axis, lines in ((1, (small**2, 0)), (2, (0, small**2))):
         faster = np.zeros(3)
         faster[axis] = small
-        assert abs(found(np.zeros(3), faster, 0.0)[0]) == pytest.approx(ours((0, 0), lines, 0.0)[0], rel=1e-4)
+        assert abs(shift(np.zeros(3), faster, 0.0)[0]) == pytest.approx(ours((0, 0), lines, 0.0)[0], rel=1e-4)
 
 
 def test_the_headline_example(open_design):

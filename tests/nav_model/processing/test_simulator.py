@@ -39,10 +39,10 @@ def smoothed_flights(design, runs):
         record = fly(spec, run)
         level = np.swapaxes(record.error[:, 1:, :3], 0, 1).reshape(-1, 3)
         flown.append([np.interp(start + time, both, column) for column in level.T])
-        for phase, kept in ends.items():
+        for phase, states in ends.items():
             state = record.error[phase, at].copy()
             state[:, 6:9] = np.einsum("kij,kj->ki", own_angles, state[:, 6:9])
-            kept.append(state)
+            states.append(state)
     smoother = flown_smoother(spec, fixes, first)
     prior, posterior = (np.stack(ends[phase], axis=1) for phase in (PRIOR, POSTERIOR))
     added = smoother.correction(start + time, prior, posterior)
@@ -61,13 +61,13 @@ def agree(design, runs):
     phase = 4 * math.pi / budget.sar.wavelength * range_error(geometry, time, *error)
     x = 2 * time / time[-1] - 1
     fitted = np.polynomial.legendre.legfit(x, phase.T, 3)
-    left = phase.T - np.polynomial.legendre.legval(x, fitted[:2]).T
+    residual = phase.T - np.polynomial.legendre.legval(x, fitted[:2]).T
     bent = post["along_track_quadratic_phase"]
     expected = {
         "quadratic": (1.5 * fitted[2], math.hypot(post["quadratic_phase"], bent)),
         "cubic": (2.5 * fitted[3], post["cubic_phase"]),
         "detrended": (
-            np.sqrt(np.mean(left**2, axis=0)),
+            np.sqrt(np.mean(residual**2, axis=0)),
             math.hypot(post["detrended_phase_1"], bent * math.sqrt(4 / 45)),
         ),
         "horizontal position": (error[1, :, 100], post["horizontal_position"]),

@@ -82,10 +82,10 @@ def test_batch_least_squares(kind, ratio, compared):
             # Where next to nothing is left of the position error, double precision leaves the batch no digits of it.
             if theirs[name] > 1e-8 * theirs["mean"] or (name in SLOWLY[5:] and (name != "tilt" or channel.gyro)):
                 off.append(math.sqrt(float(ours[name]) / theirs[name]) - 1)
-        for name, (one, other) in spectral.PAIRS.items():
-            if one != other:
+        for name, (row, column) in spectral.PAIRS.items():
+            if row != column:
                 first, second = (
-                    next(n for n, pair in spectral.PAIRS.items() if pair == (k, k)) for k in (one, other)
+                    next(n for n, pair in spectral.PAIRS.items() if pair == (k, k)) for k in (row, column)
                 )
                 size = math.sqrt(ours[first] * ours[second])
                 if size > 1e-8 * theirs["mean"]:
@@ -132,8 +132,8 @@ def test_along_the_exact_line_of_sight(after, squint, slow):
         geometry = ApertureGeometry(distance, float(x.speed), float(x.grazing_angle), squint)
         nodes, weights = spectral.NODES, spectral.WEIGHTS
         sight = directions(geometry, np.concatenate([[0.0], (nodes + 1) * 3.0, [6.0]]))[1:-1]
-        level, upright = (batch.errors(c, 6.0, after, batch.begun(c, 0.0))[:60, :60] for c in channels(x))
-        along = sum(np.outer(u, u) * one for u, one in zip(sight.T, (level, level, upright), strict=True))
+        level, upright = (batch.errors(c, 6.0, after, batch.initial(c, 0.0))[:60, :60] for c in channels(x))
+        along = sum(np.outer(u, u) * block for u, block in zip(sight.T, (level, level, upright), strict=True))
         model = Smoothed(x)
         result = {
             name: getattr(model, name)
@@ -148,13 +148,13 @@ def test_along_the_exact_line_of_sight(after, squint, slow):
             # third order in the turn, 0.135, is left out
             assert float(result["turning_quadratic_phase"]) == pytest.approx(theirs, rel=0.01)
             continue
-        left = {}
+        sigma = {}
         for order in (1, 2):
             fit = np.polynomial.polynomial.polyvander(nodes, order)
             take = np.eye(60) - fit @ np.linalg.solve(fit.T @ (weights[:, None] * fit), fit.T * weights)
-            left[order] = float(x.to_phase) * math.sqrt(weights / 2 @ np.diag(take @ along @ take.T))
-            assert float(result[f"turning_detrended_phase_{order}"]) == pytest.approx(left[order], rel=0.01)
-        assert left[1] / float(result["detrended_phase_1"]) > 1.015
+            sigma[order] = float(x.to_phase) * math.sqrt(weights / 2 @ np.diag(take @ along @ take.T))
+            assert float(result[f"turning_detrended_phase_{order}"]) == pytest.approx(sigma[order], rel=0.01)
+        assert sigma[1] / float(result["detrended_phase_1"]) > 1.015
 
 
 def test_dense_fixes_are_the_spectrum(compared):
@@ -192,18 +192,18 @@ def test_free_ins_is_the_closed_forms(compared):
         pieces = piece
         for _ in range(6):
             pieces = stretch.joined(pieces, piece)
-        for one in (stretch.free(np.array([aperture]), *noise), pieces):
-            along = one.lines[0, :, :3]
-            c = one.spread[0] + along @ known @ along.T  # orthonormal polynomials
-            left = [np.trace(c[m:, m:]) + one.rest[0] for m in (2, 3, 4)]
-            for order, result in zip((1, 2, 3), left, strict=True):
+        for free in (stretch.free(np.array([aperture]), *noise), pieces):
+            along = free.lines[0, :, :3]
+            c = free.spread[0] + along @ known @ along.T  # orthonormal polynomials
+            residuals = [np.trace(c[m:, m:]) + free.rest[0] for m in (2, 3, 4)]
+            for order, result in zip((1, 2, 3), residuals, strict=True):
                 closed = total(phase_budget(start.p33, a, w, 0.0, 0.0, g, aperture, 0.0, 0.0, order))
                 off.append(result / float(closed.detrended) - 1)
             off += [c[2, 2] * 45 / 4 / closed.quadratic - 1, c[3, 3] * 175 / 4 / closed.cubic - 1]
             line = free_line(start, a, w, 0.0, 0.0, g, 0.0, aperture)
             off += [c[0, 0] / line.mean - 1, c[1, 1] * 12 / aperture**2 / line.slope - 1]
             off.append(c[0, 1] * math.sqrt(12) / aperture / line.covariance - 1)
-            end, closed = carried(known, one.segment)[0], horizontal_growth(start, a, w, g, aperture)
+            end, closed = carried(known, free.segment)[0], horizontal_growth(start, a, w, g, aperture)
             off += [
                 end[0, 0] / closed.position - 1,
                 end[1, 1] / closed.velocity - 1,

@@ -40,8 +40,8 @@ def test_the_squares_add_up_and_autofocus_takes_orders_away():
     np.testing.assert_allclose(squares, parts.detrended_rms**2, rtol=1e-9)
     np.testing.assert_allclose(parts.residual_rms, parts.detrended_rms)
     for order in (2, 3, 5):
-        left = np.polynomial.polynomial.polyfit(np.linspace(-1, 1, 500), history.T, order)
-        expected = history - np.polynomial.polynomial.polyval(np.linspace(-1, 1, 500), left)
+        fit = np.polynomial.polynomial.polyfit(np.linspace(-1, 1, 500), history.T, order)
+        expected = history - np.polynomial.polynomial.polyval(np.linspace(-1, 1, 500), fit)
         np.testing.assert_allclose(autofocus(history, order), expected, atol=1e-6)
         rms = np.sqrt(np.mean(expected**2, axis=1))
         np.testing.assert_allclose(decompose(history, order).residual_rms, rms, rtol=1e-6)

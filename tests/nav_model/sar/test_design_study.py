@@ -125,8 +125,8 @@ def test_chunks_give_the_same_study_in_any_order(study):
     np.testing.assert_array_equal(study.parts["residual_rms"].median, np.median(joined, axis=1))
     history = typical_history(case, study.tuning, 4, *typical_place(back))
     np.testing.assert_array_equal(history, study.typical)
-    own = np.sqrt(np.mean(history[1] ** 2))
-    assert own == pytest.approx(study.parts["whole_rms"].median[1], rel=0.05)
+    rms = np.sqrt(np.mean(history[1] ** 2))
+    assert rms == pytest.approx(study.parts["whole_rms"].median[1], rel=0.05)
     np.testing.assert_allclose(np.sqrt(np.mean(study.spread**2, axis=1)), study.whole_rms, rtol=1e-9)
     other = run_chunk(case, study.tuning, 5, 0, 20)
     assert not np.array_equal(other.measures.parts["residual_rms"], back[1].measures.parts["residual_rms"])
@@ -142,9 +142,9 @@ def test_vibration_multiplies_both_walks():
     shaken = design_case(analyse(design(imu__vibration_factor=3.0)))
     walks = {"imu__velocity_random_walk": 0.21 * VRW, "imu__angle_random_walk": 0.45 * ARW}
     rough = design_case(analyse(design(**walks)))
-    for one, other in zip(shaken.models, rough.models, strict=True):
-        assert one.accelerometer_noise == pytest.approx(other.accelerometer_noise)
-        assert one.gyro_noise == pytest.approx(other.gyro_noise)
+    for first, second in zip(shaken.models, rough.models, strict=True):
+        assert first.accelerometer_noise == pytest.approx(second.accelerometer_noise)
+        assert first.gyro_noise == pytest.approx(second.gyro_noise)
     assert closed_forms(analyse(design(imu__vibration_factor=3.0))).detrended["2"] == pytest.approx(
         closed_forms(analyse(design(**walks))).detrended["2"]
     )
@@ -199,8 +199,8 @@ def test_squint_reaches_the_geometry_and_is_said():
 
 
 def test_the_map_says_at_the_design_what_the_advice_says():
-    for name, one in THREE.items():
-        budget = analyse(one)
+    for name, variant in THREE.items():
+        budget = analyse(variant)
         advice = closed_forms(budget).advice
         result = map_of_winners(conditions(budget))
         assert result.strategies[int(result.winner)] == advice.strategy, name
@@ -272,7 +272,7 @@ def test_contributors_count_in_the_runs_as_in_the_formulas():
             "limits": [{"name": "own", "on": "detrended_phase", "limit": "9°", "confidence": 3}],
         }
     )
-    plain, full = (design_study(design().replace({}, entries=own), runs=40) for own in (UserEntries(), entries))
+    plain, full = (design_study(design().replace({}, entries=each), runs=40) for each in (UserEntries(), entries))
     np.testing.assert_array_equal(full.rms, plain.rms)  # the runs themselves
     post = np.array([strategy.key == "9" for strategy in STRATEGIES])
     wanted = np.sqrt(plain.rms**2 + 0.02**2 + np.where(post, 1e-3**2, 0.0)) + 0.3e-3

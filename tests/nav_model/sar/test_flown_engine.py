@@ -90,49 +90,49 @@ def test_the_smoother_smooths_what_its_equations_say(flown):
     for axis in flown:
         middle = len(axis.time) // 2
         taken = (axis.filter_position - axis.smoothed_position)[:, middle]
-        left = axis.smoothed_position[:, middle]
-        assert abs(np.corrcoef(taken, left)[0, 1]) < 4 / np.sqrt(RUNS)
+        error = axis.smoothed_position[:, middle]
+        assert abs(np.corrcoef(taken, error)[0, 1]) < 4 / np.sqrt(RUNS)
 
 
 @pytest.mark.slow
 def test_engines_agree_over_many_flights():
     """Six hundred flights: every strategy within three standard errors, which are 4 % or less."""
     design = Design(X_BAND)
-    found = agreement(design_study(design, 600, 2, engine="simulator"), design_study(design, 2000, 2))
-    assert all(one.agrees for one in found), found
-    assert all(one.error < 0.045 for one in found)
+    agreements = agreement(design_study(design, 600, 2, engine="simulator"), design_study(design, 2000, 2))
+    assert all(each.agrees for each in agreements), agreements
+    assert all(each.error < 0.045 for each in agreements)
 
 
 def test_engines_agree_and_the_document_says_so(compared):
     design = Design(X_BAND | {"radar.aperture_time": 4.0})
     flown, fast = design_study(design, 60, 3, engine="simulator"), design_study(design, 400, 3)
-    found = agreement(flown, fast)
-    assert [one.key for one in found] == list(STRATEGY_KEYS[1:])
+    agreements = agreement(flown, fast)
+    assert [each.key for each in agreements] == list(STRATEGY_KEYS[1:])
     compared(
         "Residuals of nine strategies, error model",
         "T-15",
         "our own derivation",
         "60 full flights of our own simulator",
-        [(one.ratio - 1) / one.error for one in found],
+        [(each.ratio - 1) / each.error for each in agreements],
         4.0,
         "largest difference, standard errors",
     )
-    assert all(one.error < 0.15 for one in found)
+    assert all(each.error < 0.15 for each in agreements)
     data = to_json(flown, fast)
     assert data["engine"] == "simulator"
     assert data["agreement"]["with"] == {"engine": "fast", "runs": 400, "seed": 3}
-    assert data["agreement"]["strategies"][0]["ratio"] == found[0].ratio
+    assert data["agreement"]["strategies"][0]["ratio"] == agreements[0].ratio
     assert any("WGS 84" in sentence for sentence in data["cautions"])
     assert "agreement" not in to_json(fast)
-    apart = (found[0]._replace(ratio=1.5, error=0.05), *found[1:])
+    apart = (agreements[0]._replace(ratio=1.5, error=0.05), *agreements[1:])
     assert "differ by more than three standard errors" in agreement_sentence(apart)
     assert "INS from filter +50 % ± 5 %" in agreement_sentence(apart)
 
 
 def test_a_chunk_is_the_same_whoever_flies_it(case):
-    one, again, other = (run_chunk(case, Tuning(), 7, index, 2) for index in (1, 1, 2))
-    np.testing.assert_array_equal(one.square, again.square)
-    assert np.abs(one.square - other.square).max() > 0
+    first, again, other = (run_chunk(case, Tuning(), 7, index, 2) for index in (1, 1, 2))
+    np.testing.assert_array_equal(first.square, again.square)
+    assert np.abs(first.square - other.square).max() > 0
     direct = histories(case.flight, case.aperture_time, case.rate, 7, 10, 2)
     assert decompose(direct[0].ins_position).detrended_rms.shape == (2,)
     assert chunks(25, "simulator") == [10, 10, 5]

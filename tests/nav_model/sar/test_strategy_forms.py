@@ -128,9 +128,9 @@ def test_exact_variance_against_random_walks(compared):
     fixes = np.array([0.25, 0.5, 0.75, 1.0])
     seen = path[:, [50, 100, 150, 200]] + 0.1 * random.standard_normal((4000, 4))
     fit = np.array([np.polyval(np.polyfit(fixes, row, 2), x) for row in seen])
-    left = path - fit
-    left -= np.polynomial.polynomial.polyval(x, np.polynomial.polynomial.polyfit(x, left.T, 1))
-    square = np.mean(left**2, axis=1)
+    residual = path - fit
+    residual -= np.polynomial.polynomial.polyval(x, np.polynomial.polynomial.polyfit(x, residual.T, 1))
+    square = np.mean(residual**2, axis=1)
     exact = exact_corrected_variance(1.0, 1.0, 0.0, 0.1, fixes)
     assert abs(square.mean() - exact) < 4 * square.std() / np.sqrt(4000) + 0.01 * exact
     compared(
@@ -151,8 +151,8 @@ def test_the_shrunk_fit_loses_to_neither_and_is_the_best_weight(ins, fit, rest):
     assert best <= 4 / 45 * min(ins, fit) + rest + 1e-15
     weight = float(shrunk_weight(ins, fit))
     for other in (weight * 0.9, weight * 1.1 + 1e-3):
-        left = 4 / 45 * ((1 - other) ** 2 * ins + other**2 * fit) + rest
-        assert best <= left * (1 + 1e-12)
+        variance = 4 / 45 * ((1 - other) ** 2 * ins + other**2 * fit) + rest
+        assert best <= variance * (1 + 1e-12)
 
 
 def test_a_fit_that_determines_nothing_has_no_weight():

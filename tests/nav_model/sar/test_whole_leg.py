@@ -36,7 +36,7 @@ def measured(case, axes):
     }
 
 
-def agree(design, found, runs, slack=0.0):
+def agree(design, results, runs, slack=0.0):
     """Rms of the runs over the formula lies where that of so many normal errors would, but for once in ten thousand.
 
     ``slack`` is for what a mean over samples is more than one over time.
@@ -46,7 +46,7 @@ def agree(design, found, runs, slack=0.0):
     quadratic = budget.beside("turning_quadratic_phase") * budget.sar.wavelength / (4 * math.pi)
     expected = (quadratic, closed_forms(budget).whole["9"], closed_forms(second).whole["9"])
     low, high = (math.sqrt(chi2.ppf(share, runs) / runs) for share in (5e-5, 1 - 5e-5))
-    for (name, values), sigma in zip(found.items(), expected, strict=True):
+    for (name, values), sigma in zip(results.items(), expected, strict=True):
         ratio = math.sqrt(np.mean(values**2)) / sigma
         assert low - slack < ratio < high + slack, (name, ratio)
 
@@ -117,8 +117,8 @@ def test_it_wins_only_where_the_processing_allows(open_design):
     assert np.any(result.winner == result.strategies.index("9"))
     plain = gnss_map(now.budget, 20)
     assert np.all(result.phase <= plain.phase * 1.05)
-    assert any("it is shown for reference" in said for said in study_cautions(now.budget))
-    assert any("so it can be the best" in said for said in study_cautions(later.budget))
+    assert any("it is shown for reference" in caution for caution in study_cautions(now.budget))
+    assert any("so it can be the best" in caution for caution in study_cautions(later.budget))
     data = to_json(later)
     assert data["processing"] == {"mode": "post-processed", "leg_after_s": 200.0}
     assert data["strategies"][-1]["timing"] == "post-processed"
@@ -141,7 +141,7 @@ def test_the_formula_is_the_budgets_post_processed_figure(open_design, closed_de
 
 @pytest.mark.parametrize("processing", ["real time", "post-processed"])
 def test_contributors_count_in_the_strategy_that_is_judged_as_on_budget(open_design, processing):
-    own = read_entries(
+    entries = read_entries(
         {
             "contributors": [
                 {"name": "lever arm", "value": "2 mm", "enters": "detrended_phase"},
@@ -152,7 +152,7 @@ def test_contributors_count_in_the_strategy_that_is_judged_as_on_budget(open_des
     )
     for coast in (0.0, 4.0):
         changes = {"processing.mode": processing, "coast.before_aperture": coast}
-        budget = analyse(open_design.replace(changes, entries=own))
+        budget = analyse(open_design.replace(changes, entries=entries))
         closed, to_phase = closed_forms(budget), 4 * math.pi / budget.sar.wavelength
         key = judged(budget.design)
         assert to_phase * closed.detrended[key] == pytest.approx(budget.figure("detrended_phase").sigma, rel=1e-9)

@@ -37,6 +37,6 @@ def test_a_killed_worker_loses_no_run_and_repeats_none(paper_imu):
     assert killed
     assert killed[0] < 240
     expected = to_arrays(simulate(spec))
-    found = to_arrays(result)
+    arrays = to_arrays(result)
     for name, values in expected.items():
-        assert np.array_equal(values, found[name]), name
+        assert np.array_equal(values, arrays[name]), name

@@ -36,13 +36,13 @@ def plain() -> SimulationStudy:
     return study()
 
 
-def causes(found: SimulationStudy, after: float = SETTLED) -> set[str]:
+def causes(result: SimulationStudy, after: float = SETTLED) -> set[str]:
     """Every cause named once the filter has settled."""
-    return {cause for d in found.departures if d.stop_s > after for cause, _ in d.steps}
+    return {cause for d in result.departures if d.stop_s > after for cause, _ in d.steps}
 
 
-def of(found: SimulationStudy, group: str, axis: str, at: float) -> Departure | None:
-    for departure in found.departures:
+def of(result: SimulationStudy, group: str, axis: str, at: float) -> Departure | None:
+    for departure in result.departures:
         if (departure.group, departure.axis) == (group, axis) and departure.start_s <= at <= departure.stop_s:
             return departure
     return None
@@ -78,13 +78,13 @@ def test_the_flat_links_of_the_chain_match_solvers_of_others() -> None:
 
 
 def test_the_steps_multiply_to_the_whole_way_from_closed_form_to_filter() -> None:
-    found = study(trajectory="turns", states=15, added={"accelerometer.bias_instability": "1 mg"})
-    links, result = chain(found.design, found.result.spec), found.result
+    simulated = study(trajectory="turns", states=15, added={"accelerometer.bias_instability": "1 mg"})
+    links, result = chain(simulated.design, simulated.result.spec), simulated.result
     stations = [result.closed_form_sigma, links.bare, links.fixes, links.settling, links.earth, links.flight]
     stations.append(result.filter_sigma[POSTERIOR, :, :9])
     product = np.prod([after / before for before, after in pairwise(stations)], axis=0)
     assert product == pytest.approx(stations[-1] / stations[0], rel=1e-12)
-    for departure in found.departures:
+    for departure in simulated.departures:
         named = math.prod(factor for _, factor in departure.steps)
         # Steps left out are below a quarter of the largest each.
         largest = max((abs(math.log(factor)) for _, factor in departure.steps), default=0.03)
@@ -92,11 +92,11 @@ def test_the_steps_multiply_to_the_whole_way_from_closed_form_to_filter() -> Non
 
 
 def test_a_plain_study_parts_only_where_the_earth_makes_it() -> None:
-    found = plain()
-    assert causes(found) == {"earth"}
+    result = plain()
+    assert causes(result) == {"earth"}
     # [T-17]: the vertical channel alone, after about 45 s; full filters and polynomial part by 2.7 % in position.
-    assert {(d.group, d.axis) for d in found.departures if d.stop_s > SETTLED} == {("velocity", "down")}
-    assert of(found, "position", "down", 299.0) is None
+    assert {(d.group, d.axis) for d in result.departures if d.stop_s > SETTLED} == {("velocity", "down")}
+    assert of(result, "position", "down", 299.0) is None
 
 
 @pytest.mark.parametrize(
@@ -114,21 +114,21 @@ def test_a_plain_study_parts_only_where_the_earth_makes_it() -> None:
 )
 def test_what_a_cause_explains_goes_when_the_cause_is_taken_away(changes, options, added, cause, words) -> None:
     """The plain study is each of these without its cause; its only departure is that of the Earth."""
-    found = study(PAPER.replace(changes), added=added, **options)
-    explained = [d for d in found.departures if d.stop_s > SETTLED and cause in dict(d.steps)]
+    result = study(PAPER.replace(changes), added=added, **options)
+    explained = [d for d in result.departures if d.stop_s > SETTLED and cause in dict(d.steps)]
     assert explained
     assert any(words in d.reason and CAUSES[cause] in d.reason for d in explained)
-    left = {(d.group, d.axis, d.phase): d for d in plain().departures if d.stop_s > SETTLED}
-    assert all(cause not in dict(d.steps) for d in left.values())
+    remaining = {(d.group, d.axis, d.phase): d for d in plain().departures if d.stop_s > SETTLED}
+    assert all(cause not in dict(d.steps) for d in remaining.values())
     for departure in explained:
-        still = left.get((departure.group, departure.axis, departure.phase))
+        still = remaining.get((departure.group, departure.axis, departure.phase))
         assert still is None or set(dict(still.steps)) == {"earth"}
 
 
 def test_after_an_outage_the_filter_settles_by_as_much_as_a_flat_filter_of_others() -> None:
     """Schuler and Coriolis terms over 60 s are below 1 %: none of them may be named for the way back."""
-    found = study(outages=[(100, 160), (200, 300)])
-    back = of(found, "position", "north", 161.0)
+    result = study(outages=[(100, 160), (200, 300)])
+    back = of(result, "position", "north", 161.0)
     settled = settled_channel()
     carried, ratios = channel_after(60.0, settled), []
     for _ in range(20):
@@ -166,9 +166,9 @@ def test_the_step_of_the_earth_is_what_schuler_gravity_and_coriolis_make_of_a_fl
 def test_velocity_fixes_of_the_design_part_nothing_and_others_do() -> None:
     """The formula has those of the design; those that the study adds are the filter's alone."""
     with_velocity = PAPER.replace({"gnss.velocity_noise": 0.02})
-    found = study(with_velocity)
-    assert "filter" not in causes(found)
-    assert not [d.reason for d in found.departures if d.phase == "aided"]
+    result = study(with_velocity)
+    assert "filter" not in causes(result)
+    assert not [d.reason for d in result.departures if d.phase == "aided"]
     added = study(added={"receiver.velocity_noise": "0.02 m/s"})
     assert "velocity fixes" in " ".join(d.reason for d in added.departures)
 
@@ -176,8 +176,8 @@ def test_velocity_fixes_of_the_design_part_nothing_and_others_do() -> None:
 def test_errors_the_filter_does_not_expect_are_found_though_the_filter_agrees_with_the_closed_form() -> None:
     """The slow GNSS error passes straight into position: 1 m on 0.47 m, and the filter knows nothing of it."""
     slow = PAPER.replace({"gnss.correlated": True, "gnss.correlated_noise": 1.0})
-    found = study(slow, states=9)
-    north = of(found, "position", "north", 190.0)
+    result = study(slow, states=9)
+    north = of(result, "position", "north", 190.0)
     assert north.ratio == pytest.approx(0.946, abs=0.01)  # the posterior's [T-8]
     (cause, factor) = north.steps[-1]
     assert cause == "errors"
@@ -190,9 +190,9 @@ def test_errors_the_filter_does_not_expect_are_found_though_the_filter_agrees_wi
 
 
 def test_velocity_fixes_with_a_vertical_noise_of_their_own_part_nothing() -> None:
-    found = study(PAPER.replace({"gnss.velocity_noise": 0.02, "gnss.vertical_velocity_noise": 0.2}))
-    assert causes(found) <= {"earth", "settling"}
-    assert not [d for d in found.departures if d.phase == "aided"]
+    result = study(PAPER.replace({"gnss.velocity_noise": 0.02, "gnss.vertical_velocity_noise": 0.2}))
+    assert causes(result) <= {"earth", "settling"}
+    assert not [d for d in result.departures if d.phase == "aided"]
 
 
 def test_chance_is_no_departure() -> None:

@@ -185,21 +185,21 @@ def test_the_document_has_the_contracts_keys_and_no_nan(study) -> None:
 
 
 def test_conditions_say_what_differs() -> None:
-    def said(**changes: float | bool) -> str:
+    def words(**changes: float | bool) -> str:
         design = PAPER.replace({key.replace("__", "."): value for key, value in changes.items()})
         return " ".join(conditions(design, specification(design, states=9)))
 
-    plain = said()
+    plain = words()
     # Normal gravity at 45° and 3 km: 9.80620 - 3.0855e-6 x 3000 m/s², by the usual free-air gradient.
     assert float(plain.split("gravity, ")[1].split()[0]) == pytest.approx(9.80620 - 3.0855e-6 * 3000, abs=2e-5)
     assert "9.80665" in plain
     assert "bias" not in plain
     assert "slow" not in plain
-    assert "9 states does not estimate them" in said(imu__gyro_bias=DPH)
-    assert "slow GNSS error" in said(gnss__correlated=True)
+    assert "9 states does not estimate them" in words(imu__gyro_bias=DPH)
+    assert "slow GNSS error" in words(gnss__correlated=True)
     assert "No run" not in plain
     noise = tuple((at, 1e-9 / at, "phase noise") for at in (1.0, 9.0))
-    shaken = said(motion__lines=((20.0, 1.0, "acceleration"),), oscillator__phase_noise=noise)
+    shaken = words(motion__lines=((20.0, 1.0, "acceleration"),), oscillator__phase_noise=noise)
     assert "The runs leave out the design's vibration, oscillator;" in shaken
     spec = specification(PAPER)
     filed = replace(spec, trajectory=TrajectorySpec(kind="file", samples=b"x"))

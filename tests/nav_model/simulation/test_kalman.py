@@ -59,9 +59,9 @@ def test_biases_decay_and_are_driven():
     covariance = np.diag(np.repeat([1.0, 1.0, 1.0, 4.0, 9.0], 3))
     decay, drive = np.full(6, 0.01), np.full(6, 0.5)
     propagate(covariance, np.zeros((9, 15)), np.zeros(3), 2.0, 0.0, 0.0, decay, drive, np.empty((4, 15, 15)))
-    kept = math.exp(-0.04)
+    factor = math.exp(-0.04)
     # A Gauss-Markov process of drive q settles on q tau / 2 = 25, and keeps the rest of its start.
-    assert np.diag(covariance)[9:] == pytest.approx(25.0 + (np.repeat([4.0, 9.0], 3) - 25.0) * kept)
+    assert np.diag(covariance)[9:] == pytest.approx(25.0 + (np.repeat([4.0, 9.0], 3) - 25.0) * factor)
     covariance = np.zeros((15, 15))
     propagate(covariance, np.zeros((9, 15)), np.zeros(3), 2.0, 0.0, 0.0, np.zeros(6), drive, np.empty((4, 15, 15)))
     assert np.diag(covariance)[9:] == pytest.approx(1.0)  # a random walk: q t

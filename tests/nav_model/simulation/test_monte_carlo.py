@@ -101,9 +101,9 @@ def check_against_closed_form(spec: SimulationSpec) -> float:
         columns = [0, 1, 3, 4, 6, 7] + ([2, 5] if after <= 45.0 else [])
         assert np.all((ratio[columns] > low) & (ratio[columns] < high)), after
         seen.append(np.abs(ratio[columns] - 1).max())
-    found = departures(result, chain(PAPER, spec))
-    assert not any(d.group == "position" and d.axis == "north" and d.start_s > 400.0 for d in found)
-    assert all(d.reason for d in found)
+    differences = departures(result, chain(PAPER, spec))
+    assert not any(d.group == "position" and d.axis == "north" and d.start_s > 400.0 for d in differences)
+    assert all(d.reason for d in differences)
     share = result.tilt_share_m[-1, 0] / result.closed_form_sigma[-1, 0]
     assert share == pytest.approx(0.5 * G * math.radians(0.0351388 * 0.986) * 100.0**2 / 48.014, rel=high - 1)
     return float(max(seen))
@@ -212,12 +212,12 @@ def test_the_nees_band_holds_its_probability():
     generator, inside = np.random.default_rng(5), 0
     for _ in range(400):
         # Nine states, 60 runs, 50 times; errors a Gauss-Markov sequence of ten steps' correlation time.
-        kept = math.exp(-0.1)
+        decay = math.exp(-0.1)
         error = generator.standard_normal((60, 9))
         nees = np.zeros((50, 60))
         for k in range(50):
             nees[k] = np.sum(error**2, axis=1)
-            error = kept * error + math.sqrt(1 - kept**2) * generator.standard_normal((60, 9))
+            error = decay * error + math.sqrt(1 - decay**2) * generator.standard_normal((60, 9))
         means = nees.mean(axis=0)
         inside += nees_consistency(float(means.mean()), float(np.mean(means**2)), 60, 50, 9).inside
     assert 0.95 - 4 * math.sqrt(0.95 * 0.05 / 400) < inside / 400 < 0.95 + 4 * math.sqrt(0.95 * 0.05 / 400)

@@ -26,8 +26,8 @@ def matrices(quaternions: np.ndarray) -> np.ndarray:
     return np.eye(3) + 2 * w[:, :, None] * cross + 2 * cross @ cross
 
 
-def angle_between(one: np.ndarray, other: np.ndarray) -> float:
-    turn = one @ np.swapaxes(other, 1, 2)
+def angle_between(first: np.ndarray, second: np.ndarray) -> float:
+    turn = first @ np.swapaxes(second, 1, 2)
     vector = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]])
     return float(np.degrees(np.max(np.linalg.norm(vector, axis=0) / 2)))
 

@@ -98,18 +98,18 @@ def test_changes_are_sorted_by_whose_they_are() -> None:
 
 
 def test_conditions_name_what_was_added_and_what_the_filter_cannot_hold() -> None:
-    def said(states: int = 15, design: Design = PAPER, **texts: str) -> str:
+    def words(states: int = 15, design: Design = PAPER, **texts: str) -> str:
         more = read_study_inputs({key.replace("__", "."): text for key, text in texts.items()})
         return " ".join(conditions(design, specification(design, states=states, more=more)))
 
-    alone = said(gyro__bias_instability="25 °/h", gyro__correlation_time="1000 s")
+    alone = words(gyro__bias_instability="25 °/h", gyro__correlation_time="1000 s")
     assert "gyro bias instability 25 °/h, gyro correlation time 1000 s" in alone
     assert "no state for" not in alone
     assert "one state for the sum" not in alone  # a Gauss-Markov bias alone is the filter's own model
     mixed = PAPER.replace({"imu.gyro_bias": DPH})
-    assert "The gyro bias is a Gauss-Markov process on top of" in said(design=mixed, gyro__bias_instability="25 °/h")
-    assert "no state for scale factor errors, quantization" in said(
+    assert "The gyro bias is a Gauss-Markov process on top of" in words(design=mixed, gyro__bias_instability="25 °/h")
+    assert "no state for scale factor errors, quantization" in words(
         gyro__scale_factor="100 ppm", accelerometer__quantization="1 mm/s"
     )
-    assert "mistuned on purpose: process noise factor 0.7" in said(filter__process_noise_scale="0.7")
-    assert "yaw 2°" in said(filter__initial_yaw="2°")
+    assert "mistuned on purpose: process noise factor 0.7" in words(filter__process_noise_scale="0.7")
+    assert "yaw 2°" in words(filter__initial_yaw="2°")

@@ -149,7 +149,7 @@ def test_turning_the_sky_turns_the_answer(seed, name):
     body, reference, _ = scenes(4, 6, seed)
     turn = Rotation.random(rng=np.random.default_rng(seed + 1)).as_matrix()
     plain = estimate(name, body, reference, SIGMA)[0]
-    turned = estimate(name, body, reference @ turn.T, SIGMA)[0]
-    np.testing.assert_allclose(turned, plain @ turn.T, atol=1e-8)
+    attitude = estimate(name, body, reference @ turn.T, SIGMA)[0]
+    np.testing.assert_allclose(attitude, plain @ turn.T, atol=1e-8)
     np.testing.assert_allclose(plain @ np.swapaxes(plain, -1, -2), np.broadcast_to(np.eye(3), plain.shape), atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(plain), 1.0, atol=1e-9)

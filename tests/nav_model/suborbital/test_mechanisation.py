@@ -80,10 +80,10 @@ def flown_in_local_axes(flight: TrueFlight, model: str, used: np.ndarray) -> np.
         transport = np.array([v[1], -v[0], -v[1] * np.tan(latitude)]) / radius
         axes = ned_to_inertial(latitude, 0.0)
         pull = axes.T @ gravitation(axes @ (-radius * up), model)
-        turned = c @ skew(w) - skew(earth + transport) @ c
+        attitude_rate = c @ skew(w) - skew(earth + transport) @ c
         spin = np.cross(earth, np.cross(earth, -radius * up))
         change = c @ f + pull - np.cross(2.0 * earth + transport, v) - spin
-        return turned, change, np.array([v[0] / radius, v[1] / (radius * np.cos(latitude)), -v[2]])
+        return attitude_rate, change, np.array([v[0] / radius, v[1] / (radius * np.cos(latitude)), -v[2]])
 
     launch = local_axes(flight.position_i[0])
     start = errors.initial
@@ -133,8 +133,8 @@ def test_a_case_is_the_same_in_any_company(flight):
     short = replace(flight, time_s=flight.time_s[:41], specific_force_b=flight.specific_force_b[:40])
     p = parameter_vector(ErrorSet()) * np.linspace(0.0, 2.0, 70)[:, None]
     models = ["spherical", "j2", "ellipsoidal"] * 23 + ["j2"]
-    turned = [np.ascontiguousarray(flight.attitude_bi[shift : 41 + shift]) for shift in (0, 50)]
-    cameras = [None, *(AttitudeFrames(np.arange(41) % rest == 0, c) for rest, c in zip((4, 7), turned, strict=True))]
+    truth = [np.ascontiguousarray(flight.attitude_bi[shift : 41 + shift]) for shift in (0, 50)]
+    cameras = [None, *(AttitudeFrames(np.arange(41) % rest == 0, c) for rest, c in zip((4, 7), truth, strict=True))]
     frames = [cameras[k % 3 if k % 5 else 0] for k in range(70)]
     noise = np.random.default_rng(1).standard_normal((70, 40, 6))
     together = mechanise(short, p, ErrorSet(), frames=frames, noise=noise, gravity=models)

@@ -27,8 +27,8 @@ def scaled(errors: ErrorSet, accelerometers: float, gyros: float, initial: float
 
     terms = ("constant_bias", "oscillating_bias", "constant_matrix", "oscillating_matrix")
 
-    def sensor(one, factor):
-        return replace(one, **{n: times(getattr(one, n), factor) for n in terms})
+    def sensor(group, factor):
+        return replace(group, **{n: times(getattr(group, n), factor) for n in terms})
 
     start = {n: times(v, initial) for n, v in vars(errors.initial).items()}
     return ErrorSet(
@@ -36,8 +36,8 @@ def scaled(errors: ErrorSet, accelerometers: float, gyros: float, initial: float
     )
 
 
-def linear_gap(shown: Study, exact: Study) -> Gap:
-    return position_gap(shown.pure.position_m, shown.aided.position_m, exact)
+def linear_gap(linear: Study, exact: Study) -> Gap:
+    return position_gap(linear.pure.position_m, linear.aided.position_m, exact)
 
 
 @pytest.mark.parametrize("name", [n for n in CLASSES if n != "all"])
@@ -117,9 +117,9 @@ def test_ensemble_with_star_noise_agrees_with_its_covariance(study, flight):
 
 
 def test_flown_noise_says_what_it_compares(study):
-    said = []
-    flown = fly_noise(study, 40, 3, progress=lambda share, what: said.append((share, what)))
-    assert said[-1] == (1.0, "white noise, INS with star tracker")
+    progress = []
+    flown = fly_noise(study, 40, 3, progress=lambda share, what: progress.append((share, what)))
+    assert progress[-1] == (1.0, "white noise, INS with star tracker")
     np.testing.assert_allclose(
         flown.pure_rms_m, np.sqrt(np.mean(noise_ensemble(study, 40, 3) ** 2, axis=0)), rtol=1e-12
     )

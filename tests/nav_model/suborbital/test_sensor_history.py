@@ -22,8 +22,8 @@ def test_gyro_error_integrates_to_the_attitude_error_of_the_ins(flight, paramete
     """psi' = C domega [B-4], summed by the trapezoidal rule, against the integrated INS."""
     errors = ErrorSet()
     history = sensor_history(flight, parameters, errors, every=1).angular_rate_rad_s[1]
-    turned = np.einsum("tij,tj->ti", flight.attitude_bi, history)
-    psi = np.concatenate([np.zeros((1, 3)), np.cumsum(0.05 * (turned[1:] + turned[:-1]), axis=0)])
+    rates = np.einsum("tij,tj->ti", flight.attitude_bi, history)
+    psi = np.concatenate([np.zeros((1, 3)), np.cumsum(0.05 * (rates[1:] + rates[:-1]), axis=0)])
     run = mechanise(flight, parameters[1], errors, every=10)
     result = navigation_errors(flight, run).attitude_inertial_rad[0]
     assert np.abs(psi[::10] - result).max() < 1e-4 * np.abs(result).max()

@@ -37,7 +37,7 @@ def test_dropouts_are_intervals():
 
 
 @pytest.mark.parametrize(
-    ("key", "text", "said"),
+    ("key", "text", "message"),
     [
         ("tracker.latency", "5 kg", "not a unit of time"),
         ("tracker.latency", "-1 ms", "at least 0 ms"),
@@ -54,8 +54,8 @@ def test_dropouts_are_intervals():
         ("tracker.frame_interval", "1 m", "not a unit of time"),
     ],
 )
-def test_refusals_name_the_field(key, text, said):
-    with pytest.raises(InputError, match=said) as caught:
+def test_refusals_name_the_field(key, text, message):
+    with pytest.raises(InputError, match=message) as caught:
         read_changes(DEFAULTS, {key: text}, "test")
     assert caught.value.key == key
 

@@ -150,12 +150,12 @@ def test_gated_frames_leave_the_gyros_in_force(flight):
 
 
 def test_synthetic_sky_is_seeded_and_even():
-    one, two, other = synthetic_sky(20000, 5), synthetic_sky(20000, 5), synthetic_sky(20000, 6)
-    np.testing.assert_array_equal(one.direction, two.direction)
-    assert not np.array_equal(one.direction, other.direction)
+    first, second, other = synthetic_sky(20000, 5), synthetic_sky(20000, 5), synthetic_sky(20000, 6)
+    np.testing.assert_array_equal(first.direction, second.direction)
+    assert not np.array_equal(first.direction, other.direction)
     # The mean of n directions has components of variance 1/(3 n): five sigma.
-    assert np.abs(one.direction.mean(axis=0)).max() < 5.0 / np.sqrt(3.0 * 20000)
-    brighter = np.sum(one.magnitude <= 5.5)
+    assert np.abs(first.direction.mean(axis=0)).max() < 5.0 / np.sqrt(3.0 * 20000)
+    brighter = np.sum(first.magnitude <= 5.5)
     assert brighter / 20000 == pytest.approx(10**-0.51, rel=0.05)
 
 

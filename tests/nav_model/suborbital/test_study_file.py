@@ -105,7 +105,7 @@ def test_a_study_and_a_design_are_told_apart():
 
 
 @pytest.mark.parametrize(
-    ("text", "key", "said"),
+    ("text", "key", "message"),
     [
         ('[gyros]\nbias = "1, 2 °/h"', "gyros.bias", "one for all axes, or three"),
         ("[gyros]\nbias = 3", "gyros.bias", "is not text in quotes"),
@@ -137,14 +137,14 @@ def test_a_study_and_a_design_are_told_apart():
         ("\0", "mine.toml", "not a study file"),
     ],
 )
-def test_refusals_name_the_field(text, key, said):
-    with pytest.raises(InputError, match=said) as caught:
+def test_refusals_name_the_field(text, key, message):
+    with pytest.raises(InputError, match=message) as caught:
         parse_study(b'study = "suborbital"\n' + text.encode(), "mine.toml")
     assert caught.value.key == key
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (b'study = "lunar"', "'lunar' is not allowed"),
         (bytes(range(256)), "not a text file"),
@@ -153,8 +153,8 @@ def test_refusals_name_the_field(text, key, said):
         (b"#" * 17_000_001, "larger than 17 MB"),
     ],
 )
-def test_other_files_are_refused(content, said):
-    with pytest.raises(InputError, match=said):
+def test_other_files_are_refused(content, message):
+    with pytest.raises(InputError, match=message):
         parse_study(content, "mine.toml")
 
 

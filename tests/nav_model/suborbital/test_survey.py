@@ -24,18 +24,18 @@ def survey():
     return run_survey(DEFAULTS)
 
 
-def compare(shown, exact, share):
+def compare(linear, exact, share):
     for which in ("pure", "aided"):
         for name in HISTORIES:
-            a, b = getattr(getattr(shown, which), name), getattr(getattr(exact, which), name)
+            a, b = getattr(getattr(linear, which), name), getattr(getattr(exact, which), name)
             assert np.abs(a - b).max() <= share * np.abs(b).max() + 1e-9, (which, name)
     # White noise and the decoupled channels are linear: no gap at all.
     for which in ("pure_noise", "aided_noise"):
         for name in ("position_sigma_m", "covariance"):
             np.testing.assert_allclose(
-                getattr(getattr(shown, which), name), getattr(getattr(exact, which), name), rtol=1e-9, atol=1e-12
+                getattr(getattr(linear, which), name), getattr(getattr(exact, which), name), rtol=1e-9, atol=1e-12
             )
-    np.testing.assert_allclose(shown.channels_m, exact.channels_m, atol=1e-5)
+    np.testing.assert_allclose(linear.channels_m, exact.channels_m, atol=1e-5)
 
 
 def test_sliders_of_sensor_and_initial_errors(survey):
@@ -47,12 +47,12 @@ def test_sliders_of_sensor_and_initial_errors(survey):
     )  # fmt: skip
     assert not needs_run(survey, settings)
     assert not needs_other_matrices(survey.study, settings.study_inputs())
-    shown, exact = moved(survey.study, settings.study_inputs()), run_survey(settings).study
-    compare(shown, exact, 0.02)
-    gap = position_gap(shown.pure.position_m, shown.aided.position_m, exact)
+    linear, exact = moved(survey.study, settings.study_inputs()), run_survey(settings).study
+    compare(linear, exact, 0.02)
+    gap = position_gap(linear.pure.position_m, linear.aided.position_m, exact)
     assert gap.pure_share[gap.names.index("all")] < 0.02
     # and the move was not a small one
-    assert np.linalg.norm((shown.pure.position_m - survey.study.pure.position_m)[:, -1], axis=1).max() > 3000
+    assert np.linalg.norm((linear.pure.position_m - survey.study.pure.position_m)[:, -1], axis=1).max() > 3000
 
 
 def test_frames_at_other_instants_and_other_periods_need_other_matrices(survey):
@@ -64,8 +64,8 @@ def test_frames_at_other_instants_and_other_periods_need_other_matrices(survey):
     assert needs_other_matrices(survey.study, settings.study_inputs())
     assert not needs_run(survey, settings)
     inputs = settings.study_inputs()
-    shown = moved(survey.study, inputs, renewed(survey.study, inputs))
-    compare(shown, run_survey(settings).study, 0.02)
+    linear = moved(survey.study, inputs, renewed(survey.study, inputs))
+    compare(linear, run_survey(settings).study, 0.02)
 
 
 def test_flight_camera_and_gravity_need_a_run(survey):
@@ -87,7 +87,7 @@ _HEAD = b"time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (_HEAD + b"".join(b"%d,0,0,1e5,0,0,0\n" % (k * 10**9) for k in range(5)), "at most 10000 s"),
         (_HEAD + b"".join(b"%d,91,0,1e5,0,0,0\n" % k for k in range(5)), "line 2: latitude_deg = 91"),
@@ -97,8 +97,8 @@ _HEAD = b"time_s,latitude_deg,longitude_deg,height_m,roll_deg,pitch_deg,yaw_deg\
         (b"x" * 16_000_001, "larger than 16 MB"),
     ],
 )  # fmt: skip
-def test_a_file_is_refused_by_its_name(content, said):
-    with pytest.raises(InputError, match=f"mine.csv.*({said})"):
+def test_a_file_is_refused_by_its_name(content, message):
+    with pytest.raises(InputError, match=f"mine.csv.*({message})"):
         parse_flight(content, "mine.csv")
 
 

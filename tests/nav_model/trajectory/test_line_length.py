@@ -43,13 +43,13 @@ def test_heading_grows_along_a_straight_line_as_its_closed_form(states: int) -> 
     minutes, seconds = divmod(round(line.fails_at_s), 60)
     mostly = "gyro noise" if WALK**2 * passes > np.interp(passes, t, drift) else "gyro bias instability"
     assert line.because == f"heading passes 0.02° (1σ) after {minutes} min {seconds} s; mostly {mostly}"
-    (told,) = to_json(flown)["lines"]
-    assert (told["because"], told["limits"]) == (line.because, {"heading": limit})
-    heading = told["figures"]["heading"]
+    (entry,) = to_json(flown)["lines"]
+    assert (entry["because"], entry["limits"]) == (line.because, {"heading": limit})
+    heading = entry["figures"]["heading"]
     assert heading["start"] == pytest.approx(math.sqrt(variance[1]), rel=0.01)
     assert heading["worst"] == pytest.approx(math.sqrt(variance[-1]), rel=0.01)
     assert heading["mean"] == pytest.approx(math.sqrt(np.mean(variance)), rel=0.01)
-    assert told["figures"].keys() >= {"horizontal_position", "vertical_velocity", "tilt", "detrended_phase"}
+    assert entry["figures"].keys() >= {"horizontal_position", "vertical_velocity", "tilt", "detrended_phase"}
 
 
 def test_a_line_within_its_limits_fails_at_no_time_and_one_beyond_from_the_start_says_so() -> None:

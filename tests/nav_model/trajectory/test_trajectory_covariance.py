@@ -83,9 +83,9 @@ def states(part: Processed) -> np.ndarray:
 )
 def test_a_filter_that_knows_its_errors_is_that_of_the_simulator(options: dict[str, Any]) -> None:
     """The simulator steps ten times a second, this from fix to fix: the same to a thousandth through turns."""
-    found = covariance(as_simulated(SLOW if options.get("states") == 18 else MEMS, **options))
-    own = fly_without_errors(found.spec.study).filter_sigma[POSTERIOR][:, :9]
-    np.testing.assert_allclose(states(found.real_time), own, rtol=2e-3)
+    result = covariance(as_simulated(SLOW if options.get("states") == 18 else MEMS, **options))
+    sigma = fly_without_errors(result.spec.study).filter_sigma[POSTERIOR][:, :9]
+    np.testing.assert_allclose(states(result.real_time), sigma, rtol=2e-3)
 
 
 @pytest.mark.long
@@ -93,22 +93,22 @@ def test_on_a_straight_leg_the_figures_are_the_closed_forms() -> None:
     """[S-5], [P-5] and their shares: to one part in a hundred, where a fix comes at the aperture's start."""
     for design in (MEMS, TACTICAL, FAST, SHAKEN):
         budget = analyse(design)
-        found = along(design, duration=500.0)
-        smooth, at = found.post_processed, 250
+        result = along(design, duration=500.0)
+        smooth, at = result.post_processed, 250
         post = {name: budget[name, "post-processed"] for name in (*PHASES, *PLACED, *STEADY)}
         for name in PHASES:
             assert smooth.figures[name][at] == pytest.approx(post[name].sigma, rel=0.01)
         x = inputs_of(design)
         free = RealTime(x)  # [P-7] from just after the fix with which the aperture begins
         free.at_last_fix = free.cycle.posterior
-        for part, model in ((found.real_time, free), (smooth, Smoothed(x))):
+        for part, model in ((result.real_time, free), (smooth, Smoothed(x))):
             for name in PLACED:
                 assert part.figures[name][at] == pytest.approx(float(model.value(name)), rel=0.005)
         assert smooth.position[at, 0] == pytest.approx(post["horizontal_position"].sigma, rel=0.01)
         assert smooth.position[at, 2] == pytest.approx(post["vertical_position"].sigma, rel=0.01)
         assert smooth.velocity[at, 1] == pytest.approx(post["horizontal_velocity"].sigma, rel=0.01)
         for name in (*PHASES, *PLACED[:2], *STEADY):
-            same_shares(found.sources, smooth.shares[name][:, at], post[name].shares)
+            same_shares(result.sources, smooth.shares[name][:, at], post[name].shares)
 
 
 AXES = ("horizontal", "vertical")
@@ -127,8 +127,8 @@ def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
     for design in (TACTICAL, DENSE):
         budget = analyse(design)
         state = budget.steady_state
-        found = along(design, duration=500.0)
-        real, at = found.real_time, 250
+        result = along(design, duration=500.0)
+        real, at = result.real_time, 250
         after = state.posterior
         for mine, horizontal, vertical in (
             (real.position, after["horizontal_position"], after["vertical_position"]),
@@ -141,11 +141,11 @@ def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
             by_tilt = shares.pop("initial tilt")
             for source, share in budget.tilt_shares.items():
                 shares[source] = shares.get(source, 0.0) + by_tilt * share
-            same_shares(found.sources, real.shares[name][:, at], shares)
+            same_shares(result.sources, real.shares[name][:, at], shares)
         for quantity in ("position", "velocity"):
             for axis in AXES:
                 shares = budget[f"{axis}_{quantity}", "real time"].shares
-                same_shares(found.sources, real.shares[f"{axis}_{quantity}"][:, at], shares)
+                same_shares(result.sources, real.shares[f"{axis}_{quantity}"][:, at], shares)
 
 
 @pytest.mark.parametrize("every", [0.25, 1.0, 7.0])
@@ -161,16 +161,16 @@ def test_states_of_a_line_are_those_of_the_moment_that_the_budget_checks(changes
     """Before a fix unless the design says otherwise, smoothed in the middle of an aperture; however many results."""
     design = parse_design(Path("examples/tactical_x_band.toml").read_bytes(), changes=changes)
     budget = analyse(design)
-    found = covariance(replace(planned(design, duration=300.0, every=every), lines=(Line("middle", 100.0, 200.0),)))
-    on = (found.time_s >= 100.0) & (found.time_s <= 200.0)
-    for part, processing in ((found.real_time, "real time"), (found.post_processed, "post-processed")):
+    result = covariance(replace(planned(design, duration=300.0, every=every), lines=(Line("middle", 100.0, 200.0),)))
+    on = (result.time_s >= 100.0) & (result.time_s <= 200.0)
+    for part, processing in ((result.real_time, "real time"), (result.post_processed, "post-processed")):
         for name in STEADY:
             sigma = budget[name, processing].sigma
             np.testing.assert_allclose(part.figures[name][on], sigma, rtol=0.01, err_msg=f"{name}, {processing}")
-            if design.processing.mode == processing and name in found.lines[0].worst:
-                assert found.lines[0].worst[name] == pytest.approx(sigma, rel=0.01)
+            if design.processing.mode == processing and name in result.lines[0].worst:
+                assert result.lines[0].worst[name] == pytest.approx(sigma, rel=0.01)
     after = {"prior": "just before a fix", "posterior": "just after a fix"}
-    assert found.moment == after[design.requirements.steady_state]
+    assert result.moment == after[design.requirements.steady_state]
 
 
 @pytest.mark.parametrize("changes", [["gnss.interval=0.1 s"], ["gnss.interval=0.1 s", "radar.squint_angle=20°"]])
@@ -180,28 +180,28 @@ def test_the_quadratic_phase_along_the_track_is_that_of_the_budget(changes: list
     design = parse_design(Path("examples/tactical_x_band.toml").read_bytes(), changes=[*changes, *limits])
     study = specification(design, trajectory="straight", duration=200.0)
     spec = covariance_specification(design, study, (Line("line 0", 50.0, 100.0), Line("line 1", 100.0, 150.0)))
-    found, name, budget = covariance(spec), "along_track_quadratic_phase", analyse(design)
-    for part, processing in ((found.real_time, "real time"), (found.post_processed, "post-processed")):
+    result, name, budget = covariance(spec), "along_track_quadratic_phase", analyse(design)
+    for part, processing in ((result.real_time, "real time"), (result.post_processed, "post-processed")):
         assert part.figures[name][100] == pytest.approx(budget[name, processing].sigma, rel=0.01), processing
     confidence = design.requirements.confidence
-    for line, limit in zip(found.lines, (9.0, 18.0), strict=True):
+    for line, limit in zip(result.lines, (9.0, 18.0), strict=True):
         assert math.degrees(line.limits[name]) == pytest.approx(limit / confidence)
         assert math.degrees(line.limits["quadratic_phase"]) == pytest.approx(limit / confidence)
 
 
 def test_where_fixes_are_lost_states_are_judged_as_they_grow() -> None:
     """Before the fix that comes within an interval, else as they are: no result is as bad as the end of an outage."""
-    found = along(TACTICAL, duration=200.0, outages=[(100.0, 130.0)])
-    judged, now = found.real_time.figures["horizontal_position"], found.real_time.position[:, :2].max(axis=1)
-    inside = (found.time_s > 100.0) & (found.time_s < 129.0)
+    result = along(TACTICAL, duration=200.0, outages=[(100.0, 130.0)])
+    judged, now = result.real_time.figures["horizontal_position"], result.real_time.position[:, :2].max(axis=1)
+    inside = (result.time_s > 100.0) & (result.time_s < 129.0)
     np.testing.assert_allclose(judged[inside], now[inside], rtol=1e-12)
     assert np.all(np.diff(judged[inside]) > 0.0)
     assert judged.max() > judged[inside].max()
 
 
 def test_the_shares_of_all_sources_add_up_at_every_time() -> None:
-    found = along(MEMS, trajectory="turns", states=15, outages=[(170.0, 200.0)], more=RICH, duration=260.0)
-    for part in (found.real_time, found.post_processed):
+    result = along(MEMS, trajectory="turns", states=15, outages=[(170.0, 200.0)], more=RICH, duration=260.0)
+    for part in (result.real_time, result.post_processed):
         for name, shares in part.shares.items():
             whole = shares.sum(axis=0)
             np.testing.assert_allclose(whole[np.isfinite(whole)], 1.0, rtol=0, atol=1e-9, err_msg=name)
@@ -209,22 +209,22 @@ def test_the_shares_of_all_sources_add_up_at_every_time() -> None:
 
 
 def test_the_sources_of_a_filter_that_knows_them_add_up_to_what_it_believes() -> None:
-    found = covariance(as_simulated(MEMS, states=21, trajectory="turns", duration=200.0))
-    model = error_model(found.spec)
+    result = covariance(as_simulated(MEMS, states=21, trajectory="turns", duration=200.0))
+    model = error_model(result.spec)
     believed = _filtered(model).covariance[model.outputs]
     variance = np.einsum("kii->ki", believed)[:, :6]
-    np.testing.assert_allclose(states(found.real_time)[:, :6] ** 2, variance, rtol=1e-6)
+    np.testing.assert_allclose(states(result.real_time)[:, :6] ** 2, variance, rtol=1e-6)
 
 
 def test_a_considered_error_improves_no_figure() -> None:
     plain = along(MEMS, trajectory="turns", duration=200.0)
     for change in ({"trajectory.lever_arm_error": 0.3}, {"trajectory.time_offset": 0.01}):
         worse = along(MEMS.replace(change), trajectory="turns", duration=200.0)
-        for one, other in ((plain.real_time, worse.real_time), (plain.post_processed, worse.post_processed)):
-            assert np.all(states(other) >= states(one) * (1 - 1e-9))
-            for name, figure in one.figures.items():
+        for before, after in ((plain.real_time, worse.real_time), (plain.post_processed, worse.post_processed)):
+            assert np.all(states(after) >= states(before) * (1 - 1e-9))
+            for name, figure in before.figures.items():
                 seen = np.isfinite(figure)
-                assert np.all(other.figures[name][seen] >= figure[seen] * (1 - 1e-9))
+                assert np.all(after.figures[name][seen] >= figure[seen] * (1 - 1e-9))
 
 
 def test_a_source_that_is_zero_has_no_share() -> None:
@@ -248,28 +248,28 @@ def test_a_radar_whose_time_is_wrong_sees_the_flight_of_another_time() -> None:
     expected = np.polynomial.legendre.legfit(x, velocity @ sight, 7)
     speed = float(np.linalg.norm(velocity[1000]))
     shift = speed - 2.0 * shape.slant_range / (speed * shape.aperture) * expected[1]  # along the track, and by slope
-    for one, other in ((plain.real_time, late.real_time), (plain.post_processed, late.post_processed)):
-        added = np.sqrt(states(other)[at] ** 2 - states(one)[at] ** 2)
+    for before, after in ((plain.real_time, late.real_time), (plain.post_processed, late.post_processed)):
+        added = np.sqrt(states(after)[at] ** 2 - states(before)[at] ** 2)
         np.testing.assert_allclose(added[:3], np.abs(velocity[1000]), rtol=1e-4)
         speeding = np.gradient(velocity, axis=0)[1000] * 2000 / shape.aperture
         np.testing.assert_allclose(added[3:6], np.abs(speeding), rtol=0.01, atol=1e-6)
-        phase = np.sqrt(other.figures["quadratic_phase"][at] ** 2 - one.figures["quadratic_phase"][at] ** 2)
+        phase = np.sqrt(after.figures["quadratic_phase"][at] ** 2 - before.figures["quadratic_phase"][at] ** 2)
         assert phase == pytest.approx(abs(1.5 * expected[2] * 4 * np.pi / shape.wavelength), rel=0.02)
-        assert other.figures["ce90"][at] == pytest.approx(1.645 * abs(shift), rel=0.01)  # in one direction
+        assert after.figures["ce90"][at] == pytest.approx(1.645 * abs(shift), rel=0.01)  # in one direction
 
 
 def test_beyond_the_bank_limit_no_fix_is_used() -> None:
     """The same covariance as with an outage from when the aircraft banks beyond the limit until it no longer does."""
     limit = math.radians(10.0)
-    found = along(MEMS.replace({"trajectory.bank_limit": limit}), trajectory="turns", duration=200.0)
-    beyond = np.abs(found.truth.euler[:, 0]) > limit
+    result = along(MEMS.replace({"trajectory.bank_limit": limit}), trajectory="turns", duration=200.0)
+    beyond = np.abs(result.truth.euler[:, 0]) > limit
     edges = np.flatnonzero(np.diff(beyond.astype(int)))
     assert len(edges) == 6  # three turns
-    outages = [(found.time_s[first] + 0.5, found.time_s[last] + 0.5) for first, last in edges.reshape(-1, 2)]
+    outages = [(result.time_s[first] + 0.5, result.time_s[last] + 0.5) for first, last in edges.reshape(-1, 2)]
     other = along(MEMS, trajectory="turns", duration=200.0, outages=outages)
-    for one, two in ((found.real_time, other.real_time), (found.post_processed, other.post_processed)):
-        np.testing.assert_allclose(states(one), states(two), rtol=1e-9)
-    assert found.real_time.position[beyond, 0].max() > 1.5 * along(MEMS).real_time.position[100, 0]
+    for limited, with_outage in ((result.real_time, other.real_time), (result.post_processed, other.post_processed)):
+        np.testing.assert_allclose(states(limited), states(with_outage), rtol=1e-9)
+    assert result.real_time.position[beyond, 0].max() > 1.5 * along(MEMS).real_time.position[100, 0]
 
 
 @pytest.mark.long
@@ -280,12 +280,12 @@ def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
         return MEMS.replace({"trajectory.after_loss": solutions})
 
     code, floating = 8.0, 3.0
-    found = along(lossy((1000.0, code)), duration=1500.0, outages=[(2.0, 4.0)])
+    result = along(lossy((1000.0, code)), duration=1500.0, outages=[(2.0, 4.0)])
     other = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=[f"gnss.position_noise={code} m"])
     coarse = along(other, duration=1500.0).real_time.position
-    np.testing.assert_allclose(found.real_time.position[900], coarse[900], rtol=1e-3)
+    np.testing.assert_allclose(result.real_time.position[900], coarse[900], rtol=1e-3)
     fine = along(MEMS, duration=1500.0).real_time.position
-    np.testing.assert_allclose(found.real_time.position[1490], fine[1490], rtol=1e-3)
+    np.testing.assert_allclose(result.real_time.position[1490], fine[1490], rtol=1e-3)
     both = along(lossy((20.0, code), (20.0, floating)), outages=[(100.0, 110.0)])
     noise = error_model(both.spec)
     fix = noise.noise[:, noise.measuring == noise.states.sources.index("GNSS noise"), 0][:, 0]
@@ -315,9 +315,9 @@ def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_con
     runs: int, receiver: dict[str, float]
 ) -> None:
     flight = {"trajectory": "turns", "duration": 220.0, "every": 10.0, "outages": [(170.0, 200.0)], "states": 9}
-    found = covariance(as_simulated(MEMS.replace(receiver), more=RICH, **flight))
-    squares = np.mean([fly(found.spec.study, run).error[POSTERIOR][:, :9] ** 2 for run in range(runs)], axis=0)
-    ratio = squares[1:] / states(found.real_time)[1:] ** 2
+    result = covariance(as_simulated(MEMS.replace(receiver), more=RICH, **flight))
+    squares = np.mean([fly(result.spec.study, run).error[POSTERIOR][:, :9] ** 2 for run in range(runs)], axis=0)
+    ratio = squares[1:] / states(result.real_time)[1:] ** 2
     # The mean over times and axes of many correlated ratios, and each of them within five of its own sigmas.
     assert np.mean(ratio) == pytest.approx(1.0, abs=6.0 / np.sqrt(runs))
     assert np.all(np.abs(ratio - 1.0) < 5.0 * np.sqrt(2.0 / runs) + 0.01)

@@ -74,22 +74,22 @@ def test_a_plan_is_part_of_the_file_the_link_and_the_hash() -> None:
     for again in (parse_design(format_design(with_plan)), from_query(to_query(with_plan))):
         assert again == with_plan
         assert again.content_hash == with_plan.content_hash
-    one, other = (plain.replace({"trajectory.outages": ((zero, 5.0),)}) for zero in (-0.0, 0.0))
-    assert one == other
-    assert one.content_hash == other.content_hash
+    first, second = (plain.replace({"trajectory.outages": ((zero, 5.0),)}) for zero in (-0.0, 0.0))
+    assert first == second
+    assert first.content_hash == second.content_hash
     typed = "47\t8\t3000\tout & <b>in</b>\n47.1\t8\t3 km\n47.1, 8.1, 3020, line 2; 47°, 8.1°, 3.02 km"
     assert read("waypoints", typed) == with_plan.trajectory.waypoints
 
 
 def test_the_flight_passes_the_waypoints_and_flies_the_lines_between_them() -> None:
-    own = design()
-    flight = planned(own)
+    case = design()
+    flight = planned(case)
     times = [time for line in flight.lines for time in (line.start, line.stop)]
     ends = plan_trajectory(flight.trajectory, flight.duration).evaluate(np.array(times))
     np.testing.assert_allclose(np.degrees(ends[:, :2]), [[47, 8], [47.1, 8], [47.1, 8.1], [47, 8.1]], atol=1e-5)
     assert [line.name for line in flight.lines] == ["out & <b>in</b>", "line 2"]
     length = math.radians(0.1) * 6.372e6  # whole: the turns come after its end, and before a run-in
-    assert (flight.lines[0].stop - flight.lines[0].start) * own.flight.speed == pytest.approx(length, rel=0.003)
+    assert (flight.lines[0].stop - flight.lines[0].start) * case.flight.speed == pytest.approx(length, rel=0.003)
 
 
 def test_parallel_lines_begin_at_the_first_waypoint_or_at_the_latitude_of_the_flight() -> None:
@@ -97,22 +97,22 @@ def test_parallel_lines_begin_at_the_first_waypoint_or_at_the_latitude_of_the_fl
     line = next(point for point in plan.waypoints if point.line == "line 1")
     np.testing.assert_allclose(np.degrees([line.latitude, line.longitude]), [47.0, 8.0], atol=1e-12)
     assert line.height == 3000.0
-    own = design(flight="lines", waypoints="")
-    line = next(point for point in lines_of(own).waypoints if point.line == "line 1")
-    assert (line.latitude, line.longitude, line.height) == (own.flight.latitude, 0.0, own.flight.altitude)
+    case = design(flight="lines", waypoints="")
+    line = next(point for point in lines_of(case).waypoints if point.line == "line 1")
+    assert (line.latitude, line.longitude, line.height) == (case.flight.latitude, 0.0, case.flight.altitude)
 
 
 def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
-    own = design().replace({"requirements.horizontal_position": None})
-    flight = planned(own)
-    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
-    lines = covariance(covariance_specification(own, study, flight.lines)).lines
+    case = design().replace({"requirements.horizontal_position": None})
+    flight = planned(case)
+    study = specification(case, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    lines = covariance(covariance_specification(case, study, flight.lines)).lines
     assert [line.closes for line in lines] == [False, True]
     assert math.degrees(lines[0].limits["quadratic_phase"]) == pytest.approx(90.0)
     assert math.degrees(lines[1].limits["quadratic_phase"]) == pytest.approx(3000.0)
-    assert [said for said in cautions(analyse(own)) if "`navbudget trajectory`" in said]
-    assert not [said for said in cautions(analyse(parse_design(EXAMPLE))) if "trajectory" in said]
-    other = own.replace({"trajectory.limits": read("limits", "line 3, tilt=1°")})
+    assert [caution for caution in cautions(analyse(case)) if "`navbudget trajectory`" in caution]
+    assert not [caution for caution in cautions(analyse(parse_design(EXAMPLE))) if "trajectory" in caution]
+    other = case.replace({"trajectory.limits": read("limits", "line 3, tilt=1°")})
     with pytest.raises(InputError, match=r"trajectory.limits\[1\].line: the flight has no line 'line 3'; its lines:"):
         covariance_specification(other, study, flight.lines)
 
@@ -133,31 +133,31 @@ confidence = 2
 
 def test_a_requirement_that_no_flight_changes_is_judged_as_on_budget_and_none_is_left_out() -> None:
     """A flight is no better than its budget: what the budget does not meet outside the flight, it does not either."""
-    own = design(PLAN + REQUIRED)
-    flight = planned(own)
-    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
-    spec = covariance_specification(own, study, flight.lines)
-    checks = {check.name: check for check in analyse(own).verdict.checks}
+    case = design(PLAN + REQUIRED)
+    flight = planned(case)
+    study = specification(case, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    spec = covariance_specification(case, study, flight.lines)
+    checks = {check.name: check for check in analyse(case).verdict.checks}
     assert {check.name: check for check in spec.elsewhere}.items() <= checks.items()
     judged = {name for name, _ in spec.most} | {check.on for check in spec.elsewhere}
     assert judged == {check.on for check in checks.values()}
     assert dict(spec.most)["quadratic_phase"] == pytest.approx(math.radians(1.0))  # the lower of two limits, at 1σ
-    found = covariance(replace(spec, most=(), lines=()))
-    assert all(line.closes for line in found.lines)
+    result = covariance(replace(spec, most=(), lines=()))
+    assert all(line.closes for line in result.lines)
     assert not checks["tilt after 30 s"].met
-    assert not found.closes
+    assert not result.closes
 
 
 def test_heading_is_required_of_a_flight_and_a_budget_alone_does_not_say_that_it_is_met() -> None:
     text = EXAMPLE.replace("[requirements]", '[requirements]\nheading = "0.5°"')
-    own = parse_design(text + PLAN.replace("quadratic_phase = ", 'heading = "10°", quadratic_phase = '), "design")
-    flight = planned(own)
-    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
-    found = covariance(covariance_specification(own, study, flight.lines))
-    first, second = found.lines
-    assert first.worst["heading"] == pytest.approx(found.chosen.attitude[:, 2].max(), rel=0.2)
+    case = parse_design(text + PLAN.replace("quadratic_phase = ", 'heading = "10°", quadratic_phase = '), "design")
+    flight = planned(case)
+    study = specification(case, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    result = covariance(covariance_specification(case, study, flight.lines))
+    first, second = result.lines
+    assert first.worst["heading"] == pytest.approx(result.chosen.attitude[:, 2].max(), rel=0.2)
     assert (first.limits["heading"], second.limits["heading"]) == (math.radians(0.5), math.radians(10.0))
-    relaxed = own.replace({key: None for key in own if key.startswith("requirements.") and "confidence" not in key
+    relaxed = case.replace({key: None for key in case if key.startswith("requirements.") and "confidence" not in key
                            and "steady" not in key and "heading" not in key})  # fmt: skip
     verdict = analyse(relaxed).verdict
     assert (verdict.checks, verdict.elsewhere, verdict.closes) == ((), ("heading",), False)
@@ -173,17 +173,17 @@ def test_a_limit_on_heading_leaves_the_hash_of_designs_that_have_none() -> None:
 
 
 def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not_flown_is_told_so() -> None:
-    own = design().replace({"trajectory.limits": (), "requirements.quadratic_phase": math.radians(3000.0)})
-    own = own.replace({"requirements.detrended_phase": None})
-    flight = planned(own)
-    study = specification(own, trajectory=flight.trajectory, runs=1, duration=120.0, every=10.0)
+    case = design().replace({"trajectory.limits": (), "requirements.quadratic_phase": math.radians(3000.0)})
+    case = case.replace({"requirements.detrended_phase": None})
+    flight = planned(case)
+    study = specification(case, trajectory=flight.trajectory, runs=1, duration=120.0, every=10.0)
     given = (("short", 43.0, 43.5), ("cut", 80.0, 150.0), ("later", 121.0, 122.0), ("not flown", 150.0, 190.0))
-    spec = covariance_specification(own, study, tuple(Line(*line) for line in given))
-    found = covariance(spec)
-    short, cut, *others = found.lines
-    at = np.searchsorted(found.time_s, 40.0)
+    spec = covariance_specification(case, study, tuple(Line(*line) for line in given))
+    result = covariance(spec)
+    short, cut, *others = result.lines
+    at = np.searchsorted(result.time_s, 40.0)
     for name in ("quadratic_phase", "horizontal_position"):
-        assert short.worst[name] == found.chosen.figures[name][at]
+        assert short.worst[name] == result.chosen.figures[name][at]
     assert short.reason == f"is too short for an aperture of {float(spec.inputs.aperture):.3g} s"
     assert [short.closes, cut.closes, cut.reason, cut.stop_s] == [False, True, "", 120.0]
     for line, (_, start, stop) in zip(others, given[2:], strict=True):
@@ -193,61 +193,61 @@ def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not
 
 
 @pytest.mark.parametrize(
-    ("changes", "duration", "said"),
+    ("changes", "duration", "text"),
     [
         (["gnss.interval=0.1 s"], 20_001.0, "duration: the flight takes 200010 steps, at most 200000"),
         (["radar.aperture_time=3000 s"], 6000.0, "every: 3001 apertures of 3001 steps are too many"),
     ],
 )
-def test_a_flight_that_would_take_all_the_memory_is_refused(changes: list[str], duration: float, said: str) -> None:
-    own = parse_design(EXAMPLE, "design", [*changes, "flight.latitude=0°", "flight.heading=90°"])
-    study = specification(own, trajectory="straight", runs=1, duration=duration)
-    with pytest.raises(InputError, match=said):
-        covariance(covariance_specification(own, study))
+def test_a_flight_that_would_take_all_the_memory_is_refused(changes: list[str], duration: float, text: str) -> None:
+    case = parse_design(EXAMPLE, "design", [*changes, "flight.latitude=0°", "flight.heading=90°"])
+    study = specification(case, trajectory="straight", runs=1, duration=duration)
+    with pytest.raises(InputError, match=text):
+        covariance(covariance_specification(case, study))
 
 
 def test_where_the_aircraft_stands_there_is_no_image() -> None:
-    own = design().replace({"trajectory.limits": ()})
-    study = specification(own, trajectory=replace(named_flight(own, "straight"), speed=0.0), runs=1, duration=60.0)
-    found = covariance(covariance_specification(own, study))
-    images = [values for name, values in found.chosen.figures.items() if name not in STATE_AXES]
+    case = design().replace({"trajectory.limits": ()})
+    study = specification(case, trajectory=replace(named_flight(case, "straight"), speed=0.0), runs=1, duration=60.0)
+    result = covariance(covariance_specification(case, study))
+    images = [values for name, values in result.chosen.figures.items() if name not in STATE_AXES]
     assert images
     assert np.isnan(images).all()
-    assert found.lines[0].reason.startswith("is too short for an aperture")
-    assert not found.closes
+    assert result.lines[0].reason.startswith("is too short for an aperture")
+    assert not result.closes
 
 
 def test_a_heading_that_swings_is_no_turn() -> None:
     """The plan is told to turn, not to turn more sharply."""
-    own = design().replace({"trajectory.limits": ()})
-    said = {}
+    case = design().replace({"trajectory.limits": ()})
+    texts = {}
     for kind in ("wandering", "turns"):
-        flown = replace(named_flight(own, kind), attitude_wander=math.radians(3.0))
-        study = specification(own, trajectory=flown, runs=1, duration=250.0, outages=[(0.0, 249.0)])
-        said[kind] = covariance(covariance_specification(own, study)).heading.text
-    assert "lacks a turn of 90°" in said["wandering"]
-    assert "lacks sharper turns" in said["turns"]
+        flown = replace(named_flight(case, kind), attitude_wander=math.radians(3.0))
+        study = specification(case, trajectory=flown, runs=1, duration=250.0, outages=[(0.0, 249.0)])
+        texts[kind] = covariance(covariance_specification(case, study)).heading.text
+    assert "lacks a turn of 90°" in texts["wandering"]
+    assert "lacks sharper turns" in texts["turns"]
 
 
 def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None:
     """As the budget adds them: lengths by 4π/λ, the random in quadrature, the systematic linearly."""
-    own = design()
+    case = design()
     more = design(PLAN + OWN)
-    flight = planned(own)
-    study = specification(own, trajectory=flight.trajectory, runs=1, duration=flight.duration)
-    plain, whole = (covariance(covariance_specification(one, study, flight.lines)) for one in (own, more))
+    flight = planned(case)
+    study = specification(case, trajectory=flight.trajectory, runs=1, duration=flight.duration)
+    plain, whole = (covariance(covariance_specification(each, study, flight.lines)) for each in (case, more))
     phase = 4 * math.pi / whole.spec.inputs.wavelength * 1e-3
     for before, after, systematic in (
         (plain.real_time, whole.real_time, 0.02),
         (plain.post_processed, whole.post_processed, 0.0),
     ):
-        sigma, found = before.figures["quadratic_phase"], after.figures["quadratic_phase"]
+        sigma, sigma_after = before.figures["quadratic_phase"], after.figures["quadratic_phase"]
         root = np.hypot(sigma, phase)
-        np.testing.assert_allclose(found, root + systematic, rtol=1e-12)
+        np.testing.assert_allclose(sigma_after, root + systematic, rtol=1e-12)
         shares = dict(zip(whole.sources, after.shares["quadratic_phase"], strict=True))
-        np.testing.assert_allclose(shares["clock"], systematic / found, rtol=1e-12)
-        np.testing.assert_allclose(shares["lever arm"], phase**2 / root / found, rtol=1e-12)
-        np.testing.assert_allclose(sum(shares.values()), np.where(np.isnan(found), np.nan, 1.0), rtol=1e-9)
+        np.testing.assert_allclose(shares["clock"], systematic / sigma_after, rtol=1e-12)
+        np.testing.assert_allclose(shares["lever arm"], phase**2 / root / sigma_after, rtol=1e-12)
+        np.testing.assert_allclose(sum(shares.values()), np.where(np.isnan(sigma_after), np.nan, 1.0), rtol=1e-9)
         np.testing.assert_array_equal(after.figures["cubic_phase"], before.figures["cubic_phase"])
         np.testing.assert_allclose(
             after.figures["horizontal_position"], np.hypot(before.figures["horizontal_position"], 0.5), rtol=1e-12
@@ -255,7 +255,7 @@ def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None
 
 
 @pytest.mark.parametrize(
-    ("key", "text", "said"),
+    ("key", "text", "message"),
     [
         ("waypoints", "47, 8", r"waypoints\[1\].height: Enter the height"),
         ("waypoints", "47, 8, 3000; 95, 8, 3000", r"waypoints\[2\].latitude: '95 °' is not allowed"),
@@ -266,13 +266,13 @@ def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None
         ("outages", "60", r"outages\[1\].stop: Enter the stop"),
     ],
 )
-def test_a_row_that_is_wrong_is_refused_by_its_number_and_cell(key: str, text: str, said: str) -> None:
-    with pytest.raises(InputError, match=f"trajectory.{said}"):
+def test_a_row_that_is_wrong_is_refused_by_its_number_and_cell(key: str, text: str, message: str) -> None:
+    with pytest.raises(InputError, match=f"trajectory.{message}"):
         read(key, text)
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         (
             {"bank": "2°", "waypoints": "47, 8, 3000, a; 47.1, 8, 3000, b; 47.1, 8.1, 3000"},
@@ -285,8 +285,8 @@ def test_a_row_that_is_wrong_is_refused_by_its_number_and_cell(key: str, text: s
         ({"waypoints": ""}, "trajectory.waypoints: .*two waypoints or more"),
     ],
 )
-def test_a_plan_that_cannot_be_flown_is_refused_under_its_key(changes: dict[str, str], said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_a_plan_that_cannot_be_flown_is_refused_under_its_key(changes: dict[str, str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         planned(design(**changes))
 
 
@@ -294,19 +294,19 @@ def test_the_commands_fly_the_plan_of_the_design(tmp_path: Path, capsys: pytest.
     path = tmp_path / "design.toml"
     path.write_text(EXAMPLE + PLAN)
     assert main(["trajectory", str(path), "--set", "trajectory.heading_noise=0.05°"]) == 1
-    found = json.loads(capsys.readouterr().out)
-    assert [line["name"] for line in found["lines"]] == ["out & <b>in</b>", "line 2"]
-    first, second = found["lines"]
+    document = json.loads(capsys.readouterr().out)
+    assert [line["name"] for line in document["lines"]] == ["out & <b>in</b>", "line 2"]
+    first, second = document["lines"]
     assert (first["longest_s"], first["reserve_s"], second["reserve_s"]) == (0.0, 0.0, 1200.0)
     assert second["longest_s"] == pytest.approx(second["stop_s"] - second["start_s"] + 1200.0, abs=0.01)
-    assert found["heading"]["text"].startswith("Heading is observed from 1 s on, by two antennas")
-    assert found["shares"]["position_horizontal"]["heading aiding"]
-    assert found["time_s"][-1] == pytest.approx(planned(design()).duration, abs=1.0)
+    assert document["heading"]["text"].startswith("Heading is observed from 1 s on, by two antennas")
+    assert document["shares"]["position_horizontal"]["heading aiding"]
+    assert document["time_s"][-1] == pytest.approx(planned(design()).duration, abs=1.0)
     assert main(["simulate", str(path), "--trajectory", "plan", "--runs", "2", "--workers", "1",
                  "--set", "trajectory.barometer_noise=3 m"]) == 0  # fmt: skip
     flown = json.loads(capsys.readouterr().out)
     assert main(["trajectory", str(path), "--set", "trajectory.outages=90, 60"]) == 2
     assert "navbudget: trajectory.outages: (90.0, 60.0) cannot be simulated" in capsys.readouterr().err
-    assert flown["time_s"][-1] == found["time_s"][-1]
-    assert any("the runs include barometer" in said for said in flown["conditions"])
+    assert flown["time_s"][-1] == document["time_s"][-1]
+    assert any("the runs include barometer" in condition for condition in flown["conditions"])
     assert flown["nis"]["states"] > 3  # and more fixes: the height comes in the outage too

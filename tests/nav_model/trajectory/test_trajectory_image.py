@@ -118,8 +118,8 @@ def test_a_flight_begins_with_the_covariance_of_a_settled_filter() -> None:
     np.testing.assert_allclose(result.real_time.position[:, 2], 0.21, rtol=0.01)
     for name in ("quadratic_phase", "detrended_phase"):
         inside = np.isfinite(plain.real_time.figures[name])
-        for one, other in ((result.real_time, plain.real_time), (result.post_processed, plain.post_processed)):
-            np.testing.assert_allclose(one.figures[name][inside], other.figures[name][inside], rtol=0.002)
+        for first, second in ((result.real_time, plain.real_time), (result.post_processed, plain.post_processed)):
+            np.testing.assert_allclose(first.figures[name][inside], second.figures[name][inside], rtol=0.002)
     tilt = dict(zip(result.sources, result.real_time.shares["tilt"][:, 0], strict=True))
     assert tilt["accelerometer bias"] == pytest.approx((0.0005 / 0.000548) ** 2, rel=0.02)
 
@@ -137,8 +137,8 @@ def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> 
     )
     result, x = covariance(covariance_specification(design, study)), inputs_of(design)
     share = dict(zip(result.sources, result.real_time.shares["quadratic_phase"], strict=True))["accelerometer bias"]
-    turned = result.time_s[np.argmax(np.abs(result.truth.velocity[:, 0]) < 0.01)]
-    at = int(np.argmax(result.time_s > turned + x.aperture))
+    time = result.time_s[np.argmax(np.abs(result.truth.velocity[:, 0]) < 0.01)]
+    at = int(np.argmax(result.time_s > time + x.aperture))
     of_bias = np.sqrt(share[at]) * result.real_time.figures["quadratic_phase"][at]
     level = bias * math.sqrt(2) * math.cos(float(x.grazing_angle))
     expected = float(x.to_phase) * level * float(x.aperture) ** 2 / 8
@@ -149,8 +149,8 @@ def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> 
 def test_a_bias_that_is_forgotten_in_a_millisecond_acts_as_white_noise(sensor: str) -> None:
     """Of the density of the sensor's own, it makes that noise sqrt(2) times as large."""
     key = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}[sensor]
-    own = BASES[0][key] * BASES[0].imu.vibration_factor
-    sigma = own / math.sqrt(2 * 1e-3)
+    sigma_w = BASES[0][key] * BASES[0].imu.vibration_factor
+    sigma = sigma_w / math.sqrt(2 * 1e-3)
     more = SimulationInputs(((f"{sensor}.bias_instability", sigma), (f"{sensor}.correlation_time", 1e-3)))
     sizes = []
     for design, others in (

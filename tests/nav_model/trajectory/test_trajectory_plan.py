@@ -135,7 +135,7 @@ def test_after_a_climb_the_next_waypoints_are_where_they_were_planned() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         ([(0, 0, 1000), (5e3, 0, 1000), (5e3, 500, 1000)], "turns need .* at a bank of 25°"),
         ([(0, 0, 1000), (0, 0, 1000), (5e3, 500, 1000)], "waypoint 1 and the next are at one place"),
@@ -147,9 +147,9 @@ def test_after_a_climb_the_next_waypoints_are_where_they_were_planned() -> None:
     ],
 )
 def test_a_plan_that_cannot_be_flown_is_refused_by_the_waypoint(
-    rows: list[tuple[float, float, float]], said: str
+    rows: list[tuple[float, float, float]], message: str
 ) -> None:
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         fly(Plan(places(*rows), 90.0, climb_rate=500.0 if rows[-1][2] > 3000 else 5.0))
 
 
@@ -173,7 +173,7 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "text", "said"),
+    ("kind", "text", "message"),
     [
         (".gpx", GPX.replace("<ele>3000</ele>", "", 1), "route, place 1 has no height"),
         (".gpx", GPX.replace('"50.2"', '"north"'), "'north' must be a finite number"),
@@ -184,8 +184,8 @@ def test_the_same_leg_in_gpx_and_kml_is_the_same_flight() -> None:
         (".kml", KML.replace("8,50,", "8,95,"), "not a place on the Earth"),
     ],
 )
-def test_a_file_that_is_no_plan_is_refused_with_the_place(kind: str, text: str, said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_a_file_that_is_no_plan_is_refused_with_the_place(kind: str, text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         parse_file(text.encode(), "flight" + kind)
 
 
