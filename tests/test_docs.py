@@ -57,9 +57,9 @@ def test_files_that_a_document_names_are_there(document: Path) -> None:
 
 @documents
 def test_names_that_a_document_puts_in_a_file_are_in_it(document: Path) -> None:
-    said = re.findall(r"`(\w+)`(?: and `(\w+)`)? (?:of|in)\s`([\w/]+/\w+\.py)`", document.read_text("utf-8"))
+    mentions = re.findall(r"`(\w+)`(?: and `(\w+)`)? (?:of|in)\s`([\w/]+/\w+\.py)`", document.read_text("utf-8"))
     missing = {
-        (name, path) for *names, path in said for name in names if name not in (ROOT / path).read_text("utf-8")
+        (name, path) for *names, path in mentions for name in names if name not in (ROOT / path).read_text("utf-8")
     }
     assert missing == set()
 

@@ -60,16 +60,16 @@ def _run(tree: Path, block: str) -> None:
     for command, printed in re.findall(r"^\$ (.+)\n((?:[^$\n].*\n)*)", block, re.M):
         if command.startswith("make run"):
             continue
-        own = re.sub(r"\.venv/bin/(\w+)", lambda found: PROGRAMS[found[1]], command)
+        script = re.sub(r"\.venv/bin/(\w+)", lambda match: PROGRAMS[match[1]], command)
         done = subprocess.run(
-            ["bash", "-c", own],
+            ["bash", "-c", script],
             cwd=tree, env={**os.environ, "PYTHONPATH": str(tree)}, capture_output=True, text=True, check=False,
         )  # fmt: skip
-        said = done.stdout + done.stderr
+        output = done.stdout + done.stderr
         if printed:
-            assert said == printed, command
+            assert output == printed, command
         else:
-            assert bool(done.returncode) == command.endswith("# fails"), f"{command}\n{said}"
+            assert bool(done.returncode) == command.endswith("# fails"), f"{command}\n{output}"
 
 
 def test_the_exercise_goes_as_printed(tmp_path: Path) -> None:

@@ -78,10 +78,10 @@ def test_a_kind_counts_as_independent_only_with_the_work_of_others_in_it():
         assert re.search(WORDS[row.kind], row.oracle), row
         assert not re.search(r"\bour own\b|\bour design notes\b|\bproduct's\b", row.oracle), row
         path = ROOT / row.test.partition(":")[0]
-        own = path.read_text()
-        oracles = [file for file in SUPPORT.glob("*.py") if re.search(rf"^import {file.stem}$", own, re.MULTILINE)]
+        source = path.read_text()
+        oracles = [file for file in SUPPORT.glob("*.py") if re.search(rf"^import {file.stem}$", source, re.MULTILINE)]
         nearby = (path.parent / "conftest.py", *oracles)
-        text = own + "".join(file.read_text() for file in nearby if file.exists())
+        text = source + "".join(file.read_text() for file in nearby if file.exists())
         for library in ("SciPy", "mpmath", "pyins"):
             if library in row.oracle:
                 assert re.search(rf"^\s*(import|from) {library.lower()}", text, re.MULTILINE), row

@@ -128,7 +128,7 @@ def plain(_opener: Page, server: str) -> Iterator[Page]:
     """
     page = _window(_opener)
     warnings: list[str] = []
-    page.on("console", lambda said: warnings.append(said.text) if said.type in {"warning", "error"} else None)
+    page.on("console", lambda m: warnings.append(m.text) if m.type in {"warning", "error"} else None)
     with _watched(page, server) as open_:
         open_()
         expect(page.locator(".bk-Figure:visible")).to_have_count(4)
@@ -141,7 +141,7 @@ def plain(_opener: Page, server: str) -> Iterator[Page]:
 def desk(plain: Page) -> Iterator[Page]:
     """The same, for tests that change the design and nothing else; it is reset after them."""
     plain.locator(".main-content").evaluate("e => e.scrollTo(0, 0)")  # another test may have gone down to a fold
-    said = plain.evaluate(_SAYS)
+    text = plain.evaluate(_SAYS)
     name = plain.get_by_role("textbox", name="Design", exact=True)
     called = name.input_value()
     yield plain
@@ -151,7 +151,7 @@ def desk(plain: Page) -> Iterator[Page]:
     plain.get_by_role("button", name="Open", exact=True).click()
     plain.get_by_role("button", name="Reset").click()
     expect(name).to_have_value(called)
-    plain.wait_for_function(f"said => ({_SAYS})() === said", arg=said, polling=_EVERY)
+    plain.wait_for_function(f"said => ({_SAYS})() === said", arg=text, polling=_EVERY)
 
 
 @pytest.fixture(scope="session")
@@ -178,15 +178,15 @@ def accessible(settled: Callable[[Page], None]) -> Callable[..., None]:
         rules = ["wcag2a", "wcag2aa", *(["best-practice"] if advice else [])]
         # Of what is in order it need not tell every part, and what it loads beforehand no rule of these asks for.
         options = {"runOnly": rules, "resultTypes": ["violations"], "preload": False}
-        found = Axe().run(page, options=options).response["violations"]
-        return [(v["id"], v["nodes"][0]["html"]) for v in found if every or v["impact"] in {"serious", "critical"}]
+        faults = Axe().run(page, options=options).response["violations"]
+        return [(v["id"], v["nodes"][0]["html"]) for v in faults if every or v["impact"] in {"serious", "critical"}]
 
     def check(page: Page, where: str = "", *, every: bool = False, advice: bool = False) -> None:
         for _ in range(10):
-            if not (found := look(page, every, advice)):
+            if not (faults := look(page, every, advice)):
                 return
             page.wait_for_timeout(500)
-        pytest.fail(f"{where}: {found}")
+        pytest.fail(f"{where}: {faults}")
 
     return check
 

@@ -33,8 +33,8 @@ def test_axe_finds_nothing_on_any_page_light_or_dark_and_the_console_stays_empty
     visit: Visit, accessible: Check
 ) -> None:
     page = visit()
-    said: list[str] = []
-    page.on("console", lambda m: said.append(m.text) if m.type in {"warning", "error"} else None)
+    messages: list[str] = []
+    page.on("console", lambda m: messages.append(m.text) if m.type in {"warning", "error"} else None)
     page.get_by_role("button", name="No, thanks").click()
     page.get_by_role("tab", name="Review").click()
     page.get_by_label("Your name").fill("Ann")
@@ -53,7 +53,7 @@ def test_axe_finds_nothing_on_any_page_light_or_dark_and_the_console_stays_empty
                 expect(page.locator("#validation")).to_be_visible()
                 page.evaluate(_UNFOLD)
             accessible(page, f"{name}, {theme}", every=True, advice=True)
-    assert not said
+    assert not messages
 
 
 @pytest.mark.slow
@@ -107,12 +107,12 @@ def test_the_first_result_is_near_and_the_page_has_one_outline(visit: Visit) -> 
     page.keyboard.press("Tab")
     assert page.evaluate(_FOCUSED) == ["button", "Skip to the result"]
     page.keyboard.press("Enter")
-    said = page.evaluate("""() => {
+    text = page.evaluate("""() => {
       let at = document.activeElement
       while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement
       return at.innerText
     }""")
-    assert "Does not close" in said
+    assert "Does not close" in text
     levels = page.evaluate("""() => {
       const found = []
       const walk = (root) => { for (const element of root.children) {
@@ -132,9 +132,9 @@ def test_the_first_result_is_near_and_the_page_has_one_outline(visit: Visit) -> 
 @pytest.mark.slow
 def test_charts_say_what_they_show(visit: Visit) -> None:
     page = visit()
-    said = page.get_by_text("What the chart shows: Curves of position, 1σ in m")
-    expect(said).to_contain_text("horizontal: 0.404 at −20 to 17.1 at 100.")
-    expect(said).to_contain_text("Limit on horizontal position")
+    description = page.get_by_text("What the chart shows: Curves of position, 1σ in m")
+    expect(description).to_contain_text("horizontal: 0.404 at −20 to 17.1 at 100.")
+    expect(description).to_contain_text("Limit on horizontal position")
 
 
 @pytest.mark.parametrize("dark", [False, True])
@@ -155,8 +155,8 @@ def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page
         page.emulate_media(media="print")
         assert "invert" in page.locator(".page").evaluate("e => getComputedStyle(e).filter")
         return
-    for said in ("Does not close", "Detrended phase", "initial tilt", "Point target in azimuth"):
-        assert said in text[0], said  # verdict, tiles and both phase figures on one sheet
+    for words in ("Does not close", "Detrended phase", "initial tilt", "Point target in azimuth"):
+        assert words in text[0], words  # verdict, tiles and both phase figures on one sheet
     assert any("Main error source" in sheet for sheet in text)
     for tool in ("Show help for all inputs", "PDF report", "Suborbital", "Position sigma: CSV"):
         assert not any(tool in sheet for sheet in text), tool

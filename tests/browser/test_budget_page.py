@@ -49,8 +49,8 @@ def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> Non
     desk.evaluate(_TOLD, [part.element_handle() for part in parts])
     smoothed.click()
     expect(smoothed).to_have_attribute("aria-pressed", "true")
-    told = desk.wait_for_function("() => told.length && told").json_value()
-    assert all("21.9°, limit 20°" in text for text in told), told
+    texts = desk.wait_for_function("() => told.length && told").json_value()
+    assert all("21.9°, limit 20°" in text for text in texts), texts
     expect(card(desk, "Quadratic phase")).to_have_text("70.6°")
     expect(card(desk, "Detrended phase")).to_have_text("21.9°")
     expect(desk.locator("table.bars tr.total")).to_contain_text("70.6°")
@@ -107,7 +107,7 @@ def test_the_answer_and_what_moves_it_are_on_one_screen(plain: Page) -> None:
 
         def inside(width: int = width, height: int = height) -> bool:
             boxes = plain.evaluate(_BOXES)
-            counted = {kind: sum(found[0] == kind for found in boxes) for kind in _SEEN}
+            counted = {kind: sum(entry[0] == kind for entry in boxes) for kind in _SEEN}
             fits = all(
                 0 <= left < right <= width and 0 <= top < bottom <= height for _, left, top, right, bottom in boxes
             )
@@ -144,8 +144,8 @@ def test_one_step_of_a_slider_changes_all_of_it(desk: Page) -> None:
         changes = [f"imu.angle_random_walk={box(desk, 'Angle random walk').input_value()}"]
         expected = analyse(parse_design(Path(MEMS).read_bytes(), changes=changes))
         outage = list(expected.coast.refined_horizontal)
-        shown = columns(desk, "timelines")["position horizontal"][-len(outage) :]  # before it: the steady state
-        return bool(shown == pytest.approx(outage, rel=1e-12))
+        curve = columns(desk, "timelines")["position horizontal"][-len(outage) :]  # before it: the steady state
+        return bool(curve == pytest.approx(outage, rel=1e-12))
 
     until(shows_the_box, "the last key press on its way round to the curve")
     expect(desk.locator("table.bars")).not_to_have_text(bars)
@@ -183,18 +183,18 @@ def test_the_read_out_says_the_curves_in_the_units_of_their_axes(visit: Visit) -
             page.get_by_label("Units").select_option("")
             page.keyboard.press("Escape")
         frame = page.locator(".bk-Figure:visible").nth(1)
-        said = rf"([−\d.]+) s tilt ([\d.e−]+)   heading growth [\d.e−]+ {unit}"
+        pattern = rf"([−\d.]+) s tilt ([\d.e−]+)   heading growth [\d.e−]+ {unit}"
         place = 300
 
-        def hovered(said: str = said, frame: Locator = frame) -> re.Match[str] | None:
+        def hovered(pattern: str = pattern, frame: Locator = frame) -> re.Match[str] | None:
             nonlocal place
             place = 601 - place  # a pointer that does not move is told nothing
             frame.hover(position={"x": place, "y": 60})
-            return re.fullmatch(said, page.evaluate(_READ_OUT)[0])
+            return re.fullmatch(pattern, page.evaluate(_READ_OUT)[0])
 
-        found = until(hovered, f"a read-out in {unit}")
+        read_out = until(hovered, f"a read-out in {unit}")
         _, times, tilt = page.evaluate(_READ_OUT)
-        time, value = (float(part.replace("−", "-")) for part in found.groups())
+        time, value = (float(part.replace("−", "-")) for part in read_out.groups())
         at = min(range(len(times)), key=lambda i: abs(times[i] - time))
         assert value == pytest.approx(tilt[at], rel=6e-3)
         page.mouse.move(5, 5)
@@ -222,8 +222,8 @@ def test_a_long_read_out_stays_in_its_chart(visit: Visit) -> None:
         nonlocal place
         place = 601 - place
         page.locator(".bk-Figure:visible").nth(1).hover(position={"x": place, "y": 60})
-        found: list[Any] = page.evaluate(_WIDTHS)
-        return found if all(told for told, _, _ in found) else None
+        sizes: list[Any] = page.evaluate(_WIDTHS)
+        return sizes if all(labelled for labelled, _, _ in sizes) else None
 
     widths = until(hovered, "a read-out of all charts")
     assert len(widths) == 3

@@ -36,15 +36,15 @@ def test_typed_value_unit_and_refusal(desk: Page) -> None:
     enter(arw, "0.3")  # a bare number takes the unit beside the box: 0.3 °/h/√Hz
     expect(arw).to_have_value("0.3 °/h/√Hz")
     expect(card(desk, "Quadratic phase")).not_to_have_text("163°")
-    kept = card(desk, "Quadratic phase").inner_text()
-    for wrong, said in (
+    before = card(desk, "Quadratic phase").inner_text()
+    for wrong, message in (
         ("5 kg", "not a unit of angle random walk"),
         ("-1 °/√h", "must be at least"),
         ("nan °/√h", "is not an angle random walk. Try 0.5 °/√h."),
     ):
         enter(arw, wrong)
-        expect(desk.get_by_text(said).first).to_be_visible()
-        expect(card(desk, "Quadratic phase")).to_have_text(kept)
+        expect(desk.get_by_text(message).first).to_be_visible()
+        expect(card(desk, "Quadratic phase")).to_have_text(before)
     enter(arw, "0.15 °/√h")
     expect(card(desk, "Quadratic phase")).to_have_text("163°")
 
@@ -159,7 +159,7 @@ def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> No
     page = desk
     enter(box(page, "Position noise"), "7 cm")
     expect(card(page, "Horizontal position")).not_to_have_text("0.404 m")
-    shown = card(page, "Horizontal position").inner_text()
+    figure = card(page, "Horizontal position").inner_text()
     page.get_by_role("button", name="Share").click()
     address = page.get_by_role("textbox", name="Link to this design and page")
     expect(address).to_have_value(re.compile("gn=7cm"))
@@ -173,7 +173,7 @@ def test_link_reproduces_the_design(desk: Page, visit: Visit, server: str) -> No
     query = link.removeprefix(f"{server}/").removesuffix("#budget")
     assert from_query(query).gnss.position_noise == 0.07
     again = visit(f"/{query}")
-    expect(card(again, "Horizontal position")).to_have_text(shown)
+    expect(card(again, "Horizontal position")).to_have_text(figure)
 
 
 @pytest.mark.parametrize(
@@ -216,9 +216,9 @@ def test_save_open_and_refuse(desk: Page, tmp_path: Path) -> None:
 
 def test_an_impossible_aperture_is_refused_at_its_field(desk: Page) -> None:
     section(desk, "Radar")
-    kept = card(desk, "Quadratic phase").inner_text()
+    before = card(desk, "Quadratic phase").inner_text()
     enter(box(desk, "Slant range"), "2000 km")
     enter(box(desk, "Azimuth resolution"), "1 mm")
     expect(desk.get_by_text(re.compile("needs an aperture of")).first).to_be_visible()
     enter(box(desk, "Slant range"), "7 km")
-    expect(card(desk, "Quadratic phase")).to_have_text(kept)
+    expect(card(desk, "Quadratic phase")).to_have_text(before)

@@ -30,8 +30,8 @@ def test_every_question_fits_the_window_and_says_nothing_in_the_console(
     visit: Visit, settled: Callable[[Page], None]
 ) -> None:
     page = _open(visit)
-    said: list[str] = []
-    page.on("console", lambda m: said.append(m.text) if m.type in {"warning", "error"} else None)
+    messages: list[str] = []
+    page.on("console", lambda m: messages.append(m.text) if m.type in {"warning", "error"} else None)
     for name in QUESTIONS:
         page.get_by_role("button", name=name, exact=True).click()
         settled(page)
@@ -39,16 +39,16 @@ def test_every_question_fits_the_window_and_says_nothing_in_the_console(
         expect(strip).to_be_visible()
         assert strip.evaluate("e => e.getBoundingClientRect().top") < 80, name
         assert page.locator(".main-content").evaluate("e => e.scrollHeight - e.clientHeight") <= 1, name
-    assert not said
+    assert not messages
 
 
 def test_click_on_the_map_takes_the_point_clicked(visit: Visit) -> None:
     page = _open(visit, "Trade-off map")
     page.wait_for_function(f"() => ({COLUMNS})('map design').x")
     catalogue = columns(page, "map catalogue")
-    said = dict(zip(catalogue["unit"], catalogue["said"], strict=True))
-    assert said["LN-100"].startswith("meets the limit, margin +")
-    assert said["MPU-9250"].startswith("does not meet the limit, 7.88 × the limit")
+    texts = dict(zip(catalogue["unit"], catalogue["said"], strict=True))
+    assert texts["LN-100"].startswith("meets the limit, margin +")
+    assert texts["MPU-9250"].startswith("does not meet the limit, 7.88 × the limit")
     canvas = page.locator(".bk-Figure:visible").first
     canvas.click(trial=True)  # once it has come to rest
     place = canvas.bounding_box()
@@ -75,14 +75,14 @@ def test_imus_that_pass_with_my_receiver_come_first_and_one_is_taken_by_keyboard
     expect(page.get_by_text("The design now has LN-100.")).to_be_visible()
     expect(page.get_by_role("textbox", name="Angle random walk", exact=True).first).to_have_value("0.001 °/√h")
 
-    own = tmp_path / "own.toml"
-    own.write_text(
+    path = tmp_path / "own.toml"
+    path.write_text(
         '[[imu]]\nname = "Ours"\n'
         'angle_random_walk = { value = "0.011 °/√h", status = "confirmed", source = "bench" }\n'
         'velocity_random_walk = { value = "0.012 m/s/√h", status = "confirmed", source = "bench" }\n',
         encoding="utf-8",
     )
-    page.locator("input[type=file][accept='.toml']").last.set_input_files(own)
+    page.locator("input[type=file][accept='.toml']").last.set_input_files(path)
     expect(page.get_by_text("Added Ours.")).to_be_visible()
     page.get_by_label("Filter").fill("ours")
     expect(imus.get_by_role("rowheader")).to_have_count(1)

@@ -41,12 +41,12 @@ def test_the_tour_is_offered_once_and_goes_by_keyboard(visit: Visit) -> None:
 def test_every_open_input_is_explained(visit: Visit) -> None:
     page = visit()
     page.get_by_role("switch", name="Show help for all inputs").check()
-    for said in (
+    for text in (
         "White noise of the gyros, per axis.",
         "Typical: navigation 0.002",
         "the steady state is then solved numerically",
     ):
-        expect(page.get_by_text(said).first).to_be_visible()
+        expect(page.get_by_text(text).first).to_be_visible()
     page.get_by_role("switch", name="Show help for all inputs").uncheck()
     expect(page.get_by_text("White noise of the gyros")).to_have_count(0)
 

@@ -38,8 +38,8 @@ def test_an_axis_of_any_length_has_enough_ticks_and_not_too_many(page: Page, axi
 
 def test_labels(page: Page, axis: LogAxis) -> None:
     run = "([code, tick]) => new Function('tick', 'ticks', code)(tick, [tick])"
-    said = {
+    labels = {
         0.1: "0.1", 100.0: "100", 1e-6: "10⁻⁶", 0.2: "0.2", 50.0: "50", 2e-5: "2·10⁻⁵", 2.34e7: "2.34·10⁷",
         1.25: "1.25",
     }  # fmt: skip
-    assert {tick: page.evaluate(run, [axis.formatter.code, tick]) for tick in said} == said
+    assert {tick: page.evaluate(run, [axis.formatter.code, tick]) for tick in labels} == labels

@@ -65,8 +65,8 @@ def test_a_page_opened_anew_takes_nothing_back_and_nothing_wrong_is_taken(visit:
     page.evaluate("""() => sessionStorage.setItem("navbudget-design",
         JSON.stringify({at: "/", who: "", link: "arw=<img src=x onerror=alert(1)>", base: "../../x.1"}))""")
     page.reload()
-    said = page.get_by_role("alert").filter(has_text="could not be restored")
-    expect(said).to_contain_text("<img src=x onerror=alert(1)>")
+    alert = page.get_by_role("alert").filter(has_text="could not be restored")
+    expect(alert).to_contain_text("<img src=x onerror=alert(1)>")
     expect(box).to_have_value("0.15 °/√h")
     page.evaluate("""() => sessionStorage.setItem("navbudget-design",
         JSON.stringify({at: "/", who: "somebody else", link: "arw=0.2deg/sqrt(h)", base: ""}))""")
@@ -86,8 +86,8 @@ _CANVAS = """() => {
 
 def _canvas(page: Page) -> list[str]:
     """Colours behind the figures, once there are some."""
-    found: list[str] = page.wait_for_function(_CANVAS).json_value()
-    return found
+    names: list[str] = page.wait_for_function(_CANVAS).json_value()
+    return names
 
 
 @pytest.mark.slow

@@ -36,7 +36,7 @@ def press(page: Page, name: str | re.Pattern[str]) -> None:
     page.get_by_role("button", name=name, exact=isinstance(name, str)).click()
 
 
-def said(page: Page, text: str | re.Pattern[str]) -> None:
+def expect_message(page: Page, text: str | re.Pattern[str]) -> None:
     expect(page.get_by_role("status").filter(has_text=text).first).to_be_visible()
 
 
@@ -86,12 +86,12 @@ def test_a_new_user_saves_compares_and_exports_a_pair_in_fifteen_actions(visit: 
     act(tab, page, "Review")
     act(box(page, "Your name").fill, "Ann")
     act(press, page, "Save as new design")
-    said(page, "Saved: revision 1")
+    expect_message(page, "Saved: revision 1")
     act(box(page, "Design").first.fill, "Better gyro")
     act(box(page, "Angle random walk").fill, "0.01 °/√h")
     act(box(page, "Angle random walk").press, "Enter")
     act(press, page, "Save as new design")
-    said(page, "Saved: revision 1 of Better gyro")
+    expect_message(page, "Saved: revision 1 of Better gyro")
     act(page.get_by_role("checkbox", name="MEMS IMU at X band").check)
     act(page.get_by_role("checkbox", name="Better gyro").check)
     expect(page.get_by_label("Selected designs")).to_contain_text("D2")
@@ -123,14 +123,14 @@ def test_two_designs_become_a_signed_review_with_a_waiver_in_twenty_actions(visi
     act(press, page, "Start review of selected designs")
     act(press, page, "Accept the 6 that are met")
     open_rows = page.get_by_role("row").filter(has_text="open")
-    for left in (4, 3, 2, 1):
-        expect(open_rows).to_have_count(left)
+    for remaining in (4, 3, 2, 1):
+        expect(open_rows).to_have_count(remaining)
         act(open_rows.first.get_by_role("button", name=re.compile("^Accept")).click)
         act(page.get_by_role("textbox", name=re.compile("^Reason")).fill, "autofocus removes it")
         act(page.keyboard.press, "Enter")
     expect(open_rows).to_have_count(0)
     act(press, page, "Sign off")
-    said(page, "You wrote 4 of 4 waivers. A signed review never changes.")
+    expect_message(page, "You wrote 4 of 4 waivers. A signed review never changes.")
     act(press, page, "Sign as Ann (outcome: accepted with 4 waivers)")
     expect(page.locator(".strip").filter(has_text="CDR")).to_contain_text("⚠ Signed by Ann: accepted with 4 waivers")
     assert act.count <= 20
@@ -175,16 +175,16 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     tab(page, "Review")
     save(page, "Shared design")
     press(page, re.compile("Save as revision 2"))
-    said(page, "revision 2 of Shared design")
+    expect_message(page, "revision 2 of Shared design")
     page.get_by_role("button", name="Show 2 revisions").first.click()
     page.get_by_role("checkbox", name="Revision 1: Shared design").check()
     expect(page.get_by_label("Selected designs")).to_contain_text("revision 1")
     press(page, "Load into editor")
-    said(page, "Revision 1 of Shared design is loaded")
+    expect_message(page, "Revision 1 of Shared design is loaded")
     press(page, re.compile("Save as revision 2"))
-    said(page, re.compile("Ann saved revision 2 .* nothing was overwritten"))
+    expect_message(page, re.compile("Ann saved revision 2 .* nothing was overwritten"))
     press(page, re.compile("Save as revision 3"))
-    said(page, "Saved: revision 3 of Shared design")
+    expect_message(page, "Saved: revision 3 of Shared design")
 
     tab(page, "Reviews")
     box(page, "Title of a new review").fill("PDR")
@@ -192,7 +192,7 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     heading = page.locator(".strip").filter(has=page.get_by_role("heading", name="PDR"))
     expect(heading).to_contain_text("5 to decide")
     press(page, "Sign off")
-    said(page, "5 requirements still need a decision. Next: Quadratic phase (D1).")
+    expect_message(page, "5 requirements still need a decision. Next: Quadratic phase (D1).")
     press(page, "Accept the 3 that are met")
     expect(heading).to_contain_text("2 to decide")
     decide(page, "Quadratic phase", "Reject", "too large")
@@ -286,7 +286,7 @@ def test_a_page_that_still_says_open_does_not_replace_anothers_reject(visit: Vis
     expect(row).to_contain_text("open")  # still
     decide(page, "Horizontal position")
     first.hear()
-    said(page, "Bob rejected (no margin left) this after you opened it. Look again and decide.")
+    expect_message(page, "Bob rejected (no margin left) this after you opened it. Look again and decide.")
     expect(row).to_contain_text("rejected by Bob")
     expect(theirs).to_have_count(1)
 
@@ -305,7 +305,7 @@ def test_a_revision_is_the_base_of_its_own_changes_only(visit: Visit) -> None:
     page.get_by_role("button", name="Undo").click()
     expect(following).to_be_visible()
     following.click()
-    said(page, "revision 2 of Ours")
+    expect_message(page, "revision 2 of Ours")
     page.get_by_role("button", name="Show 2 revisions").first.click()
     both = page.get_by_role("checkbox", name=re.compile("^Ours|Revision 2: Ours"))
     expect(both).to_have_count(2)
@@ -329,7 +329,7 @@ def test_a_library_goes_out_and_comes_in_as_a_zip(visit: Visit, tmp_path: Path) 
     save(page, "Put away")
     page.get_by_role("checkbox", name="Put away").check()
     press(page, "Archive or restore")
-    said(page, "1 design archived")
+    expect_message(page, "1 design archived")
     with page.expect_download() as download:
         press(page, re.compile("Export"))
     data = content(download.value)
@@ -339,14 +339,14 @@ def test_a_library_goes_out_and_comes_in_as_a_zip(visit: Visit, tmp_path: Path) 
     page.locator("input[type=file][accept='.zip']").set_input_files(
         {"name": "../../l.zip", "mimeType": "application/zip", "buffer": data}
     )
-    said(page, re.compile("Imported 0 designs.*here already"))
+    expect_message(page, re.compile("Imported 0 designs.*here already"))
     evil = io.BytesIO()
     with zipfile.ZipFile(evil, "w") as archive:
         archive.writestr("../evil.toml", "x")
     page.locator("input[type=file][accept='.zip']").set_input_files(
         {"name": "evil.zip", "mimeType": "application/zip", "buffer": evil.getvalue()}
     )
-    said(page, "not a path inside the archive")
+    expect_message(page, "not a path inside the archive")
 
 
 def test_the_review_in_view_is_there_again_after_a_reload_and_by_the_link(visit: Visit, second: Page) -> None:
@@ -373,5 +373,5 @@ def test_the_review_in_view_is_there_again_after_a_reload_and_by_the_link(visit:
 def test_forged_links_are_said_so(visit: Visit) -> None:
     for query in ("?compare=../../etc/passwd,%3Cscript%3E", "?review=%27%20OR%201=1", "?compare=" + "0" * 16 + ".1"):
         page = visit("/" + query)
-        said(page, re.compile("not used|not in the library"))
+        expect_message(page, re.compile("not used|not in the library"))
         assert page.title() == "NavBudget"

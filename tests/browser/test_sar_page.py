@@ -37,7 +37,7 @@ def _open(visit: Visit, **size: int) -> Page:
 def test_what_decides_is_on_one_screen_and_runs_go_stale_with_the_design(visit: Visit, page: Page) -> None:
     """No warning until then; the formulas follow the design at once."""
     warnings: list[str] = []
-    page.on("console", lambda said: warnings.append(said.text) if said.type in {"warning", "error"} else None)
+    page.on("console", lambda m: warnings.append(m.text) if m.type in {"warning", "error"} else None)
     _open(visit)
     for width, height in ((1440, 900), (1920, 1080)):
         page.set_viewport_size({"width": width, "height": height})
@@ -48,11 +48,11 @@ def test_what_decides_is_on_one_screen_and_runs_go_stale_with_the_design(visit: 
     assert page.get_by_role("rowheader").count() == 8
     assert not warnings, warnings
     answer = page.get_by_role("status").filter(has_text=_ANSWER)
-    said = answer.inner_text()
+    message = answer.inner_text()
     page.get_by_role("slider", name="Angle random walk").focus()
     page.keyboard.press("PageDown")
     expect(answer).to_contain_text("The runs belong to an earlier design. Run again.")
-    expect(answer).not_to_have_text(said)
+    expect(answer).not_to_have_text(message)
     page.get_by_role("combobox", name="Runs").click()
     page.get_by_role("listbox", name="Runs").get_by_text("1000", exact=True).click()
     page.get_by_role("button", name="Run the strategies").click()

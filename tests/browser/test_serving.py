@@ -160,8 +160,8 @@ def test_a_page_that_lost_its_server_says_so_and_goes_on_with_its_design(page: P
 def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_answers(
     page: Page, tmp_path: Path
 ) -> None:
-    told: list[str] = []
-    page.on("websocket", lambda socket: socket.on("framesent", lambda frame: told.append(str(frame))))
+    frames: list[str] = []
+    page.on("websocket", lambda socket: socket.on("framesent", lambda frame: frames.append(str(frame))))
     slider = page.get_by_role("slider", name="Angle random walk")
     box = page.get_by_role("textbox", name="Angle random walk", exact=True)
     with serving("--library", str(tmp_path / "library.db"), "--processes", "1") as (server, process):
@@ -180,16 +180,16 @@ def test_a_slider_moves_without_its_server_and_tells_the_newest_place_when_that_
                 page.keyboard.press(key)
             expect(box).to_have_value(f"{text} °/√h")
             # What a page sends is heard of while it is asked something.
-            until(lambda text=text: page.title() and _noises(told)[-1:] == [text], "word of the newest place")
+            until(lambda text=text: page.title() and _noises(frames)[-1:] == [text], "word of the newest place")
             if not key:  # a press that comes much later begins a comparison of its own
                 expect(page.get_by_text("Compared with: Angle random walk 0.15")).to_be_visible()
-        assert len(_noises(told)) < 15, "places between are not told one by one"
+        assert len(_noises(frames)) < 15, "places between are not told one by one"
         expect(box).to_have_value("0.57 °/√h")
 
 
-def _noises(told: list[str]) -> list[str]:
+def _noises(frames: list[str]) -> list[str]:
     """Angle random walks [°/√h] of the places that frames to the server tell."""
-    places = [float(place) for frame in told for place in re.findall(r'"place",\s*(-?[\d.]+)', frame)]
+    places = [float(place) for frame in frames for place in re.findall(r'"place",\s*(-?[\d.]+)', frame)]
     return [f"{60 * math.degrees(10**place):.3g}" for place in places]
 
 
@@ -228,9 +228,9 @@ def test_a_fault_of_ours_is_told_with_its_number_in_the_log_and_the_page_goes_on
             expect(notice).to_contain_text(f"NavBudget failed ({kind})")
             expect(notice).not_to_contain_text("secret")
             number = notice.inner_text().rpartition("fault ")[2].strip(" .\n")
-            said = [json.loads(line) for line in log.read_text().splitlines()]
-            (told,) = [line for line in said if line.get("fault") == number]
-            assert (told["event"], told["exception"]) == ("fault", kind)
+            records = [json.loads(line) for line in log.read_text().splitlines()]
+            (record,) = [line for line in records if line.get("fault") == number]
+            assert (record["event"], record["exception"]) == ("fault", kind)
         assert "secret" not in log.read_text()
         page.get_by_role("tab", name="Budget", exact=True).click()
         slider = page.get_by_role("slider", name="Angle random walk")

@@ -18,7 +18,7 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     visit: Visit, page: Page, tmp_path: Path, accessible: Check, fits: Check
 ) -> None:
     warnings: list[str] = []
-    page.on("console", lambda said: warnings.append(said.text) if said.type in {"warning", "error"} else None)
+    page.on("console", lambda m: warnings.append(m.text) if m.type in {"warning", "error"} else None)
     visit("/#simulate")
     start, cancel = (page.get_by_role("button", name=name, exact=True) for name in ("Start", "Cancel"))
     answer = page.get_by_role("status").first

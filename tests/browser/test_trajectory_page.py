@@ -23,8 +23,8 @@ def _choose(page: Page, flight: str) -> None:
 def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     visit: Visit, page: Page, tmp_path: Path, accessible: Check, fits: Check
 ) -> None:
-    said: list[str] = []
-    page.on("console", lambda message: said.append(message.text) if message.type in {"warning", "error"} else None)
+    log: list[str] = []
+    page.on("console", lambda message: log.append(message.text) if message.type in {"warning", "error"} else None)
     visit("/#trajectory", width=1280, height=720)
     page.keyboard.press("Escape")
     answer = page.get_by_role("status").first
@@ -73,7 +73,7 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     )
     expect(answer).to_contain_text("of 3 lines within the limits")
     expect(page.get_by_label("Height [m]: row 2", exact=True)).to_have_value("3000")
-    assert said == []
+    assert log == []
     fits(page, 390)
 
 
