@@ -59,7 +59,7 @@ class Kind:
     command: tuple[str, ...]
     slider: str
     data: tuple[str, ...]
-    said: re.Pattern[str]
+    place: re.Pattern[str]
     options: tuple[str, ...] = ()
 
 
@@ -129,7 +129,7 @@ class Visitor(Tab):
 
     def _hear(self, content: str) -> None:
         """A change of the figures: it ends the wait of its step and of those before."""
-        match = self.kind.said.search(content)
+        match = self.kind.place.search(content)
         if match is not None:
             self.number = float(match[1])
         elif '"attr":"heard"' not in content:  # the answer to a place that shows what was shown

@@ -57,14 +57,14 @@ def counted_server(folder: Path) -> Iterator[tuple[str, Callable[[], Left]]]:
                 time.sleep(0.05)
             return Left(**json.loads(log.read_text()))
 
-        def left() -> Left:
+        def remaining() -> Left:
             deadline = time.monotonic() + 120
             while (counts := look()).frames and time.monotonic() < deadline:
                 time.sleep(0.5)
             return counts
 
         try:
-            yield address, left
+            yield address, remaining
         finally:
             process.terminate()
             process.wait(timeout=60)
@@ -143,11 +143,11 @@ def main() -> int:
     options = argparse.ArgumentParser(description="Memory of navbudget serve over many pages")
     options.add_argument("--pages", type=int, default=300)
     pages = options.parse_args().pages
-    with tempfile.TemporaryDirectory() as name, counted_server(Path(name)) as (address, left):
+    with tempfile.TemporaryDirectory() as name, counted_server(Path(name)) as (address, remaining):
         rows = []
         for _ in range(3):
             asyncio.run(_visits(address, pages // 3))
-            rows.append(left())
+            rows.append(remaining())
             print(f"{pages // 3} pages more: {rows[-1].frames} alive, {rows[-1].resident:.1f} MB", flush=True)
     growth = (rows[2].resident - rows[0].resident) / (2 * (pages // 3))
     print(f"{growth:+.3f} MB a page after the first third; goal {GOAL_MB:g}")

@@ -84,12 +84,12 @@ def test_nine_strategies_500_seeds_line_of_sight_with_decomposition(benchmark):
         return decompose(error, 2)
 
     benchmark.pedantic(whole, rounds=2, warmup_rounds=1)
-    own = cpu(whole)
+    cost = cpu(whole)
     one_axis = cpu(lambda: simulate_axis(HORIZONTAL, 20.0, 100.0, 500))
     textbook = cpu(lambda: by_textbook(2), 2) * 250 * 3
     benchmark.extra_info.update(
-        target_s=2.0, cpu_s=own, one_axis_cpu_s=one_axis, beside="NumPy, run by run, strategies 2 and 4 only",
-        times_over=textbook / own,
+        target_s=2.0, cpu_s=cost, one_axis_cpu_s=one_axis, beside="NumPy, run by run, strategies 2 and 4 only",
+        times_over=textbook / cost,
     )  # fmt: skip
 
 
@@ -97,10 +97,10 @@ def test_impulse_responses_of_nine_strategies_500_seeds(benchmark):
     """Beside the responses of full precision (x64)."""
     phase = 4 * np.pi / 0.031 * simulate_axis(HORIZONTAL, 20.0, 100.0, 500).error
     benchmark.pedantic(run_responses, args=(phase, "taylor"), rounds=1)
-    own = cpu(lambda: run_responses(phase, "taylor"), 1)
+    cost = cpu(lambda: run_responses(phase, "taylor"), 1)
     apertures = np.exp(1j * phase[1, :20, :1024])
     full = cpu(lambda: impulse_response(apertures, "taylor"), 1) * 9 * 25
-    benchmark.extra_info.update(responses=9 * 500, cpu_s=own, beside="zero-padded FFT x64", times_over=full / own)
+    benchmark.extra_info.update(responses=9 * 500, cpu_s=cost, beside="zero-padded FFT x64", times_over=full / cost)
 
 
 @pytest.mark.parametrize("slow", [None, SlowError(1.0, 300.0)], ids=["white", "slow"])
@@ -121,10 +121,10 @@ def test_map_of_winners_100_by_100(benchmark, slow, squint):
 
     phi, q = inertial_drift(HORIZONTAL, 1.0)
     benchmark(whole)
-    own = cpu(whole)
+    cost = cpu(whole)
     riccati = cpu(lambda: [solve_discrete_are(phi.T, np.eye(3)[:, :1], q, np.eye(1)) for _ in range(100)])
     benchmark.extra_info.update(
-        target_s=0.1, cpu_s=own, beside="SciPy solve_discrete_are, 100 fix noises", times_over=riccati / own
+        target_s=0.1, cpu_s=cost, beside="SciPy solve_discrete_are, 100 fix noises", times_over=riccati / cost
     )
 
 
@@ -156,11 +156,11 @@ def test_image_256_by_256(benchmark):
     axis = np.linspace(-40, 40, 256)
     back_project(history, axis[:2], axis[:2])
     benchmark.pedantic(back_project, args=(history, axis, axis), rounds=2)
-    own = cpu(lambda: back_project(history, axis, axis), 2)
+    cost = cpu(lambda: back_project(history, axis, axis), 2)
     other = cpu(lambda: by_numpy(history, axis), 1)
     np.testing.assert_allclose(np.abs(by_numpy(history, axis)), np.abs(back_project(history, axis, axis)), atol=0.03)
     benchmark.extra_info.update(
-        target_s=2.0, cpu_s=own, beside="NumPy, Gorham and Moore 2010", times_over=other / own
+        target_s=2.0, cpu_s=cost, beside="NumPy, Gorham and Moore 2010", times_over=other / cost
     )
 
 
@@ -176,8 +176,8 @@ def test_flights_of_the_simulator(benchmark):
     flown, fast = (design_case(budget, engine) for engine in ("simulator", "fast"))
     run_chunk(flown, Tuning(), 1, 0, 1)  # compiles
     benchmark.pedantic(run_chunk, args=(flown, Tuning(), 1, 1, 10), rounds=1)
-    own = cpu(lambda: run_chunk(flown, Tuning(), 1, 2, 10), 1)
+    cost = cpu(lambda: run_chunk(flown, Tuning(), 1, 2, 10), 1)
     other = cpu(lambda: run_chunk(fast, Tuning(), 1, 2, 10), 1)
     benchmark.extra_info.update(
-        cpu_s_a_flight=own / 10, settles_s=flown.flight.start, beside="the error model", times_over=other / own
+        cpu_s_a_flight=cost / 10, settles_s=flown.flight.start, beside="the error model", times_over=other / cost
     )

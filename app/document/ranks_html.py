@@ -55,9 +55,9 @@ class _Scale:
 
     def __init__(self, chart: DotChart) -> None:
         values = [v for dot in chart.dots for v in (dot.closed, dot.ensemble, dot.low, dot.high)] + [chart.limit]
-        shown = [value for value in values if math.isfinite(value) and value > 0] or [1.0, 10.0]
-        self._low = _step(min(shown) / 1.5)
-        self._high = max(-_step(1 / max(shown)), self._low + 1)
+        positive = [value for value in values if math.isfinite(value) and value > 0] or [1.0, 10.0]
+        self._low = _step(min(positive) / 1.5)
+        self._high = max(-_step(1 / max(positive)), self._low + 1)
         self._limit = chart.limit
 
     def _share(self, value: float) -> float:

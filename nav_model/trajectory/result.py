@@ -167,7 +167,7 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
     # Rates at which the filter forgets [T-3], [T-4]; what a wrong heading makes of the Earth's rate, over what the
     # gyros add meanwhile; what fixes leave open over time, a slow error's part too [P-2], and gravity by height then.
     horizontal, vertical = (g * sigma_w / s) ** (1 / 3), math.sqrt(sigma_a / s_vertical)
-    turned = study.initial.yaw * EARTH_RATE * math.cos(x.latitude) / (sigma_w * math.sqrt(horizontal))
+    heading_ratio = study.initial.yaw * EARTH_RATE * math.cos(x.latitude) / (sigma_w * math.sqrt(horizontal))
     slowest, known = 1 / min(horizontal, vertical), s_vertical**2
     if x.slow is not None:
         sigma, time = (float(np.asarray(value)) for value in (x.slow.sigma, x.slow.correlation_time))
@@ -175,7 +175,7 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
     gravity = 2 * g / MEAN_RADIUS * math.sqrt(known) / sigma_a
     cases = (
         (
-            turned > _HEADING_SHOWS[spec.processing],
+            heading_ratio > _HEADING_SHOWS[spec.processing],
             f"The heading at the start, {math.degrees(study.initial.yaw):.2g}° (1σ), turns the Earth's rate into a "
             "drift, which shows in tilt and velocity beside the gyros' noise. The budget has no heading.",
         ),

@@ -28,7 +28,7 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
     display = display.of(budget.design)
     checks = {check.name: check for check in budget.verdict.checks}
     entered = {contributor.enters for contributor in budget.design.contributors}
-    shown = [name for kind in _KINDS for name in of_kind(kind) if FIGURES[name].tile or name in entered]
+    names = [name for kind in _KINDS for name in of_kind(kind) if FIGURES[name].tile or name in entered]
     units = {figure.label: figure.amount for figure in was.items} if was else {}
 
     def tile(name: str) -> KeyFigure:
@@ -51,10 +51,10 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
     others = tuple(
         limited(check, check_words(budget.design, check).figure)
         for check in budget.verdict.checks
-        if check.name not in shown
+        if check.name not in names
     )
     title = f"Key figures, {display.spread}{display.scaled}"
-    return KeyFigures(title, (*map(tile, shown), *(others or (_width(budget, display, units),))))
+    return KeyFigures(title, (*map(tile, names), *(others or (_width(budget, display, units),))))
 
 
 def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> str:
