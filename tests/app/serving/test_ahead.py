@@ -12,10 +12,10 @@ from app.subjects import Subject
 
 
 async def test_subjects_begin_once_the_first_page_has_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
-    started: list[Any] = []
+    designs: list[Any] = []
 
     async def ahead(design: Any) -> None:
-        started.append(design)
+        designs.append(design)
 
     room = ModuleType("app.subjects.wind.page")
     room.__dict__.update(ahead=ahead)
@@ -27,7 +27,7 @@ async def test_subjects_begin_once_the_first_page_has_loaded(monkeypatch: pytest
     task = asyncio.create_task(server._prepare(loaded))
     for _ in range(5):
         await asyncio.sleep(0)
-    assert not started
+    assert not designs
     loaded.set()
     await task
-    assert started == [server.first_design()]
+    assert designs == [server.first_design()]

@@ -27,8 +27,8 @@ class _Clock:
         return self.now
 
 
-def _in_a_session(work: Callable[[Document, SimpleNamespace], None], started: list[Any]) -> None:
-    """Call it in a session; from when something has `begun`, wait for all of it."""
+def _in_a_session(work: Callable[[Document, SimpleNamespace], None], events: list[Any]) -> None:
+    """Call it in a session; from the first of its `events`, wait for all of it."""
 
     async def run() -> None:
         document, context = Document(), SimpleNamespace(destroyed=False)
@@ -36,7 +36,7 @@ def _in_a_session(work: Callable[[Document, SimpleNamespace], None], started: li
         session = ServerSession(ID("a"), document, IOLoop.current())
         with set_curdoc(document):
             work(document, context)
-        await soon(lambda: started, "the first piece")
+        await soon(lambda: events, "the first piece")
         while len(asyncio.all_tasks()) > 1:
             await asyncio.sleep(0)
         session.destroy()

@@ -92,15 +92,15 @@ async def _turns() -> None:
 
 async def _two_changes(hands: _Hands, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The second is made just when the first has been written; what has been sent when all tasks are done."""
-    started, end = asyncio.Event(), asyncio.Event()
+    start, end = asyncio.Event(), asyncio.Event()
 
     async def written() -> None:
-        started.set()
+        start.set()
         await end.wait()
 
     doc, connection = Document(), _Connection(monkeypatch, written)
     hands.panel(doc, [connection], ["first"])
-    await started.wait()
+    await start.wait()
     end.set()  # the first's task goes on before the second's begins
     hands.panel(doc, [connection], ["second"])
     await _turns()

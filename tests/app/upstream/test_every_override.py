@@ -85,8 +85,8 @@ def test_its_reproductions_print_what_they_say() -> None:
     programs = json.dumps([code for _, code, _ in result])
     done = subprocess.run([sys.executable, "-c", _EACH], input=programs, capture_output=True, text=True, check=True)
     printed = done.stdout.split("\0")[:-1]
-    different = [(name, now) for (name, _, then), now in zip(result, printed, strict=True) if now != then]
-    assert not different, f"as shipped it is otherwise now: the override can go. {done.stderr}"
+    differences = [(name, now) for (name, _, then), now in zip(result, printed, strict=True) if now != then]
+    assert not differences, f"as shipped it is otherwise now: the override can go. {done.stderr}"
 
 
 def test_every_script_reaches_the_browser() -> None:

@@ -87,10 +87,10 @@ def test_a_fault_of_ours_ends_the_run_and_is_not_swallowed():
 
 async def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
     run = Run()
-    started = []
+    calls = []
 
     async def endless(run: Run) -> None:
-        started.append(1)
+        calls.append(1)
         run.tell("3 of 9 runs", 1 / 3)
         await asyncio.Event().wait()
 
@@ -98,13 +98,13 @@ async def test_the_newest_run_wins_and_a_cancelled_one_says_how_far_it_was():
         return "second"
 
     first = run.start(endless)
-    while not started:
+    while not calls:
         await asyncio.sleep(0)
     second = run.start(short)
     await asyncio.wait({first, second})
     assert (run.result, run.running, run.message) == ("second", False, "")
     third = run.start(endless)
-    while len(started) < 2:
+    while len(calls) < 2:
         await asyncio.sleep(0)
     run.cancel()
     await third
