@@ -16,7 +16,7 @@ from nav_model.base.errors import InputError
 COUNTS: Final = ("counts", "raw", "lsb")
 
 
-class Scale(NamedTuple):
+class ColumnScale(NamedTuple):
     """`factor` to SI; `per_sample` when the values are increments over one sample."""
 
     factor: float
@@ -87,7 +87,7 @@ def units_of(role: str) -> dict[str, bool]:
     return {unit: scale_of(role, unit).per_sample for unit in _OFFERED[role]}
 
 
-def scale_of(role: str, unit: str) -> Scale:
+def scale_of(role: str, unit: str) -> ColumnScale:
     """Scale of a unit text such as "deg/s", "°/s", "0.05 deg/s" (counts of 0.05 deg/s) or "0.1 arcsec"
     (increments). That a number is of a count may be said: "0.05 deg/s a count", "0.05 deg/s per count".
 
@@ -97,7 +97,7 @@ def scale_of(role: str, unit: str) -> Scale:
     for dimension, per_sample in _DIMENSIONS[role]:
         factor = size_of_unit(of_count, dimension)
         if factor is not None and 0.0 < factor < math.inf:
-            return Scale(factor, per_sample)
+            return ColumnScale(factor, per_sample)
     allowed = ", ".join(_OFFERED.get(role, ("s", "ms", "us", "ns")))
     reason = f"{unit!r} is not understood; allowed: {allowed}, or a number and one of these per count"
     raise InputError(f"{role}_unit", reason, unit)
