@@ -73,7 +73,7 @@ class Points:
 
 
 @dataclass(frozen=True)
-class Limit:
+class LimitLine:
     """A requirement's limit over a stretch of the x axis; a NaN level is not drawn."""
 
     key: str
@@ -130,7 +130,7 @@ class Chart(_OnAxes):
     lines: tuple[Line, ...]
     bands: tuple[Band, ...] = ()
     points: tuple[Points, ...] = ()
-    limits: tuple[Limit, ...] = ()
+    limits: tuple[LimitLine, ...] = ()
     spans: tuple[Span, ...] = ()
     x_log: bool = False
     y_log: bool = False

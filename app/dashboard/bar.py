@@ -20,7 +20,7 @@ _KINDS = {
 }
 
 
-class Bar(PlainScript):
+class HeaderBar(PlainScript):
     """The bar; ``on_event`` takes each action of the user, with a dict that has the action's name under "do"."""
 
     named = param.String(doc="Name of the design, which a person can change here.")

@@ -8,7 +8,7 @@ from typing import Any
 import panel as pn
 import param
 
-from app.dashboard.bar import Bar
+from app.dashboard.bar import HeaderBar
 from app.dashboard.report_choice import ReportChoice
 from app.declared import required
 from app.document.display import display_of
@@ -46,7 +46,7 @@ class Toolbar(View):
         self._say, self._examples = say, examples
         self._choice = ReportChoice(session)
         self._report = session.new_run()
-        self._view = self.bar = Bar(
+        self._view = self.bar = HeaderBar(
             self._do,
             tabs=[[tab.group, tab.title, tab.address] for tab in TABS],
             most=MAX_BYTES,

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 
-from app.document.blocks import Table, Text, numbers, table
+from app.document.blocks import TableBlock, Text, numbers, table
 from app.document.numbers import NONE, number, percent, signed_percent
 from app.document.verdict import check_quantity
 from app.document.wording import printable
@@ -49,7 +49,7 @@ def outcome(design: Design, check: Check, allocation: Allocation) -> str:
     return f"{whole}. Does not fit: {', '.join(allocation.blocked_by)} locked too high."
 
 
-def allocation_table(budget: Budget, check: Check, key: str) -> Table | Text:
+def allocation_table(budget: Budget, check: Check, key: str) -> TableBlock | Text:
     """The allocation of one requirement, as the design says."""
     try:
         split = allocate(budget, check.name)
@@ -68,7 +68,7 @@ def allocation_table(budget: Budget, check: Check, key: str) -> Table | Text:
     )
 
 
-def owners_table(budgets: Sequence[Budget], labels: Sequence[str]) -> Table | Text:
+def owners_table(budgets: Sequence[Budget], labels: Sequence[str]) -> TableBlock | Text:
     """Who answers for each source of each requirement, and what it may take in each design."""
     cells: dict[tuple[str, str], dict[int, str]] = {}
     owners: dict[tuple[str, str], dict[str, None]] = {}

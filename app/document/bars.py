@@ -23,7 +23,7 @@ def bars_html(chart: BarChart, was: BarChart | None = None) -> str:
     Rows without values are omitted. The total is emphasised; values before a change (``was``) are outlines.
     """
     old = {bar.label: bar for bar in was.bars} if was else {}
-    first, second = (_Scale(chart, was, kind) for kind in ("first", "second"))
+    first, second = (_BarScale(chart, was, kind) for kind in ("first", "second"))
     rows = "".join(
         f'<tr{_class(bar)}><th scope="row">{escape(bar.label)}</th>'
         f"{first.cell(bar, old.get(bar.label))}{second.cell(bar, old.get(bar.label))}</tr>"
@@ -61,7 +61,7 @@ def _class(bar: Bar) -> str:
     return f' class="{" ".join(kinds)}"' if kinds else ""
 
 
-class _Scale:
+class _BarScale:
     """One of the two kinds of bars, over one length of the axis."""
 
     def __init__(self, chart: BarChart, was: BarChart | None, kind: str) -> None:

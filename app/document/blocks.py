@@ -52,7 +52,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Table:
+class TableBlock:
     """A table. The first cell of a row heads it; a row of one cell heads the rows that follow.
 
     On a page a cell with a value is a button, or, first in a row of a table with ``ticks``, a box to tick.
@@ -79,7 +79,7 @@ def table(
     rows: Iterable[Row],
     note: str = "",
     ticks: bool = False,
-) -> Table:
+) -> TableBlock:
     """A table, told by texts where a text says all.
 
     Examples
@@ -87,7 +87,7 @@ def table(
     >>> heads = (("Quantity", 1.5), *numbers("Value", "Limit"), "Verdict")  # 1.5: its width
     >>> tilt = table("limits", "Limits", heads, [("Tilt", "2.1°", "3°", Cell("✓ met", tone="good"))])
     """
-    return Table(
+    return TableBlock(
         key,
         caption,
         tuple(column if isinstance(column, Column) else _column(column) for column in columns),
@@ -203,7 +203,7 @@ class KeyFigures:
     items: tuple[KeyFigure, ...]
 
 
-Block = Answer | Table | ChartBlock | Text | Bullets | Equations | Symbols | Approval
+Block = Answer | TableBlock | ChartBlock | Text | Bullets | Equations | Symbols | Approval
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from app.document.blocks import Cell, Table, table
+from app.document.blocks import Cell, TableBlock, table
 from app.document.numbers import number
 from app.document.verdict import check_quantity
 from app.document.wording import input_in_words
@@ -78,7 +78,7 @@ def beyond_one(budget: Budget) -> str:
     return " ".join(sentences)
 
 
-def ways_table(ways: Sequence[Way], *, closes: bool) -> Table:
+def ways_table(ways: Sequence[Way], *, closes: bool) -> TableBlock:
     """The ways, for a design that ``closes`` already or does not; the value of a row is its text."""
     what = "Largest values that still close, one at a time" if closes else "Each of these alone closes the design"
     return table(

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from html import escape
 from itertools import groupby
 
-from app.document.blocks import MARK, UNIT_GAP, Answer, Block, Bullets, Cell, Column, Table, Text
+from app.document.blocks import MARK, UNIT_GAP, Answer, Block, Bullets, Cell, Column, TableBlock, Text
 from nav_model.equations import ALL_EQUATIONS
 
 Prose = Callable[[str], str]
@@ -49,7 +49,7 @@ _SENTENCES = 1.8  # weight of a column beyond which it holds sentences and keeps
 _MANY = 20  # rows of a sorted table beyond which it scrolls by itself
 
 
-def _table(table: Table, html: Prose) -> str:
+def _table(table: TableBlock, html: Prose) -> str:
     """A table in a region that scrolls by itself; a mark is printed as a word, never by colour alone."""
     body = "".join(_row(row, table, html) for row in table.rows)
     note = f'<p class="note quiet">{html(table.note)}</p>' if table.note else ""
@@ -83,7 +83,7 @@ def _css(column: Column) -> str:
     return ' class="wide"' if column.width > _SENTENCES else ""
 
 
-def _row(row: tuple[Cell, ...], table: Table, html: Prose) -> str:
+def _row(row: tuple[Cell, ...], table: TableBlock, html: Prose) -> str:
     first, *others = row
     if not others:
         heading = f'<th scope="rowgroup" colspan="{len(table.columns)}">{html(first.text)}</th>'
@@ -123,7 +123,7 @@ def _bullets(bullets: Bullets, html: Prose) -> str:
 
 _RENDERERS: dict[type, Callable[..., str]] = {
     Answer: _answer,
-    Table: _table,
+    TableBlock: _table,
     Text: lambda text, html: f"<p>{html(text.text)}</p>",
     Bullets: _bullets,
 }

@@ -11,7 +11,7 @@ _COMING = "after the runs"
 
 def ranks_html(chart: DotChart, best: str = "") -> str:
     """A dot chart as a table with a bar in each row, on a logarithmic axis; ``best``: the label that is marked."""
-    scale, marked = _Scale(chart), ' class="best"'
+    scale, marked = _LogScale(chart), ' class="best"'
     rows = "".join(
         f'<tr{marked if dot.label == best else ""}><th scope="row">{escape(dot.label)}'
         f'<small>{escape(dot.note)}</small></th><td title="{escape(_tip(dot, chart))}">'
@@ -50,7 +50,7 @@ def _tip(dot: Dot, chart: DotChart) -> str:
     return "; ".join((*parts, dot.source))
 
 
-class _Scale:
+class _LogScale:
     """From a 1, 2 or 5 below everything that is shown to one above it."""
 
     def __init__(self, chart: DotChart) -> None:

@@ -15,7 +15,7 @@ from app.document.blocks import (
     Column,
     Row,
     Section,
-    Table,
+    TableBlock,
     chart_block,
     numbers,
     table,
@@ -74,7 +74,7 @@ def closing_words(budgets: Sequence[Budget]) -> str:
 
 def difference_tables(
     budgets: Sequence[Budget], labels: Sequence[str], display: Display = AS_REQUIRED
-) -> tuple[Table, Table, Table]:
+) -> tuple[TableBlock, TableBlock, TableBlock]:
     """Verdicts, figures and inputs that differ, each as one table of any width; for the screen."""
     wide = len(budgets)
     display = display.of(*(budget.design for budget in budgets))
@@ -82,7 +82,7 @@ def difference_tables(
     return _verdicts(budgets, labels), figures, inputs
 
 
-def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> Table:
+def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> TableBlock:
     def row(budget: Budget, label: str) -> Row:
         answer = verdict_of(budget)
         tightest_words = (NONE, NONE, NONE)
@@ -117,7 +117,7 @@ def _sigmas(budget: Budget) -> dict[str, float]:
 
 def _figures(
     budgets: Sequence[Budget], labels: Sequence[str], display: Display, wide: int = _COLUMNS
-) -> tuple[Table, ...]:
+) -> tuple[TableBlock, ...]:
     by_design = [_sigmas(budget) for budget in budgets]
     sigmas = {name: [sigma[name] for sigma in by_design] for name in _COMPARED}
 
@@ -135,7 +135,7 @@ def _figures(
         label = label_of(name)
         return label if display == ONE_SIGMA else f"{label}, {display.named(pair=FIGURES[name].pair)}"
 
-    def values(columns: range, part: str) -> Table:
+    def values(columns: range, part: str) -> TableBlock:
         return table(
             f"c-figures-{columns.start}",
             f"Errors, {display.spread}{part}; the smallest of all designs is marked best",
@@ -148,7 +148,7 @@ def _figures(
     return _in_parts(len(budgets), labels, values, wide)
 
 
-def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[Table, ...]:
+def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUMNS) -> tuple[TableBlock, ...]:
     designs = [budget.design for budget in budgets]
     keys = [
         (section, name)
@@ -164,7 +164,7 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
         sourced = sourced_value(designs[design], section, name)
         return text if sourced is None or sourced.confirmed else Cell(text, sourced.status, "warn")
 
-    def inputs(columns: range, part: str) -> Table:
+    def inputs(columns: range, part: str) -> TableBlock:
         return table(
             f"c-inputs-{columns.start}",
             f"Inputs that differ{part}",
@@ -210,8 +210,8 @@ def _own_words(design: Design) -> dict[str, str]:
 
 
 def _in_parts(
-    count: int, labels: Sequence[str], table: Callable[[range, str], Table], wide: int
-) -> tuple[Table, ...]:
+    count: int, labels: Sequence[str], table: Callable[[range, str], TableBlock], wide: int
+) -> tuple[TableBlock, ...]:
     """As many tables as it takes for no more than `wide` designs in each."""
     parts = [range(start, min(start + wide, count)) for start in range(0, count, wide)]
     return tuple(

@@ -1,6 +1,6 @@
 """The table of inputs: every value with its origin, and a mark on what is not confirmed or was changed."""
 
-from app.document.blocks import Cell, Row, Table, table
+from app.document.blocks import Cell, Row, TableBlock, table
 from app.document.numbers import number
 from app.document.wording import preset_name, printable
 from nav_model.design import Design
@@ -8,7 +8,7 @@ from nav_model.design.catalogue import Entry, SourcedValue
 from nav_model.design.declaration import BaseQuantity, Choice, in_sentence
 from nav_model.design.parts import INPUTS, PARTS, declaration_of
 from nav_model.design.presets import deviations, entry_of, sheet_of
-from nav_model.design.table import Table as TableInput
+from nav_model.design.table import Table
 
 _MARKS_EXPLAINED = (
     "secondary: read in a source that quotes the maker. assumed: a typical value chosen for the catalogue. "
@@ -24,7 +24,7 @@ _EXTRA_LABELS = {
 }
 
 
-def input_table(design: Design, aperture_time: float, key: str) -> Table:
+def input_table(design: Design, aperture_time: float, key: str) -> TableBlock:
     """Name, value and origin of every input, headed by section; aperture_time [s] is the one in force."""
     rows: list[Row] = []
     for part in (part for part in PARTS if getattr(design, part.section).given()):
@@ -72,7 +72,7 @@ def shown_value(design: Design, section: str, name: str) -> str:
     declaration, value = INPUTS[section][name], design[key]
     if value is None:
         return ""
-    if isinstance(declaration, TableInput):
+    if isinstance(declaration, Table):
         return declaration.show(value, 6)
     if isinstance(declaration, Choice):
         return declaration.options[value]

@@ -15,7 +15,7 @@ from app.document.blocks import (
     Report,
     Row,
     Section,
-    Table,
+    TableBlock,
     Text,
     numbers,
     table,
@@ -34,7 +34,7 @@ from nav_model.explore.supplier import (
     AVERAGING,
     CONFIDENCE,
     Acceptance,
-    Required,
+    RequiredInput,
     Unit,
     accepted_share,
     degrees_of,
@@ -98,7 +98,7 @@ def supplier_bytes(design: Design, unit: Unit) -> bytes:
         return to_html(supplier_report(design, unit)).encode()
 
 
-def _values(design: Design, unit: Unit, lines: Sequence[Required], share: float) -> Table:
+def _values(design: Design, unit: Unit, lines: Sequence[RequiredInput], share: float) -> TableBlock:
     """Required values; the reading that is accepted is so large a share of each."""
     note = f"An accepted reading in this test proves the value with {100 * CONFIDENCE:.0f} % confidence. Noise: 1σ."
     if design.allocation and (others := [printable(c.name) for c in design.limits if c.on in RESPONSE]):
@@ -187,7 +187,7 @@ def _decision(unit: Unit, degrees: float) -> str:
 
 def acceptance_blocks(
     design: Design, rows: Sequence[Acceptance], reading: Sequence[str] = ()
-) -> tuple[Answer, Table]:
+) -> tuple[Answer, TableBlock]:
     """Whether a log shows what is required of the inertial unit, and why, by axis; `reading`: how it was read."""
     failed = [axis_label(row.name) for row in rows if not row.passes]
     text = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"All {len(rows)} axes pass."

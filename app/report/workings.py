@@ -17,7 +17,7 @@ from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.aperture import phase
 from nav_model.base.traced import Traced, Workings
-from nav_model.budget.contributors import Part, composed, contributors_of, random_and_systematic
+from nav_model.budget.contributors import Contribution, composed, contributors_of, random_and_systematic
 from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.real_time import RealTime
@@ -69,7 +69,7 @@ class Traces:
         self.workings = Workings(first=4)  # under title and heads
         self.followed: set[str] = set()
         self.sources: dict[str, phase.PhaseVariances] = {}
-        self.contributors: dict[tuple[str, str], list[Part]] = {}
+        self.contributors: dict[tuple[str, str], list[Contribution]] = {}
         self.responses: set[str] = set()
         self._of_model: dict[tuple[str, str], Any] = {}  # the same figures without them
         rule = zip(RULE, longest_rule(), strict=True)  # the one that integrates the outage, in cells

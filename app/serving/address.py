@@ -12,7 +12,7 @@ from weakref import ref
 
 from tornado.ioloop import IOLoop
 
-from app.serving.board import Row
+from app.serving.board import BoardRow
 from app.serving.logs import event
 from app.serving.rules import Rules, is_everywhere
 from nav_model.base.errors import InputError
@@ -52,7 +52,7 @@ class SharedSocket(socket.socket):
     by the thousand and asks for nothing keeps nobody out.
     """
 
-    def __init__(self, shared: socket.socket, row: Row) -> None:
+    def __init__(self, shared: socket.socket, row: BoardRow) -> None:
         super().__init__(fileno=shared.detach())
         self._row = row
         self._began = self._asked = self._logged = -_QUIET

@@ -43,7 +43,7 @@ class SharedMetrics:
 
 
 @dataclass(frozen=True)
-class Row:
+class BoardRow:
     """The row of one process, to write on."""
 
     board: SharedMetrics

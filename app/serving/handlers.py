@@ -22,7 +22,7 @@ from tornado.web import OutputTransform, RequestHandler, authenticated
 from app.dashboard.lifeline import THEME_COOKIE
 from app.serving.access import plain_page
 from app.serving.allowance import FRAME, Allowance
-from app.serving.board import Row
+from app.serving.board import BoardRow
 from app.serving.logs import event
 from app.serving.metrics import MetricsHandler, ServerMetrics
 from app.serving.rules import Rules, is_loopback
@@ -63,7 +63,7 @@ HEADERS = {
 class RequestContext:
     """State that the handlers share with the server."""
 
-    row: Row
+    row: BoardRow
     """Where this process says how many sessions it has."""
     most: int
     """Sessions allowed at once, over all processes."""

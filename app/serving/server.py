@@ -21,7 +21,7 @@ from app.dashboard.opening import OPENING_SCRIPT, OPENING_SHEET
 from app.document.display import display_of
 from app.serving.access import PasswordProvider, provider_of
 from app.serving.address import SharedSocket, announce, listen, origins
-from app.serving.board import Row, SharedMetrics
+from app.serving.board import BoardRow, SharedMetrics
 from app.serving.collector import Collector, settle
 from app.serving.handlers import (
     RequestContext,
@@ -110,7 +110,7 @@ def serve(rules: Rules) -> None:
     rules.check()
     listening, port = listen(rules)
     set_up(rules.log)
-    row = Row(SharedMetrics())
+    row = BoardRow(SharedMetrics())
 
     def ready() -> None:
         row.put("ready", 1)
@@ -121,7 +121,7 @@ def serve(rules: Rules) -> None:
 
 
 def serve_on(
-    listening: SharedSocket, port: int, rules: Rules, row: Row, secret: bytes, ready: Callable[[], None]
+    listening: SharedSocket, port: int, rules: Rules, row: BoardRow, secret: bytes, ready: Callable[[], None]
 ) -> None:
     """Serve from this process on a socket that listens already, until stopped; ``ready`` is called once visitors can
     come. The secret signs sessions: processes that share the socket share it too.
@@ -204,7 +204,7 @@ def opening_page() -> Callable[[str, bool], str]:
     return page
 
 
-def _counted(row: Row, collector: Collector, loaded: asyncio.Event) -> Any:
+def _counted(row: BoardRow, collector: Collector, loaded: asyncio.Event) -> Any:
     """`build` with metrics and logs of sessions and computed budgets."""
     row.add("opened")
     row.add("sessions")
@@ -234,7 +234,7 @@ async def _prepare(loaded: asyncio.Event) -> None:
             await subject.load("ahead")(first_design())
 
 
-def _run(server: Any, grace: float, collector: Collector, row: Row, loaded: asyncio.Event) -> None:
+def _run(server: Any, grace: float, collector: Collector, row: BoardRow, loaded: asyncio.Event) -> None:
     """Run until stopped: then no new session starts, heavy work may finish and reach its page, and everything is
     closed.
 
@@ -275,7 +275,7 @@ def _run(server: Any, grace: float, collector: Collector, row: Row, loaded: asyn
         workers.stop()
 
 
-async def _tell(server: Any, row: Row) -> None:
+async def _tell(server: Any, row: BoardRow) -> None:
     """Update this process's counters and close the pages of ended logins, until cancelled."""
     while True:
         row.put("sessions", len(server.get_sessions()))

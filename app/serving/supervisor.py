@@ -18,7 +18,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from app.serving.address import SharedSocket, announce, listen
-from app.serving.board import Row, SharedMetrics
+from app.serving.board import BoardRow, SharedMetrics
 from app.serving.logs import event, set_up
 from app.serving.passwords import read_passwords
 from app.serving.rules import Rules
@@ -101,7 +101,7 @@ class _Children:
         """Start one, unless all are being stopped."""
         if self.stopping:
             return
-        arguments = (self.listening, self.port, self.rules, self.library, Row(self.board, process), self.secret)
+        arguments = (self.listening, self.port, self.rules, self.library, BoardRow(self.board, process), self.secret)
         member = multiprocessing.get_context("spawn").Process(target=_serve_pages, args=arguments)
         self.starting = True
         try:
@@ -158,7 +158,7 @@ class _Children:
                         event("page processes given up", logging.ERROR, process=process, in_a_row=limit.count)
                         return
                 elif now >= limit.due:
-                    Row(self.board, process).add("restarts")
+                    BoardRow(self.board, process).add("restarts")
                     self.start(process)
             waits = [limit.due - now for limit in self.limits.values() if limit.due is not None]
             # One that has ended since it was looked at above is among them, and ends the waiting at once.
@@ -176,7 +176,9 @@ class _Children:
         return int(self.failed)
 
 
-def _serve_pages(listening: socket.socket, port: int, rules: Rules, library: str, row: Row, secret: bytes) -> None:
+def _serve_pages(
+    listening: socket.socket, port: int, rules: Rules, library: str, row: BoardRow, secret: bytes
+) -> None:
     """Serve pages on an open socket until the parent ends: the whole life of a process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent turns a terminal's Ctrl-C into SIGTERM
     end_with_parent()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis, over_bench
-from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, Provenance, triad_random_walk
+from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, LogSource, triad_random_walk
 from nav_model.allan.vibration import SPECTRUM_KEY
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity, from_si
@@ -96,6 +96,6 @@ def _in_words(walk: Coefficient, unit: str, dimension: str) -> str:
     return f"{walk.method} ({low} to {high}, {walk.interval})"
 
 
-def _log(provenance: Provenance) -> str:
+def _log(provenance: LogSource) -> str:
     name = " ".join(provenance.file_name.split())[:_LONGEST_NAME]
     return f"{name} (sha256 {provenance.sha256[:16]}, {provenance.rate_hz:g} Hz, {provenance.duration_s:.0f} s)"

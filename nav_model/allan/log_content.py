@@ -66,7 +66,7 @@ class LogOptions:
         return self.gyro_unit if role == "gyro" else self.accelerometer_unit
 
 
-class Column(NamedTuple):
+class LogColumn(NamedTuple):
     """A column by its name in the file."""
 
     label: str
@@ -78,15 +78,15 @@ class LogContent(NamedTuple):
     """Columns of a file that mean something and the names of the others; what else it states: scales per count, rate;
     where in the file a row is; whether its last line ends too early; columns without any number."""
 
-    columns: list[Column]
+    columns: list[LogColumn]
     others: list[str]
     count_units: dict[str, str]
     rate_hz: float | None
     place: Callable[[int], str]
     cut: bool = False
-    empty: Sequence[Column] = ()
+    empty: Sequence[LogColumn] = ()
 
-    def of(self, role: str) -> list[Column]:
+    def of(self, role: str) -> list[LogColumn]:
         """The columns of a sensor, of times or of temperatures."""
         return [column for column in self.columns if column.meaning.role == role]
 
@@ -124,7 +124,9 @@ def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -
     known = {place: meaning for place, meaning in enumerate(meanings) if meaning is not None}
     times = [place for place, meaning in known.items() if meaning.role == "time"]
     read = table.columns([*known], limits.rows, limits.unpacked_bytes, times)
-    columns = [Column(names[place], known[place], values) for place, values in zip(known, read.values.T, strict=True)]
+    columns = [
+        LogColumn(names[place], known[place], values) for place, values in zip(known, read.values.T, strict=True)
+    ]
     others = [label for place, label in enumerate(names) if place not in known and label.strip(" -")]
     lines = read.lines
     return LogContent(columns, others, {}, _rate_of(table.comments), lambda row: f"line {lines[row]}", read.cut)
@@ -180,7 +182,7 @@ def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) ->
         of_name = meaning_of(label)
         meanings[label] = Meaning(role, None, of_name.unit if of_name and of_name.role == role else None)
     count_units, rate_hz = _scalars(arrays)
-    columns: list[Column] = []
+    columns: list[LogColumn] = []
     for label, meaning in meanings.items():
         if meaning is None:
             continue
@@ -190,13 +192,13 @@ def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) ->
             allowed = f"1 to {limits.rows} rows of one column, or of three for a triad, are allowed"
             raise InputError(name, f"array {label!r}: shape {array.shape}; {allowed}")
         axes = [(meaning._replace(axis=axis), array[:, axis]) for axis in range(3)] if triad else [(meaning, array)]
-        columns += [Column(label, *axis) for axis in axes]
+        columns += [LogColumn(label, *axis) for axis in axes]
     if not any(column.meaning.role in SENSORS for column in columns):
         # An array of six columns under a telling name is gyro x, y, z then accelerometer x, y, z.
         unit = "counts" if count_units else None
         sixes = [label for label in arrays if label.lower() in _SIX_COLUMN_NAMES and arrays[label].shape[1:] == (6,)]
         for label, i in product(sixes[:1], range(6)):
-            columns.append(Column(label, Meaning(SENSORS[i // 3], i % 3, unit), arrays[label][:, i]))
+            columns.append(LogColumn(label, Meaning(SENSORS[i // 3], i % 3, unit), arrays[label][:, i]))
     used = {column.label for column in columns}
     others = [label for label, array in arrays.items() if array.size > 1 and label not in used]
     return LogContent(columns, others, count_units, rate_hz, lambda row: f"sample {row}")

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.allan.imu_log import AXIS_LETTERS, NO_BREAKS, ImuLog
-from nav_model.allan.log_content import SENSORS, Column, Limits, LogContent, LogOptions, read_content
+from nav_model.allan.log_content import SENSORS, Limits, LogColumn, LogContent, LogOptions, read_content
 from nav_model.allan.log_names import scale_of
 from nav_model.base.arrays import Array
 from nav_model.base.column_names import listed
@@ -163,7 +163,7 @@ class _Reader:
         self.notes += [f"{other.label} not used" for other in clocks if other is not clock]
         return clock if given is None else clock._replace(rate_hz=given)
 
-    def clock_of(self, column: Column) -> _Clock:
+    def clock_of(self, column: LogColumn) -> _Clock:
         """The clock that a column of times is."""
         values = np.asarray(column.values, dtype=np.float64)
         rows = np.flatnonzero(np.isfinite(values))
@@ -242,7 +242,7 @@ class _Reader:
             notes.append(f"{lost} samples lost, so read in {stretches}")
         return _Signal(signal, rate, breaks, rows)
 
-    def axes(self, role: str) -> list[Column]:
+    def axes(self, role: str) -> list[LogColumn]:
         """The columns of a sensor: x, y and z, or one axis alone."""
         columns = sorted(self.content.of(role), key=lambda column: column.meaning.axis or 0)
         axes = [column.meaning.axis for column in columns]
@@ -277,13 +277,13 @@ class _Reader:
         return values
 
 
-def _joined(columns: list[Column]) -> list[Column]:
+def _joined(columns: list[LogColumn]) -> list[LogColumn]:
     """Time columns; two of them, whole seconds and the nanoseconds after them, as one."""
     by_size = {scale_of("time", column.meaning.unit).factor: column for column in columns if column.meaning.unit}
     whole, part = by_size.get(1.0), by_size.get(1e-9)
     if whole is None or part is None or not np.nanmax(part.values) < 1e9:
         return columns
-    seconds = Column(f"{whole.label} and {part.label}", whole.meaning, whole.values + 1e-9 * part.values)
+    seconds = LogColumn(f"{whole.label} and {part.label}", whole.meaning, whole.values + 1e-9 * part.values)
     return [seconds, *(column for column in columns if column is not whole and column is not part)]
 
 

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from nav_model.allan.imu_log import AxisSignal, ImuLog
-from nav_model.allan.result import UNITS, Provenance
+from nav_model.allan.result import UNITS, LogSource
 from nav_model.allan.vibration import (
     BLOCK_S,
     block_count,
@@ -76,7 +76,7 @@ class MotionAnalysis:
     accelerometer_factor: float | None
     vibration_factor: float | None
     spectrum: tuple[Row, ...]
-    provenance: Provenance
+    provenance: LogSource
 
 
 def analyse_motion(
@@ -119,7 +119,7 @@ def analyse_motion(
         accelerometer_factor=None,
         vibration_factor=None,
         spectrum=vibration_spectrum(log),
-        provenance=Provenance.of(log),
+        provenance=LogSource.of(log),
     )
     return over_bench(noise, bench)
 

@@ -60,7 +60,7 @@ class Coefficient:
 
 
 @dataclass(frozen=True)
-class Provenance:
+class LogSource:
     """Where the numbers came from: file, SHA-256, rate [Hz], duration [s], samples, how columns were read."""
 
     file_name: str
@@ -113,7 +113,7 @@ class LogAnalysis:
     """All axes of one static log."""
 
     axes: tuple[AxisNoise, ...]
-    provenance: Provenance
+    provenance: LogSource
     warnings: tuple[str, ...]
 
 

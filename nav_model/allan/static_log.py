@@ -14,7 +14,7 @@ from nav_model.allan.imu_log import AxisSignal, ImuLog
 from nav_model.allan.likelihood import Estimate
 from nav_model.allan.noise_terms import STOCHASTIC_TERMS, TERMS, allan_variance
 from nav_model.allan.remedy import Cause, what_would_resolve
-from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, Provenance
+from nav_model.allan.result import UNITS, AxisNoise, Coefficient, LogAnalysis, LogSource
 from nav_model.allan.spectrum import cosine_spectrum
 from nav_model.allan.warnings import axis_warnings, log_warnings, saturated_share
 from nav_model.base.arrays import Array
@@ -54,7 +54,7 @@ def analyse_log(log: ImuLog, progress: Callable[[float, str], None] | None = Non
         results.append(_analyse_axis(axis, log.temperature_c))
     if progress is not None:
         progress(1.0, "done")
-    return LogAnalysis(tuple(results), Provenance.of(log), log_warnings(log))
+    return LogAnalysis(tuple(results), LogSource.of(log), log_warnings(log))
 
 
 def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:

@@ -31,7 +31,7 @@ _CALLS = {
 
 
 @dataclass
-class Row:
+class WorkingsRow:
     """A line of the workings: a formula, or a value that no formula has (``taken``).
 
     ``symbol`` is the name of its cell, empty for a step; a row with a label alone heads those that follow.
@@ -55,14 +55,14 @@ class Workings:
     """
 
     first: int = 2
-    rows: list[Row] = field(default_factory=list)
-    steps: dict[str, Row] = field(default_factory=dict)
-    named: dict[str, Row] = field(default_factory=dict)
+    rows: list[WorkingsRow] = field(default_factory=list)
+    steps: dict[str, WorkingsRow] = field(default_factory=dict)
+    named: dict[str, WorkingsRow] = field(default_factory=dict)
     _labelled: int = 0
 
     def head(self, label: str) -> None:
         """Begin a group."""
-        self.rows.append(Row(label))
+        self.rows.append(WorkingsRow(label))
 
     def name(self, symbol: str, of: Any, label: str, unit: str = "", mark: str = "", *, taken: bool = False) -> Any:
         """Give a value a cell with a name; a plain number is a constant, or ``taken`` where no formula has it.
@@ -70,7 +70,7 @@ class Workings:
         What comes back is a `Traced`, which closed forms take for an array.
         """
         of = self.traced(of, taken=taken)
-        self.named[symbol] = Row(label, symbol, of.text, np.asarray(of.value).item(), unit, mark, of.taken)
+        self.named[symbol] = WorkingsRow(label, symbol, of.text, np.asarray(of.value).item(), unit, mark, of.taken)
         self.rows.append(self.named[symbol])
         self.label_steps(label)
         return Traced(symbol, of.value, self, of.taken)
@@ -93,7 +93,7 @@ class Workings:
 
     def step(self, of: Traced) -> str:
         """Put a part of a formula into a cell without a name."""
-        self.steps.setdefault(of.text, Row("", "", of.text, np.asarray(of.value).item(), taken=of.taken))
+        self.steps.setdefault(of.text, WorkingsRow("", "", of.text, np.asarray(of.value).item(), taken=of.taken))
         return f"Steps!$B${self.first + [*self.steps].index(of.text)}"
 
 

@@ -23,7 +23,7 @@ from nav_model.processing.paired_echo import NOTHING
 
 
 @dataclass(frozen=True)
-class Entry:
+class AllocationEntry:
     """What one source may take and takes today, both in SI at the confidence of the limit.
 
     ``margin`` is 1 - estimated/allocated, None where nothing is left to allocate.
@@ -50,7 +50,7 @@ class Allocation:
     limit: float
     reserve: float
     blocked_by: tuple[str, ...]
-    entries: tuple[Entry, ...]
+    entries: tuple[AllocationEntry, ...]
 
     @property
     def closes(self) -> bool:
@@ -133,7 +133,9 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
         allocated |= dict(zip(free, split_up.tolist(), strict=True))
     owners = {contributor.name: contributor.owner for contributor in budget.design.contributors}
     entries = tuple(
-        Entry(source, allocated[source], size, owners.get(source, ""), source in locked, source in systematic)
+        AllocationEntry(
+            source, allocated[source], size, owners.get(source, ""), source in locked, source in systematic
+        )
         for source, size in sizes.items()
     )
     return Allocation(check.name, check.limit, plan.reserve, blocked, entries)

@@ -25,7 +25,7 @@ Shares = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class Part:
+class Contribution:
     """A contributor that is not zero: its size in the figure that it enters, 1σ in SI, with the allowance."""
 
     name: str
@@ -38,10 +38,10 @@ class Part:
 class Contributors:
     """What enters each figure (`in_figures`), and each contributor by itself (`alone`), as a limit on it has it."""
 
-    in_figures: Mapping[str, tuple[Part, ...]] = field(default_factory=lambda: FrozenMapping({}))
-    alone: Mapping[str, tuple[Part, ...]] = field(default_factory=lambda: FrozenMapping({}))
+    in_figures: Mapping[str, tuple[Contribution, ...]] = field(default_factory=lambda: FrozenMapping({}))
+    alone: Mapping[str, tuple[Contribution, ...]] = field(default_factory=lambda: FrozenMapping({}))
 
-    def entering(self, name: str, processing: str) -> tuple[Part, ...]:
+    def entering(self, name: str, processing: str) -> tuple[Contribution, ...]:
         """What enters a figure in one processing, or the contributor of that name."""
         parts = (self.in_figures if name in FIGURES else self.alone).get(name, ())
         return tuple(part for part in parts if part.processing in (BOTH, processing))
@@ -76,12 +76,12 @@ def contributors_of(design: Design, wavelength: Any, counted: Mapping[str, Any] 
         counted = {
             contributor.name: contributor.counted for contributor in design.contributors if contributor.counted
         }
-    in_figures: dict[str, tuple[Part, ...]] = {}
-    alone: dict[str, tuple[Part, ...]] = {}
+    in_figures: dict[str, tuple[Contribution, ...]] = {}
+    alone: dict[str, tuple[Contribution, ...]] = {}
     for contributor in design.contributors:
         if (name := contributor.name) in counted:
             into = FIGURES[contributor.enters].dimension
-            part = Part(name, counted[name], contributor.kind == SYSTEMATIC, contributor.processing)
+            part = Contribution(name, counted[name], contributor.kind == SYSTEMATIC, contributor.processing)
             entering = replace(part, size=as_phase(part.size, contributor.dimension, into, wavelength))
             # The outage's figure is one in both processings, so that what holds in one alone is not in it.
             lasts = _LASTS.get(contributor.enters, ()) if contributor.processing == BOTH else ()
@@ -101,13 +101,13 @@ def as_phase(value: Any, dimension: str, into: str, wavelength: Any) -> Any:
     return 4 * math.pi / wavelength * value if (dimension, into) == ("length", "angle") else value
 
 
-def with_contributors(sigma: Any, parts: Iterable[Part]) -> Any:
+def with_contributors(sigma: Any, parts: Iterable[Contribution]) -> Any:
     """A figure, 1σ, with what enters it; numbers or arrays that broadcast."""
     root, systematic = random_and_systematic(sigma, parts)
     return root + systematic
 
 
-def random_and_systematic(sigma: Any, parts: Iterable[Part]) -> tuple[Any, Any]:
+def random_and_systematic(sigma: Any, parts: Iterable[Contribution]) -> tuple[Any, Any]:
     """Root of the sum of squares of the random, the model's `sigma` among them, and sum of the systematic."""
     parts = tuple(parts)
     squares = [part.size**2 for part in parts if not part.systematic]
@@ -116,7 +116,7 @@ def random_and_systematic(sigma: Any, parts: Iterable[Part]) -> tuple[Any, Any]:
 
 
 def composed(
-    sigma: Any, shares: Mapping[str, Any], parts: tuple[Part, ...], basis: str = "", mark: str = ""
+    sigma: Any, shares: Mapping[str, Any], parts: tuple[Contribution, ...], basis: str = "", mark: str = ""
 ) -> Composed:
     """A figure of the model, 1σ, whose `shares` are those in its variance, with what enters it; numbers or arrays."""
     sizes = {source: sigma * share**0.5 for source, share in shares.items()}

@@ -20,7 +20,7 @@ from nav_model.budget.real_time import RealTime
 from nav_model.budget.smoothed import channels
 from nav_model.design import Design
 from nav_model.design.figures import STEADY
-from nav_model.processing.flight import Channel, Flight, values_of
+from nav_model.processing.flight import Channel, DoubledFlight, values_of
 
 COAST_POINTS = 300
 
@@ -176,7 +176,7 @@ def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Arra
     """One sigma of position, velocity, and tilt times gravity: (3, n)."""
     inside = time > 0
     rows = np.append(time[~inside], 0.0)  # the last one serves all times in the outage
-    flight = Flight({name: np.broadcast_to(value, rows.shape) for name, value in values_of(channel).items()})
+    flight = DoubledFlight({name: np.broadcast_to(value, rows.shape) for name, value in values_of(channel).items()})
     axis = flight.axis
     now, none, length = rows / axis.step, 0 * rows, float(outage / axis.step[-1])  # in steps
     start, after_outage = flight.start(none), flight.information_after(none, after / axis.step)

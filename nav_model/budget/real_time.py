@@ -30,7 +30,7 @@ from nav_model.design.figures import FIGURES
 from nav_model.design.processing import REAL_TIME
 from nav_model.processing.geolocation import (
     NINETY,
-    Line,
+    AxisError,
     Shifts,
     circular_error,
     free_line,
@@ -280,7 +280,7 @@ class RealTime:
     # The place of the image.
 
     @property
-    def lines(self) -> tuple[Line, Line]:
+    def lines(self) -> tuple[AxisError, AxisError]:
         """Line in the position error over the aperture, horizontal and vertical. [P-7]"""
         x, start = self.x, self.at_last_fix
         inside = x.before_aperture, x.aperture

@@ -15,7 +15,7 @@ from nav_model.budget.inputs import Inputs
 from nav_model.budget.real_time import RealTime, azimuth_lever, fast_slope
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.flight import Channel
-from nav_model.processing.geolocation import Line
+from nav_model.processing.geolocation import AxisError
 from nav_model.processing.smoother import SmoothedError
 
 
@@ -94,10 +94,10 @@ class Smoothed(RealTime):
         return np.asarray(self.to_phase * turn * np.sqrt(self.error["turned"][0]))
 
     @property
-    def lines(self) -> tuple[Line, Line]:
+    def lines(self) -> tuple[AxisError, AxisError]:
         """Line in the smoothed position error over the aperture, horizontal and vertical. [P-7]"""
         mean, slope, both = (self.error[name] for name in ("mean", "slope", "mean_slope"))
-        return Line(mean[0], slope[0], both[0]), Line(mean[1], slope[1], both[1])
+        return AxisError(mean[0], slope[0], both[0]), AxisError(mean[1], slope[1], both[1])
 
     @property
     def slope_shift(self) -> Array:

@@ -147,7 +147,7 @@ _HEAD = "# Sensor noise of a NavBudget design, 1 sigma per axis, vibration facto
 _ASSUMED = f"bias with an assumed correlation time of {CORRELATION_TIME / 3600:g} h"
 
 
-class Filter(NamedTuple):
+class OtherFilter(NamedTuple):
     """A filter: what it is called, the name of its file, and what writes it."""
 
     label: str
@@ -155,12 +155,12 @@ class Filter(NamedTuple):
     write: Callable[[Design], str]
 
 
-FILTERS: Mapping[str, Filter] = MappingProxyType(
+FILTERS: Mapping[str, OtherFilter] = MappingProxyType(
     {
-        "kalibr": Filter("kalibr", "imu.yaml", _kalibr),
-        "px4": Filter("PX4 EKF2", "ekf2.params", _px4),
-        "kf-gins": Filter("KF-GINS", "kf-gins-imunoise.yaml", _kf_gins),
-        "pyins": Filter("pyins", "pyins_noise.py", _pyins),
+        "kalibr": OtherFilter("kalibr", "imu.yaml", _kalibr),
+        "px4": OtherFilter("PX4 EKF2", "ekf2.params", _px4),
+        "kf-gins": OtherFilter("KF-GINS", "kf-gins-imunoise.yaml", _kf_gins),
+        "pyins": OtherFilter("pyins", "pyins_noise.py", _pyins),
     }
 )
 """Name on the command line -> the filter."""

@@ -33,7 +33,7 @@ SENSORS: Mapping[str, str] = {key: source for key in VARIABLES if (source := qua
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class InputSensitivity:
     """How one figure depends on one input, or on a contributor of the user's own, whose name is the ``label``.
 
     ``slope`` is d ln(figure)/d ln(input). ``halved`` and ``doubled`` are the figure's exact relative change when
@@ -57,7 +57,7 @@ class Sensitivity:
         return self.key.partition(".")[0] not in ("flight", "radar")
 
 
-def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
+def rank(design: Design, figure: str) -> tuple[InputSensitivity, ...]:
     """Sensitivities of a figure to every input and contributor it depends on, the strongest first.
 
     Inputs at zero have no logarithm and are left out: `silent` names them.
@@ -73,14 +73,14 @@ def rank(design: Design, figure: str) -> tuple[Sensitivity, ...]:
     slopes = log_derivatives(design, keys, (figure,))[figure]
     halved, doubled = (_scaled(design, keys, figure, factor) for factor in (0.5, 2.0))
     of_inputs = [
-        Sensitivity(key, str(quantity(key).label), float(slope), float(half), float(double))
+        InputSensitivity(key, str(quantity(key).label), float(slope), float(half), float(double))
         for key, slope, half, double in zip(keys, slopes, halved, doubled, strict=True)
         if slope != 0
     ]
     return tuple(sorted((*of_inputs, *_of_contributors(design, figure)), key=lambda item: -abs(item.slope)))
 
 
-def _of_contributors(design: Design, figure: str) -> Iterator[Sensitivity]:
+def _of_contributors(design: Design, figure: str) -> Iterator[InputSensitivity]:
     """The same of each contributor that enters the figure."""
     x = inputs_of(design)
     parts = x.contributors.entering(figure, x.processing)
@@ -94,7 +94,7 @@ def _of_contributors(design: Design, figure: str) -> Iterator[Sensitivity]:
         now = scaled(part.name, 1.0).real
         halved, doubled = (scaled(part.name, factor).real / now - 1 for factor in (0.5, 2.0))
         slope = scaled(part.name, 1 + 1j * _STEP).imag / (now * _STEP)
-        yield Sensitivity(f"contributors.{part.name}", part.name, slope, halved, doubled)
+        yield InputSensitivity(f"contributors.{part.name}", part.name, slope, halved, doubled)
 
 
 def silent(design: Design) -> tuple[str, ...]:
@@ -157,7 +157,7 @@ def _in_reach(key: str, now: float, factor: float) -> bool:
     return least(key, now) <= factor * now <= declaration.limits[1]
 
 
-def sentence(item: Sensitivity, figure_label: str) -> str:
+def sentence(item: InputSensitivity, figure_label: str) -> str:
     """A sensitivity in words: what halving the input does, or doubling where that is what helps."""
     down = item.slope > 0
     verb, change = ("Halving", item.halved) if down else ("Doubling", item.doubled)

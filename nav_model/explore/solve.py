@@ -52,7 +52,7 @@ Outcome = Literal["limited", "any value", "no value"]
 
 
 @dataclass(frozen=True)
-class Answer:
+class InputAnswer:
     """How far one input may go for one requirement, or for all.
 
     ``outcome`` is "limited" when ``value`` [SI] is the largest that meets it; "any value" when every allowed
@@ -75,8 +75,8 @@ class Solution:
 
     key: str
     current: float
-    each: tuple[Answer, ...]
-    together: Answer
+    each: tuple[InputAnswer, ...]
+    together: InputAnswer
 
 
 class Offer(NamedTuple):
@@ -121,7 +121,9 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
     solutions = []
     for i, key in enumerate(keys):
         each = tuple(
-            Answer(key, name, outcomes[i][j], float(roots[i, j]) if outcomes[i][j] == "limited" else None, None, name)
+            InputAnswer(
+                key, name, outcomes[i][j], float(roots[i, j]) if outcomes[i][j] == "limited" else None, None, name
+            )
             for j, name in enumerate(names)
         )
         if verify:
@@ -136,19 +138,19 @@ def _current(design: Design, key: str) -> float:
     return float(design[key])  # type: ignore[arg-type]
 
 
-def _together(key: str, each: tuple[Answer, ...]) -> Answer:
+def _together(key: str, each: tuple[InputAnswer, ...]) -> InputAnswer:
     """The least of the answers; a requirement that cannot be met decides for all."""
     stuck = [answer for answer in each if answer.outcome == "no value"]
     if stuck:
-        return Answer(key, ALL, "no value", None, None, stuck[0].binding)
+        return InputAnswer(key, ALL, "no value", None, None, stuck[0].binding)
     limited = [answer for answer in each if answer.value is not None]
     if not limited:
-        return Answer(key, ALL, "any value", None, None, each[0].binding)
+        return InputAnswer(key, ALL, "any value", None, None, each[0].binding)
     least = min(limited, key=lambda answer: answer.value or 0.0)
-    return Answer(key, ALL, "limited", least.value, least.margin, least.binding)
+    return InputAnswer(key, ALL, "limited", least.value, least.margin, least.binding)
 
 
-def _verified(design: Design, answer: Answer) -> Answer:
+def _verified(design: Design, answer: InputAnswer) -> InputAnswer:
     """The answer with the margin that the budget gives it, moved down where rounding puts the edge elsewhere."""
     if answer.value is None:
         return answer
@@ -160,7 +162,7 @@ def _verified(design: Design, answer: Answer) -> Answer:
     return replace(answer, value=value, margin=margin)
 
 
-def _margin(design: Design, answer: Answer, value: float) -> float:
+def _margin(design: Design, answer: InputAnswer, value: float) -> float:
     checks = analyse(design.replace({answer.key: value})).verdict.checks
     return next(check.margin for check in checks if check.name == answer.binding)
 
@@ -217,7 +219,7 @@ def resolution_for(design: Design, aperture: float) -> float:
     return float(WINDOW_WIDTH[design.radar.window] * cell)
 
 
-def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[Answer, ...]:
+def remedies(solutions: tuple[Solution, ...], requirement: str) -> tuple[InputAnswer, ...]:
     """Alternatives where one input cannot help: the other inputs' answers for the same requirement (or all)."""
     answers = (
         next((a for a in (*solution.each, solution.together) if a.requirement == requirement), None)

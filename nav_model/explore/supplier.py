@@ -52,7 +52,7 @@ _ROUNDING = 1e-12  # so that a value of three digits is not rounded down to the 
 
 
 @dataclass(frozen=True)
-class Required:
+class RequiredInput:
     """One line of a sheet: the largest value [SI] of an input, and the one that the design has."""
 
     key: str
@@ -82,7 +82,7 @@ class Acceptance:
         return self.reading <= self.accepted
 
 
-def required(design: Design, unit: Unit) -> tuple[Required, ...]:
+def required(design: Design, unit: Unit) -> tuple[RequiredInput, ...]:
     """The lines of the sheet of a unit: from the design's allocation where it has one.
 
     Raises
@@ -93,13 +93,15 @@ def required(design: Design, unit: Unit) -> tuple[Required, ...]:
     """
     now = _noises(design, unit)
     if frozen := {key: value for key, value, _ in design.allocation.required} if design.allocation else {}:
-        return tuple(Required(key, frozen[key], value) for key, value in now.items() if key in frozen)
+        return tuple(RequiredInput(key, frozen[key], value) for key, value in now.items() if key in frozen)
     if not limits(design):
         raise InputError("requirements", "none is given; give at least one limit to require values for")
     plan = design.allocation
     factors = _alike(design, unit) if plan is None else _allocated(design, unit, now)
     largest = {key: _allowed(key, (1 + _ROUNDING) * factors[key] * value) for key, value in now.items()}
-    return tuple(Required(key, rounded_offer(design, key, largest[key]).value, value) for key, value in now.items())
+    return tuple(
+        RequiredInput(key, rounded_offer(design, key, largest[key]).value, value) for key, value in now.items()
+    )
 
 
 def exceeding(design: Design) -> tuple[str, ...]:
@@ -215,7 +217,7 @@ def degrees_of(duration: float, rate: float) -> float:
     return degrees_of_freedom(0, max(1, round(AVERAGING * rate)), round(duration * rate))
 
 
-def judge_log(lines: tuple[Required, ...], log: LogAnalysis) -> tuple[Acceptance, ...]:
+def judge_log(lines: tuple[RequiredInput, ...], log: LogAnalysis) -> tuple[Acceptance, ...]:
     """Every axis of a log at rest against the lines of an inertial unit.
 
     Raises

@@ -34,7 +34,7 @@ from nav_model.design import Design, Value
 from nav_model.design.figures import FIGURES, REQUIRED, of_kind
 from nav_model.explore.margins import limits, worst
 from nav_model.explore.sweep_flight import fly
-from nav_model.explore.sweep_plan import Plan
+from nav_model.explore.sweep_plan import SweepPlan
 
 SUFFIXES = (".csv", ".parquet")
 Column = list[Value] | np.ndarray[Any, Any]
@@ -42,7 +42,7 @@ ProgressCallback = Callable[[int, int], None]
 
 
 def run_sweep(
-    plan: Plan,
+    plan: SweepPlan,
     output: str | Path,
     workers: int = 1,
     scheduler: str | None = None,
@@ -81,7 +81,7 @@ def run_sweep(
 
 
 def _run(
-    plan: Plan, target: Path, parts: Path, workers: int, scheduler: str | None, progress: ProgressCallback
+    plan: SweepPlan, target: Path, parts: Path, workers: int, scheduler: str | None, progress: ProgressCallback
 ) -> int:
     ready = _ready(plan, parts, target.suffix)
     missing = [n for n in range(plan.parts) if n not in ready]
@@ -99,16 +99,16 @@ def _run(
     return stored
 
 
-def _size(plan: Plan, n: int) -> int:
+def _size(plan: SweepPlan, n: int) -> int:
     return min(plan.rows_per_part, plan.rows - n * plan.rows_per_part)
 
 
-def _digest(plan: Plan, n: int, content: bytes) -> str:
+def _digest(plan: SweepPlan, n: int, content: bytes) -> str:
     """SHA-256 of a part, of its place and of its plan, so that no part passes for another."""
     return hashlib.sha256(f"{plan.identity} {n}\n".encode() + content).hexdigest()
 
 
-def _ready(plan: Plan, parts: Path, suffix: str) -> dict[int, Path]:
+def _ready(plan: SweepPlan, parts: Path, suffix: str) -> dict[int, Path]:
     """The parts of an earlier run that are as they were written."""
     ready = {}
     for path in parts.glob(f"*{suffix}"):
@@ -121,7 +121,7 @@ def _ready(plan: Plan, parts: Path, suffix: str) -> dict[int, Path]:
 
 
 @contextmanager
-def _open_parts(plan: Plan, target: Path) -> Iterator[Path]:
+def _open_parts(plan: SweepPlan, target: Path) -> Iterator[Path]:
     """The folder of parts, new or of the same plan, for this sweep alone: another would remove it in the end.
 
     The lock is the system's, which releases it even where a process dies: the file alone means nothing.
@@ -187,7 +187,7 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Executor | 
 
 
 def _results(
-    executor: Executor | None, at_once: int, plan: Plan, missing: list[int], suffix: str
+    executor: Executor | None, at_once: int, plan: SweepPlan, missing: list[int], suffix: str
 ) -> Iterator[tuple[int, bytes]]:
     """Parts as they are done; only a few wait at a time, so that memory does not grow with the sweep."""
     if executor is None:
@@ -206,14 +206,14 @@ def _results(
             yield waiting.pop(future), future.result()
 
 
-def compute_part(plan: Plan, n: int, suffix: str) -> bytes:
+def compute_part(plan: SweepPlan, n: int, suffix: str) -> bytes:
     """One part of a sweep's file: importable and picklable, so that any worker can do it."""
     start = n * plan.rows_per_part
     columns = evaluate(plan, start, start + _size(plan, n))
     return to_parquet(columns) if suffix == ".parquet" else to_csv(columns)
 
 
-def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
+def evaluate(plan: SweepPlan, start: int, stop: int) -> dict[str, Column]:
     """The rows from `start` to `stop` as columns.
 
     ``row``; every input varied (SI); ``processing.mode``, for which the results are; one sigma of every result; the
@@ -261,7 +261,7 @@ def evaluate(plan: Plan, start: int, stop: int) -> dict[str, Column]:
 
 
 def whole_sweep(
-    plan: Plan, *, progress: Callable[[float, str], None] = lambda share, what: None
+    plan: SweepPlan, *, progress: Callable[[float, str], None] = lambda share, what: None
 ) -> dict[str, Column]:
     """Every row of a plan as columns, as `evaluate` gives them, in memory.
 
@@ -289,7 +289,7 @@ def whole_sweep(
     }
 
 
-def _designs(plan: Plan, start: int, stop: int) -> Iterator[Design]:
+def _designs(plan: SweepPlan, start: int, stop: int) -> Iterator[Design]:
     """The designs of these rows, one by one."""
     for places in zip(*plan.indices(start, stop), strict=True):
         changes = (axis.changes[k].items() for axis, k in zip(plan.axes, places, strict=True))
@@ -316,7 +316,7 @@ def sweep_ratios(columns: Mapping[str, Column]) -> Array:
     )
 
 
-def least_demanding(plan: Plan, columns: Mapping[str, Column]) -> NDArray[np.bool_]:
+def least_demanding(plan: SweepPlan, columns: Mapping[str, Column]) -> NDArray[np.bool_]:
     """The Pareto front of a grid, for each row: it passes, and none that passes is as easy in every input and easier
     in one. A number is easier towards the side on which most designs come nearer to their limits; names are not
     compared."""
@@ -366,7 +366,7 @@ def _arrow() -> tuple[Any, Any]:
     return pyarrow, pyarrow.parquet
 
 
-def _join(plan: Plan, parts: Mapping[int, Path], target: Path) -> None:
+def _join(plan: SweepPlan, parts: Mapping[int, Path], target: Path) -> None:
     """All parts, in order, into the output."""
     beside = target.with_name(target.name + ".tmp")
     contents = (_checked(plan, n, parts[n]) for n in range(plan.parts))
@@ -390,7 +390,7 @@ def _join(plan: Plan, parts: Mapping[int, Path], target: Path) -> None:
         beside.unlink(missing_ok=True)
 
 
-def _checked(plan: Plan, n: int, path: Path) -> bytes:
+def _checked(plan: SweepPlan, n: int, path: Path) -> bytes:
     """A part's content; InputError unless it is as it was written, with every row of the plan."""
     content = path.read_bytes()
     if _digest(plan, n, content) != path.stem.partition("-")[2]:

@@ -47,7 +47,7 @@ _KEYS = ("design", "combine", "results", "rows_per_part", "simulate", "vary")
 
 
 @dataclass(frozen=True)
-class Axis:
+class SweepAxis:
     """One input varied: what its column shows, and the changes (SI) each value makes."""
 
     key: str
@@ -56,7 +56,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Plan:
+class SweepPlan:
     """A sweep, plain data so that it travels to any worker.
 
     Row n of a grid runs through the last axis fastest. ``flight`` says how every design
@@ -64,7 +64,7 @@ class Plan:
     """
 
     design: Design
-    axes: tuple[Axis, ...]
+    axes: tuple[SweepAxis, ...]
     together: bool
     results: tuple[str, ...]
     rows_per_part: int
@@ -105,7 +105,7 @@ class Plan:
         return tuple(np.unravel_index(rows, [len(axis.values) for axis in self.axes]))
 
 
-def read_plan(path: str | Path) -> Plan:
+def read_plan(path: str | Path) -> SweepPlan:
     """Read a sweep file.
 
     Raises
@@ -117,7 +117,7 @@ def read_plan(path: str | Path) -> Plan:
     return parse_plan(read_bytes(where, _MAX_BYTES), str(where), where.parent)
 
 
-def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan:
+def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> SweepPlan:
     """As `read_plan`, from the file's bytes; a design it names is looked for in `folder`."""
     tables = read_toml(data, where, "a sweep file", _MAX_BYTES)
     unknown = set(tables) - set(_KEYS)
@@ -143,7 +143,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Plan
     size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
     named = (tables["design"], tables.get("simulate", {}).get("trajectory"))
     files = tuple(folder / name for name in named if isinstance(name, str))
-    plan = Plan(design, axes, combine == "together", _results(tables), size, flight, files)
+    plan = SweepPlan(design, axes, combine == "together", _results(tables), size, flight, files)
     if plan.rows > MOST_ROWS:
         asked = plan.rows if plan.rows < 10**12 else f"more than 1e{len(str(plan.rows)) - 1}"
         raise InputError("vary", f"asks for {asked} designs; at most {MOST_ROWS} go in one sweep")
@@ -198,18 +198,18 @@ def _check_size(varied: Sequence[tuple[str, Any]]) -> None:
             raise InputError(key, f"more than {MOST_POINTS} values in all lists and ranges; give at most that many")
 
 
-def _axis(key: str, spec: Any, baseline: float | None) -> Axis:
+def _axis(key: str, spec: Any, baseline: float | None) -> SweepAxis:
     if isinstance(spec, dict):
         return _numbers(key, _range(key, spec))
     if not isinstance(spec, list) or not spec:
         raise InputError(key, "must be a list of values, or { from = ..., to = ..., points = ... }")
     if key in PRESET_KEYS:
         fills = [preset_fill(key.partition(".")[0], str(name), baseline)[0] for name in spec]
-        return Axis(key, tuple(fill[key] for fill in fills), tuple(fills))
+        return SweepAxis(key, tuple(fill[key] for fill in fills), tuple(fills))
     declaration = _declaration(key)
     if isinstance(declaration, Choice):
         options = [declaration.read(item) for item in spec]
-        return Axis(key, tuple(options), tuple({key: option} for option in options))
+        return SweepAxis(key, tuple(options), tuple({key: option} for option in options))
     return _numbers(key, [declaration.read(item).value for item in spec])
 
 
@@ -223,8 +223,8 @@ def _declaration(key: str) -> BaseQuantity[Any] | Choice:
     return declaration
 
 
-def _numbers(key: str, values: list[float]) -> Axis:
-    return Axis(key, tuple(values), tuple({key: value} for value in values))
+def _numbers(key: str, values: list[float]) -> SweepAxis:
+    return SweepAxis(key, tuple(values), tuple({key: value} for value in values))
 
 
 def _range(key: str, spec: Mapping[str, Any]) -> list[float]:

@@ -34,7 +34,7 @@ OUTAGES = (0.0, 10.0, 60.0)
 """Seconds since the last fix that data sheets print."""
 
 
-class Column(NamedTuple):
+class VendorColumn(NamedTuple):
     """A column: its figure while fixes come in (none for heading), that of the outage, and the input whose
     declaration reads a value as data sheets write it."""
 
@@ -48,19 +48,19 @@ def _both(figure: str) -> tuple[str, str]:
     return figure, f"coast_{figure}"
 
 
-COLUMNS: Mapping[str, Column] = MappingProxyType(
+COLUMNS: Mapping[str, VendorColumn] = MappingProxyType(
     {
-        "horizontal": Column("Horizontal position", *_both("horizontal_position"), "gnss.position_noise"),
-        "vertical": Column("Vertical position", *_both("vertical_position"), "gnss.vertical_position_noise"),
-        "velocity": Column("Horizontal velocity", *_both("horizontal_velocity"), "gnss.velocity_noise"),
-        "roll and pitch": Column("Roll and pitch", *_both("tilt"), "requirements.tilt"),
-        "heading": Column("Heading growth", "", "coast_heading", "requirements.tilt"),
+        "horizontal": VendorColumn("Horizontal position", *_both("horizontal_position"), "gnss.position_noise"),
+        "vertical": VendorColumn("Vertical position", *_both("vertical_position"), "gnss.vertical_position_noise"),
+        "velocity": VendorColumn("Horizontal velocity", *_both("horizontal_velocity"), "gnss.velocity_noise"),
+        "roll and pitch": VendorColumn("Roll and pitch", *_both("tilt"), "requirements.tilt"),
+        "heading": VendorColumn("Heading growth", "", "coast_heading", "requirements.tilt"),
     }
 )
 """Name in a row -> the column."""
 
 
-class Row(NamedTuple):
+class VendorRow(NamedTuple):
     """A row: processing, seconds since the last fix, and by column one sigma in SI; None where nothing is known."""
 
     processing: str
@@ -68,7 +68,7 @@ class Row(NamedTuple):
     values: Mapping[str, float | None]
 
 
-def vendor_table(design: Design) -> tuple[Row, ...]:
+def vendor_table(design: Design) -> tuple[VendorRow, ...]:
     """The rows of `OUTAGES` in both processings, without contributors.
 
     In real time an outage is judged at its end. Post-processed it is bridged from both sides, and the largest error
@@ -82,7 +82,9 @@ def vendor_table(design: Design) -> tuple[Row, ...]:
     x = inputs_of(design)
     with refused(design):
         models: tuple[RealTime, ...] = (RealTime(x), Smoothed(x))
-        return tuple(Row(model.processing, outage, _row(model, outage)) for model in models for outage in OUTAGES)
+        return tuple(
+            VendorRow(model.processing, outage, _row(model, outage)) for model in models for outage in OUTAGES
+        )
 
 
 def _row(model: RealTime, outage: float) -> dict[str, float | None]:

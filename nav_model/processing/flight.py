@@ -89,7 +89,7 @@ def axis_of(x: Mapping[str, Array]) -> Axis:
     return Axis(length, step, parts, np.where(together, dense + sparse, dense), np.where(together, 0, sparse), noise)
 
 
-class Flight:
+class DoubledFlight:
     """A flight, of two units that are doubled: a step, from a fix to the next one, and a period, from fixes of both
     kinds to the next of both. Each has the fix at its end, not the one at its beginning.
 

@@ -25,7 +25,7 @@ NINETY = 1.6448536269514722
 """Sigmas that hold 90 % of a normal error on both sides."""
 
 
-class Line(NamedTuple):
+class AxisError(NamedTuple):
     """Error of one axis over the aperture: variance of its mean [m²], of its slope [m²/s²], and their covariance
     [m²/s]."""
 
@@ -52,7 +52,7 @@ def free_line(
     g: ArrayLike,
     coast: ArrayLike,
     aperture: ArrayLike,
-) -> Line:
+) -> AxisError:
     """The line in the error of a free INS over an aperture that begins `coast` seconds after the last fix.
 
     Parameters
@@ -86,7 +86,7 @@ def free_line(
     by_a = b * (c**2 / 2 + c * t / 2 + t**2 / 6), b * (c + t / 2)
     jerk = g * d
     by_w = jerk * (c**3 / 6 + c**2 * t / 4 + c * t**2 / 6 + t**3 / 24), jerk * (c**2 / 2 + c * t / 2 + 3 / 20 * t**2)
-    return Line(
+    return AxisError(
         mean + by_a[0] ** 2 + by_w[0] ** 2,
         slope + by_a[1] ** 2 + by_w[1] ** 2,
         covariance + by_a[0] * by_a[1] + by_w[0] * by_w[1],
@@ -94,8 +94,8 @@ def free_line(
 
 
 def shifts(
-    horizontal: Line,
-    vertical: Line,
+    horizontal: AxisError,
+    vertical: AxisError,
     grazing: ArrayLike,
     slant_range: ArrayLike,
     speed: ArrayLike,
@@ -109,10 +109,10 @@ def shifts(
     """
     psi, r, v, squint = (as_numbers(x) for x in (grazing, slant_range, speed, squint))
     w_h, w_v = np.cos(psi) ** 2, np.sin(psi) ** 2
-    along_sight = Line(*(w_h * h + w_v * z for h, z in zip(horizontal, vertical, strict=True)))
+    along_sight = AxisError(*(w_h * h + w_v * z for h, z in zip(horizontal, vertical, strict=True)))
     lever = r / (v * np.cos(squint))
     up = np.tan(squint) * np.sin(psi)  # of the azimuth's direction, the line of sight going down by the grazing angle
-    between = Line(*(-up * np.sin(psi) * (z - h) for h, z in zip(horizontal, vertical, strict=True)))
+    between = AxisError(*(-up * np.sin(psi) * (z - h) for h, z in zip(horizontal, vertical, strict=True)))
     azimuth = (
         horizontal.mean * (1 - up**2)
         + vertical.mean * up**2

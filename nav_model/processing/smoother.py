@@ -1,10 +1,10 @@
 """The smoothed error of an axis over an aperture. [P-3], [P-5]
 
-A flight's filter has run since take-off, and its smoother has every fix of the flight. So:
+A flight's filter has run since take-off, and its smoother has every fix of the flight. So, by `DoubledFlight`:
 
-- before the aperture, the covariance of the settled filter just after the fix at its start (`Flight.start`);
-- after it, the information of the fixes of `after` seconds about the state at its end (`Flight.information_after`);
-- between the two, a stretch of flight with the Legendre coefficients of its position error (`Flight.stretch_to`).
+- before the aperture, the covariance of the settled filter just after the fix at its start (`start`);
+- after it, the information of the fixes of `after` seconds about the state at its end (`information_after`);
+- between the two, a stretch of flight with the Legendre coefficients of its position error (`stretch_to`).
 
 Everything broadcasts and takes complex steps, and every design is solved by this one method.
 """
@@ -18,7 +18,7 @@ import numpy as np
 from nav_model.analytic.doubling import carried, updated, without_slow_error
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
-from nav_model.processing.flight import Channel, Flight, values_of
+from nav_model.processing.flight import Channel, DoubledFlight, values_of
 from nav_model.processing.stretch import ORDERS
 
 COLUMNS = (
@@ -111,7 +111,7 @@ class _Batch:
     """Some rows, each an axis of a design with the times of its aperture."""
 
     def __init__(self, x: Mapping[str, Array]) -> None:
-        self._flight = Flight(x)
+        self._flight = DoubledFlight(x)
         axis = self._axis = self._flight.axis
         self._seconds = x["aperture"]
         self._aperture, self._after, gap = (x[name] / axis.step for name in ("aperture", "after", "gap"))

@@ -40,7 +40,7 @@ class Decomposition:
 
 
 @dataclass(frozen=True)
-class Band:
+class MedianBand:
     """Median and 5-95 % band over the runs (last axis of what it was made from)."""
 
     median: Array
@@ -110,10 +110,10 @@ def fix_rate_harmonics(history: ArrayLike, time: ArrayLike, fix_interval: float,
     return np.asarray(2 * np.abs(ripple[..., :-1] @ turns[:-1]) / (len(time) - 1))
 
 
-def band(values: ArrayLike) -> Band:
+def band(values: ArrayLike) -> MedianBand:
     """Median, 5 % and 95 % over the last axis (the runs)."""
     low, median, high = np.percentile(np.asarray(values, float), [5, 50, 95], axis=-1)
-    return Band(np.asarray(median), np.asarray(low), np.asarray(high))
+    return MedianBand(np.asarray(median), np.asarray(low), np.asarray(high))
 
 
 def run_responses(phase: ArrayLike, window: Window = "uniform", autofocus_order: int = 1) -> dict[str, Array]:

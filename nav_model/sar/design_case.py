@@ -20,7 +20,7 @@ from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.strategies import NAMES
-from nav_model.sar.winners import Conditions, Smoothed
+from nav_model.sar.winners import Conditions, SmoothedVariances
 
 Engine = Literal["fast", "simulator"]
 """The per-axis error model, and full flights of the simulator."""
@@ -158,11 +158,13 @@ def conditions(
     )
 
 
-def _smoothed(x: Inputs, *, whole: bool) -> Smoothed:
+def _smoothed(x: Inputs, *, whole: bool) -> SmoothedVariances:
     """The whole-leg smoother's variances [m²] as the budget has them. [P-5], [S-2]"""
     model = post_processed.Smoothed(x)
     quadratic, residual = model.sight_variance("quadratic"), model.sight_variance(f"left_{x.autofocus_order}")
-    return Smoothed(quadratic, residual, *((residual * (1 + model.turn_of_detrended) ** 2,) if whole else ()))
+    return SmoothedVariances(
+        quadratic, residual, *((residual * (1 + model.turn_of_detrended) ** 2,) if whole else ())
+    )
 
 
 def judged(design: Design) -> str:

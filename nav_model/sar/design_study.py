@@ -24,7 +24,7 @@ from nav_model.design import Design
 from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.advice import LEFT, Advice, advise, spread_of
-from nav_model.sar.decomposition import Band, autofocus, band
+from nav_model.sar.decomposition import MedianBand, autofocus, band
 from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case
 from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.line_of_sight import range_error
@@ -81,15 +81,15 @@ class SarStudy:
     runs: int
     seed: int
     closed: ClosedForms
-    parts: dict[str, Band]
-    responses: dict[str, Band]
+    parts: dict[str, MedianBand]
+    responses: dict[str, MedianBand]
     rms: Array
     rms_error: Array
     quadratic_rms: Array
     quadratic_rms_error: Array
     whole_rms: Array
-    jump_rms: Band
-    fix_harmonics: Band
+    jump_rms: MedianBand
+    fix_harmonics: MedianBand
     fixes: int
     time: Array
     typical: Array
@@ -327,8 +327,8 @@ def _root_mean_square(values: Array) -> tuple[Array, Array]:
     return root, np.divide(error, 2 * root, out=np.zeros_like(root), where=root > 0)
 
 
-def _without(values: Band, smeared: NDArray[np.bool_]) -> Band:
-    return Band(*(np.where(smeared, np.nan, part) for part in (values.median, values.low, values.high)))
+def _without(values: MedianBand, smeared: NDArray[np.bool_]) -> MedianBand:
+    return MedianBand(*(np.where(smeared, np.nan, part) for part in (values.median, values.low, values.high)))
 
 
 def _by_strategy(variances: Array) -> dict[str, float | None]:

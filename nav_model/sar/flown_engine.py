@@ -23,7 +23,7 @@ from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.fast_engine import weight_of
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
 from nav_model.simulation.design_study import settling, specification
-from nav_model.simulation.specification import HIGHEST_RATE, Aiding, SimulationSpec
+from nav_model.simulation.specification import HIGHEST_RATE, Aids, SimulationSpec
 
 if TYPE_CHECKING:
     from nav_model.sar.flown_smoother import FlownSmoother
@@ -74,7 +74,7 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
     start = round(count * interval * rate) / rate
     aided = replace(
         specification(design, trajectory="straight", runs=1, duration=length, every=1 / rate, states=9),
-        record_from=start, aiding=Aiding(), radar_time_offset=0.0,  # neither model of the strategies has them
+        record_from=start, aiding=Aids(), radar_time_offset=0.0,  # neither model of the strategies has them
     )  # fmt: skip
     coast = round(coast_time / interval) * interval
     free = replace(aided, record_from=start, duration=of_aperture, outages=((start, of_aperture),))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from nav_model.budget.json import verdict_json
 from nav_model.design.figures import QUADRATIC
 from nav_model.sar.agreement import agreement, agreement_sentence
-from nav_model.sar.decomposition import Band
+from nav_model.sar.decomposition import MedianBand
 from nav_model.sar.design_case import flight_cautions, judged, study_cautions
 from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
@@ -123,7 +123,7 @@ def _strategy(study: SarStudy, index: int) -> dict[str, Any]:
     }
 
 
-def _band(values: Band, index: Any) -> dict[str, Any]:
+def _band(values: MedianBand, index: Any) -> dict[str, Any]:
     return {
         "median": _plain(values.median[index]),
         "p5": _plain(values.low[index]),

@@ -81,14 +81,14 @@ class Conditions:
     start_vertical: Vertical = _AT_REST
     slow: SlowError | None = None
     slow_with_tilt: ArrayLike = 0.0
-    smoothed: Smoothed | None = None
+    smoothed: SmoothedVariances | None = None
     post_processed: bool = False
     fast: tuple[ArrayLike, ArrayLike] = (0.0, 0.0)
     contributors: Contributors = field(default_factory=Contributors)
     to_phase: ArrayLike = 1.0
 
 
-class Smoothed(NamedTuple):
+class SmoothedVariances(NamedTuple):
     """Variances [m²] of the whole-leg smoother: as in `StrategyVariances`, and ``whole`` as in `whole_variances`."""
 
     quadratic: ArrayLike

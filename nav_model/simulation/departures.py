@@ -24,7 +24,7 @@ from nav_model.simulation.result import STATES, SimulationResult, chi_square_ban
 from nav_model.simulation.schedule import FIX, OUTPUT, plan
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import (
-    Aiding,
+    Aids,
     FilterModel,
     GnssModel,
     ImuModel,
@@ -125,7 +125,7 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
             velocity_noise=velocity_noise[0],
             vertical_velocity_noise=velocity_noise[1],
         ),
-        aiding=Aiding(),
+        aiding=Aids(),
         filter=FilterModel(states=9),
         radar_time_offset=0.0,
     )

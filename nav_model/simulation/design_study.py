@@ -23,10 +23,10 @@ from nav_model.design import Design
 from nav_model.simulation.specification import (
     SLOW_STATES,
     TRAJECTORY_KINDS,
-    Aiding,
+    Aids,
     GnssModel,
     ImuModel,
-    InitialErrors,
+    InitialSigma,
     SimulationSpec,
     TrajectorySpec,
 )
@@ -108,10 +108,10 @@ def specification(
             bank_limit=section.bank_limit,
             after_loss=section.after_loss,
         ),
-        aiding=Aiding(section.heading_noise, section.barometer_noise),
+        aiding=Aids(section.heading_noise, section.barometer_noise),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states or (15 if biased else 9) + (SLOW_STATES if slow else 0)),
-        initial=InitialErrors(
+        initial=InitialSigma(
             position=settled["horizontal_position"],
             velocity=settled["horizontal_velocity"],
             tilt=settled["tilt"],

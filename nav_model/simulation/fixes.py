@@ -31,7 +31,7 @@ from nav_model.simulation.truth import TruthStates
 FloatArray = NDArray[np.float64]
 
 
-class Tuning(NamedTuple):
+class FilterTuning(NamedTuple):
     """What the filter assumes: white densities of the IMU; variance of one sample's rate [rad^2/s^2], which acts on
     the lever arm; decay [1/s] and drive of its states beyond the first nine; sigma of the slow error of the fixes (3)
     [m], which has states where the filter knows it."""
@@ -116,7 +116,7 @@ def take_fix(
     rate: FloatArray,
     matrix: FloatArray,
     covariance: FloatArray,
-    tuning: Tuning,
+    tuning: FilterTuning,
     slow: FloatArray,
     estimate: FloatArray,
     work: FloatArray,

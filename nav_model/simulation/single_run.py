@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from nav_model.base.compiled import kernel, part
 from nav_model.earth.rotation import write_matrix
 from nav_model.earth.wgs84 import curvature_radii_kernel
-from nav_model.simulation.fixes import Tuning, correct, first_order, reported, take_fix
+from nav_model.simulation.fixes import FilterTuning, correct, first_order, reported, take_fix
 from nav_model.simulation.kalman import error_dynamics, normalised_square, propagate
 from nav_model.simulation.layout import (
     ACCELEROMETER,
@@ -134,7 +134,7 @@ def _advance_run(
     gyro: Triad,
     accelerometer: Triad,
     imu_noise: np.random.Generator,
-    tuning: Tuning,
+    tuning: FilterTuning,
     reports: FloatArray,
     believed: FloatArray,
     arm: FloatArray,
@@ -255,7 +255,7 @@ def _advance_run(
             output += 1
 
 
-def tuning_of(spec: SimulationSpec) -> Tuning:
+def tuning_of(spec: SimulationSpec) -> FilterTuning:
     """What the filter of a study assumes."""
     scale, inertial, gnss = spec.filter.process_noise_scale, spec.filter.inertial, spec.gnss
     decay, drive = np.zeros(15), np.zeros(15)
@@ -276,7 +276,7 @@ def tuning_of(spec: SimulationSpec) -> Tuning:
     decay[of_slow], drive[of_slow] = 1.0 / gnss.markov_time, 2.0 / gnss.markov_time
     vibration = spec.imu.vibration_factor * scale
     gyro_density = spec.imu.gyro.random_walk * vibration
-    return Tuning(
+    return FilterTuning(
         accelerometer_density=spec.imu.accelerometer.random_walk * vibration,
         gyro_density=gyro_density,
         rate_variance=gyro_density**2 * spec.imu.rate,

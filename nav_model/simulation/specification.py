@@ -176,7 +176,7 @@ class GnssModel:
 
 
 @dataclass(frozen=True)
-class Aiding:
+class Aids:
     """What aids the INS beyond GNSS, 1 sigma; None where there is no such sensor.
 
     heading_noise: of one heading by two antennas [rad]; barometer_noise: of one height [m]. Both come with the fixes.
@@ -243,7 +243,7 @@ class TrajectorySpec:
 
 
 @dataclass(frozen=True)
-class InitialErrors:
+class InitialSigma:
     """Sigma of the INS's errors at time 0, per axis; each run draws its own, the filter starts from the same."""
 
     position: float = 1.0
@@ -314,7 +314,7 @@ class SimulationSpec:
     gnss: GnssModel = GnssModel()
     trajectory: TrajectorySpec = TrajectorySpec()
     filter: FilterModel = FilterModel()
-    initial: InitialErrors = InitialErrors()
+    initial: InitialSigma = InitialSigma()
     runs: int = 100
     seed: int = 1
     duration: float = 500.0
@@ -322,7 +322,7 @@ class SimulationSpec:
     every: float = 1.0
     keep_runs: bool = False
     record_from: float = 0.0
-    aiding: Aiding = Aiding()
+    aiding: Aids = Aids()
     radar_time_offset: float = 0.0
 
     def __post_init__(self) -> None:

@@ -12,9 +12,9 @@ from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity, OptionalQuantity, Quantity
 from nav_model.design.parts import Part
-from nav_model.simulation.specification import FilterModel, InitialErrors, SimulationSpec, TriadModel
+from nav_model.simulation.specification import FilterModel, InitialSigma, SimulationSpec, TriadModel
 
-_TRIAD, _FILTER, _INITIAL = TriadModel(), FilterModel(), InitialErrors()
+_TRIAD, _FILTER, _INITIAL = TriadModel(), FilterModel(), InitialSigma()
 
 
 def _input(

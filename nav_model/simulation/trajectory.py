@@ -24,7 +24,7 @@ MARGIN_S = 5.0
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
+class QuinticPath:
     """Piecewise quintic path over `breaks` [s]: `coefficients`, shape (pieces, 6, 6), highest power first.
 
     Last axis: latitude [rad], longitude [rad], height [m], roll, pitch, yaw [rad, unwrapped], less `origin`
@@ -53,7 +53,7 @@ class Trajectory:
         return np.stack([dq[..., 0] * north, dq[..., 1] * east, -dq[..., 2]], axis=-1)
 
 
-def spline_through(time_s: FloatArray, coordinates: FloatArray) -> Trajectory:
+def spline_through(time_s: FloatArray, coordinates: FloatArray) -> QuinticPath:
     """Quintic interpolating spline through rows (latitude, longitude, height, roll, pitch, yaw)."""
     from scipy.interpolate import make_interp_spline
 
@@ -62,7 +62,7 @@ def spline_through(time_s: FloatArray, coordinates: FloatArray) -> Trajectory:
     breaks = np.unique(spline.t)
     powers = [spline(breaks[:-1], nu=power) / math.factorial(power) for power in range(5, -1, -1)]
     coefficients = np.ascontiguousarray(np.stack(powers, axis=1))
-    return Trajectory(origin, breaks, coefficients)
+    return QuinticPath(origin, breaks, coefficients)
 
 
 def cumulative(rate: FloatArray, step: float) -> FloatArray:
@@ -101,7 +101,7 @@ def turbulence(time_s: FloatArray, rms: float, shortest_s: float, longest_s: flo
     return motion
 
 
-class Motion(NamedTuple):
+class FlatFlight(NamedTuple):
     """A flight before it is laid on the Earth: course [rad], ground speed [m/s], height above its start [m], roll and
     pitch [rad]."""
 
@@ -114,13 +114,15 @@ class Motion(NamedTuple):
 
 def coordinated(
     t: FloatArray, speed: float | FloatArray, heading: float, turn: FloatArray, climb: FloatArray
-) -> Motion:
+) -> FlatFlight:
     """The flight at this speed along its path, from this heading on, with these rates of turn [rad/s] and climb [m/s]
     at evenly spaced times: without slip, bank = arctan(V rate / g)."""
     step = float(t[1] - t[0])
     ground = np.sqrt(speed**2 - climb**2)
     roll = np.arctan(speed * turn / STANDARD_GRAVITY)
-    return Motion(heading + cumulative(turn, step), ground, cumulative(climb, step), roll, np.arctan2(climb, ground))
+    return FlatFlight(
+        heading + cumulative(turn, step), ground, cumulative(climb, step), roll, np.arctan2(climb, ground)
+    )
 
 
 def _rates(spec: TrajectorySpec, t: FloatArray, duration: float) -> tuple[FloatArray, FloatArray]:
@@ -154,7 +156,7 @@ def lay_on_earth(
 
 
 @lru_cache(maxsize=8)
-def plan_trajectory(spec: TrajectorySpec, duration: float) -> Trajectory:
+def plan_trajectory(spec: TrajectorySpec, duration: float) -> QuinticPath:
     """The trajectory of `spec` over [0, duration] seconds.
 
     Raises ValueError where the flight leaves the latitudes an NED mechanisation can serve, or a file is

@@ -16,7 +16,7 @@ from nav_model.base.constants import EARTH_RATE
 from nav_model.earth.rotation import matrix_from_euler
 from nav_model.earth.wgs84 import ECCENTRICITY_SQUARED, curvature_radii_kernel, normal_gravity_kernel
 from nav_model.simulation.specification import TrajectorySpec
-from nav_model.simulation.trajectory import Trajectory, plan_trajectory
+from nav_model.simulation.trajectory import QuinticPath, plan_trajectory
 
 FloatArray = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def _force_and_rate_at(
     """Sum over each row of increasing `times` (rows, points) of specific force (out[:, 0:3], m/s^2) and inertial rate
     (out[:, 3:6], rad/s), body axes, times `weight`.
 
-    origin, breaks, coefficients: as in `Trajectory`; work: (3, 6) of working space. One kernel that calls only the
+    origin, breaks, coefficients: as in `QuinticPath`; work: (3, 6) of working space. One kernel that calls only the
     Earth's, to keep the compile time short.
     """
     value, first, second = work[0], work[1], work[2]
@@ -114,12 +114,12 @@ def _force_and_rate_at(
             out[k, i] *= weight
 
 
-def specific_force_and_rate(trajectory: Trajectory, time_s: FloatArray) -> FloatArray:
+def specific_force_and_rate(trajectory: QuinticPath, time_s: FloatArray) -> FloatArray:
     """Specific force [m/s^2] and inertial angular rate [rad/s] in body axes at increasing times, shape (n, 6)."""
     return _summed(trajectory, np.array(time_s, dtype=np.float64)[:, None], 1.0)
 
 
-def _summed(trajectory: Trajectory, times: FloatArray, weight: float) -> FloatArray:
+def _summed(trajectory: QuinticPath, times: FloatArray, weight: float) -> FloatArray:
     """`_force_and_rate_at` for a trajectory, shape (rows, 6)."""
     out = np.empty((len(times), 6))
     path = trajectory.origin, trajectory.breaks, trajectory.coefficients
@@ -127,7 +127,7 @@ def _summed(trajectory: Trajectory, times: FloatArray, weight: float) -> FloatAr
     return out
 
 
-def true_states(trajectory: Trajectory, time_s: FloatArray) -> TruthStates:
+def true_states(trajectory: QuinticPath, time_s: FloatArray) -> TruthStates:
     """The true state at times of shape (n,)."""
     coordinates = trajectory.evaluate(time_s)
     position, euler = coordinates[:, :3], coordinates[:, 3:]

@@ -9,7 +9,7 @@ import numpy as np
 from nav_model.base.errors import InputError, under
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget import analyse
-from nav_model.budget.contributors import Contributors, Part
+from nav_model.budget.contributors import Contribution, Contributors
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime, with_fast
 from nav_model.budget.smoothed import Smoothed
@@ -22,7 +22,7 @@ from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, lengthened, strip
-from nav_model.trajectory.specification import CovarianceSpec, Line, Most
+from nav_model.trajectory.specification import CovarianceSpec, FlightLine, Most
 
 _SAME = 0.005
 _MOST_RESULTS = 1200  # along a flight
@@ -92,7 +92,9 @@ def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> Cova
     return covariance_specification(design, study, flight.lines)
 
 
-def covariance_specification(design: Design, study: SimulationSpec, lines: tuple[Line, ...] = ()) -> CovarianceSpec:
+def covariance_specification(
+    design: Design, study: SimulationSpec, lines: tuple[FlightLine, ...] = ()
+) -> CovarianceSpec:
     """The covariance along the flight of `study`, as `simulation.design_study.specification` makes it of the design.
 
     The limits are the design's requirements on figures that are known along a flight, less their confidence, in its
@@ -178,7 +180,7 @@ def _besides(x: Inputs) -> Contributors:
         alone.phases = {source: alone.phases[source]}
         for name in LIMITED:  # none moves along the track
             if FIGURES[name].kind in ("phase", "place"):
-                part = Part(source, alone.value(name), False, BOTH)
+                part = Contribution(source, alone.value(name), False, BOTH)
                 in_figures[name] = (*in_figures.get(name, ()), part)
     return Contributors(FrozenMapping(in_figures), x.contributors.alone)
 

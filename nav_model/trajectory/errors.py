@@ -32,7 +32,7 @@ from nav_model.simulation.layout import (
 from nav_model.simulation.schedule import fix_noise, output_samples, samples_at_multiples
 from nav_model.simulation.single_run import tuning_of
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.simulation.trajectory import Trajectory, plan_trajectory
+from nav_model.simulation.trajectory import QuinticPath, plan_trajectory
 from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, States, states_of
@@ -159,7 +159,7 @@ def _moments(
     )
 
 
-def steps_between(trajectory: Trajectory, time_s: FloatArray, states: States) -> tuple[FloatArray, ...]:
+def steps_between(trajectory: QuinticPath, time_s: FloatArray, states: States) -> tuple[FloatArray, ...]:
     """`phi`, `decay_factor`, `factors` and `filter_noise` of the steps between nodes, as in `ErrorModel`."""
     steps, decay, m = np.diff(time_s), states.decay, states.estimated
     powers = _powers(_dynamics(trajectory, time_s, states), decay, steps)
@@ -190,7 +190,7 @@ def steps_between(trajectory: Trajectory, time_s: FloatArray, states: States) ->
 
 
 def _nodes(
-    trajectory: Trajectory, states: States, anchors: FloatArray, spec: CovarianceSpec, most: int
+    trajectory: QuinticPath, states: States, anchors: FloatArray, spec: CovarianceSpec, most: int
 ) -> FloatArray:
     """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
     times = [error.time / 5.0 for error in states.drives if error.time > 0.0]
@@ -209,7 +209,7 @@ def _nodes(
     return np.interp(np.arange(counted[-1] + 1.0), counted, anchors)
 
 
-def _dynamics(trajectory: Trajectory, time_s: FloatArray, states: States) -> FloatArray:
+def _dynamics(trajectory: QuinticPath, time_s: FloatArray, states: States) -> FloatArray:
     """The first nine rows of the dynamics (k - 1, 9, n) in the middle of each step, with its mean specific force."""
     middle = 0.5 * (time_s[1:] + time_s[:-1])
     now = true_states(trajectory, middle)
@@ -272,7 +272,7 @@ def _phi(powers: list[FloatArray], part: float) -> FloatArray:
 def measurements(
     study: SimulationSpec,
     states: States,
-    trajectory: Trajectory,
+    trajectory: QuinticPath,
     truth: TruthStates,
     rates: FloatArray,
     scheduled: FloatArray,

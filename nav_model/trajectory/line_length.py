@@ -15,7 +15,7 @@ from nav_model.trajectory.covariance import lines_along
 from nav_model.trajectory.design_study import planned
 from nav_model.trajectory.lines import MOST_RESERVE
 from nav_model.trajectory.result import STATE_AXES, LineResult, TrajectoryResult
-from nav_model.trajectory.specification import CovarianceSpec, Line
+from nav_model.trajectory.specification import CovarianceSpec, FlightLine
 
 _CLOSE = 0.01  # of its length: how near the solved line is to one that fails
 _MOST_TRIALS = 24  # for a line
@@ -48,7 +48,7 @@ def line_longer(spec: CovarianceSpec, design: Design, number: int, longer: float
     """A line of the plan (from 0), flown as `spec`, `longer` [s] than it is. In real time, what follows it changes
     nothing. Raises InputError where it cannot be flown."""
     flight = planned(design, number, longer)
-    line = flight.lines[number] if flight.lines else Line("flight", 0.0, flight.duration)
+    line = flight.lines[number] if flight.lines else FlightLine("flight", 0.0, flight.duration)
     if spec.lines:
         line = replace(line, most=spec.lines[number].most)
     soon = line.stop + 2.0 * spec.study.gnss.interval if spec.processing == REAL_TIME else math.inf

@@ -7,7 +7,7 @@ from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import format_quantity, time_in_words
 from nav_model.design.figures import FIGURES, figure_in_sentence
 from nav_model.trajectory.result import STATE_AXES, LineResult, Processed
-from nav_model.trajectory.specification import CovarianceSpec, Line
+from nav_model.trajectory.specification import CovarianceSpec, FlightLine
 
 FloatArray = NDArray[np.float64]
 MOST_RESERVE = 1200.0
@@ -18,7 +18,7 @@ def judge(
     spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
 ) -> tuple[LineResult, ...]:
     """Each line against the limits, in the processing that is judged. Without lines the whole flight is one."""
-    lines = spec.lines or (Line("flight", 0.0, spec.study.duration),)
+    lines = spec.lines or (FlightLine("flight", 0.0, spec.study.duration),)
     return tuple(_judged(line, spec, time_s, chosen, sources) for line in lines)
 
 
@@ -49,7 +49,7 @@ def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *
 
 
 def _judged(
-    line: Line, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
+    line: FlightLine, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
 ) -> LineResult:
     start, duration, aperture = line.start, spec.study.duration, spec.inputs.aperture
     stop = min(line.stop, duration) if start < duration else line.stop

@@ -25,7 +25,7 @@ from nav_model.simulation.trajectory import (
     rise_and_fall,
     smooth_step,
 )
-from nav_model.trajectory.specification import Line
+from nav_model.trajectory.specification import FlightLine
 
 FloatArray = NDArray[np.float64]
 _ENTRY = 3.0  # s to roll in and out
@@ -82,7 +82,7 @@ class PlannedFlight:
 
     trajectory: TrajectorySpec
     duration: float
-    lines: tuple[Line, ...]
+    lines: tuple[FlightLine, ...]
     note: str = ""
 
     def banked(self, beyond: float) -> float:
@@ -424,7 +424,7 @@ def _flown(
     place = lay_on_earth((first.latitude, first.longitude), t, north, east, height)
     samples = np.column_stack([t, *place, height, roll, pitch, course])
     lines = tuple(
-        Line(point.line, start, stop)
+        FlightLine(point.line, start, stop)
         for point, start, stop in zip(plan.waypoints[:-1], starts.tolist(), stops.tolist(), strict=True)
         if point.line and stop > start
     )

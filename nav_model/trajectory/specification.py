@@ -17,7 +17,7 @@ Most = tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True)
-class Line:
+class FlightLine:
     """A part of the flight on which images are taken; start and stop [s]. most: limits that hold for it in place of
     the flight's."""
 
@@ -42,7 +42,7 @@ class CovarianceSpec:
 
     study: SimulationSpec
     inputs: Inputs
-    lines: tuple[Line, ...] = ()
+    lines: tuple[FlightLine, ...] = ()
     processing: str = REAL_TIME
     most: Most = ()
     contributors: Contributors = field(default_factory=Contributors)

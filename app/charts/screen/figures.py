@@ -1,7 +1,7 @@
 """Charts as Bokeh figures: made once, then updated.
 
-A `Figure` keeps the sources of one figure. `feed` sends only what changed, so a slider step costs one message with
-the changed arrays.
+A `DrawnChart` keeps the sources of one figure. `feed` sends only what changed, so a slider step costs one message
+with the changed arrays.
 """
 
 import math
@@ -44,7 +44,7 @@ _LEAST = 180  # pixels of height of a figure that fills its place
 
 
 @dataclass
-class Figure:
+class DrawnChart:
     """A Bokeh figure and its data sources. `plot` goes on a page or into a report."""
 
     plot: figure
@@ -72,7 +72,7 @@ class Figure:
             self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
 
 
-def to_bokeh(chart: Plotted, height: int | None = 320) -> Figure:
+def to_bokeh(chart: Plotted, height: int | None = 320) -> DrawnChart:
     """A figure for a chart, as wide as its place; with a height of None also as high as its place."""
     if isinstance(chart, Chart):
         return _curves(chart, height)
@@ -149,7 +149,7 @@ def _line_source(chart: Chart, x: Any) -> str:
     return f"lines {next(i for i, line in enumerate(chart.lines) if line.x is x)}"
 
 
-def _curves(chart: Chart, height: int | None) -> Figure:
+def _curves(chart: Chart, height: int | None) -> DrawnChart:
     plot = empty_figure(
         chart,
         x_log=chart.x_log,
@@ -201,12 +201,12 @@ def _curves(chart: Chart, height: int | None) -> Figure:
         glyph = Segment(x0="x0", y0="y", x1="x1", y1="y", **line_look(STYLES["limit"]))
         renderer = add_glyph(plot, sources["limits"], glyph)
         _hover(plot, [renderer], f"<b>@name</b><br>@y{{0.000}} {y_unit}")
-    made = Figure(plot, sources, spans, lines)
+    made = DrawnChart(plot, sources, spans, lines)
     made.feed(chart)  # places the spans
     return made
 
 
-def _regions(chart: MapChart, height: int | None) -> Figure:
+def _regions(chart: MapChart, height: int | None) -> DrawnChart:
     """Regions by colour and name, points and one contour."""
     sources = Sources(_columns(chart), f"{chart.key} ")
     plot = empty_figure(
@@ -236,7 +236,7 @@ def _regions(chart: MapChart, height: int | None) -> Figure:
         _hover(plot, [marks], f"<b>@name</b>: {escape(points.source)}")
     if height is None:
         fill(plot)
-    return Figure(plot, sources)
+    return DrawnChart(plot, sources)
 
 
 def add_glyph(plot: figure, source: ColumnDataSource, glyph: Glyph, name: str | None = None) -> GlyphRenderer:

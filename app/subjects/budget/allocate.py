@@ -5,7 +5,7 @@ import panel as pn
 from app.declared import required
 from app.document.verdict import verdict_strip
 from app.session import Session
-from app.subjects.budget.contributors import Contributors
+from app.subjects.budget.contributors import ContributorsView
 from app.ui.answer_strip import AnswerStrip
 from app.ui.view import View
 from nav_model.budget import Budget
@@ -19,7 +19,7 @@ class AllocatePage(View):
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
         self._strip = AnswerStrip(verdict_strip(session.budget))
-        self._contributors = Contributors(session)
+        self._contributors = ContributorsView(session)
         self._view = pn.Column(self._strip, self._contributors)
         self.show(session.budget)
 

@@ -60,7 +60,7 @@ def _frozen_in_words(plan: Allotment) -> str:
     return f"The suppliers' sheets require {values} that were frozen{origin}, and do not follow this design."
 
 
-class Contributors(View):
+class ContributorsView(View):
     """The part that opens below the first screen; what is entered becomes part of the design."""
 
     session = required(Session)

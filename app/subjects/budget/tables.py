@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.document.blocks import Cell, Row, Table, Text, numbers, table
+from app.document.blocks import Cell, Row, TableBlock, Text, numbers, table
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show, show_in
 from app.document.verdict import SAID, check_words, met_cell
@@ -29,7 +29,7 @@ CONTRIBUTORS_ENTER = (
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 
 
-def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
+def requirement_table(budget: Budget, key: str = "d") -> TableBlock | Text:
     """Every requirement with its figure, limit, margin and what dominates it."""
     verdict = budget.verdict
     if not verdict.checks:
@@ -56,7 +56,7 @@ def requirement_table(budget: Budget, key: str = "d") -> Table | Text:
     )
 
 
-def processing_table(budget: Budget, key: str = "budget") -> Table:
+def processing_table(budget: Budget, key: str = "budget") -> TableBlock:
     """The figures of the image in real time and post-processed, beside each other."""
     names = [name for name in of_kind("phase", "place") if name in REQUIRED]
 
@@ -84,7 +84,7 @@ def processing_table(budget: Budget, key: str = "budget") -> Table:
     )
 
 
-def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Table:
+def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> TableBlock:
     """Standard deviations while fixes come in: over the cycle, before and after a fix."""
     steady, sources = budget.steady_state, provenance(budget)
     moments = (steady.closed, steady.prior, steady.posterior)
@@ -116,7 +116,7 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
     )
 
 
-def outage_table(budget: Budget, key: str) -> Table:
+def outage_table(budget: Budget, key: str) -> TableBlock:
     """Standard deviations at a few times after the last fix."""
     coast = analyse(budget.design, budget.coast.duration * np.array(_FRACTIONS)).coast
     columns = (
@@ -142,7 +142,7 @@ def outage_table(budget: Budget, key: str) -> Table:
     )
 
 
-def phase_table(budget: Budget, key: str) -> Table:
+def phase_table(budget: Budget, key: str) -> TableBlock:
     """The phase budget of the aperture by source, of the design's processing."""
     sar, real_time = budget.sar, not budget.post_processed
 
@@ -192,7 +192,7 @@ def phase_table(budget: Budget, key: str) -> Table:
     )
 
 
-def contributor_table(budget: Budget, key: str) -> Table:
+def contributor_table(budget: Budget, key: str) -> TableBlock:
     """The contributors that the design gives itself: what each is and what it enters."""
     return table(
         f"{key}-contributors",
@@ -213,7 +213,7 @@ def contributor_table(budget: Budget, key: str) -> Table:
     )  # fmt: skip
 
 
-def echo_table(budget: Budget, key: str) -> Table | Text:
+def echo_table(budget: Budget, key: str) -> TableBlock | Text:
     """Paired echoes of the design's lines, and what its fast phase errors scatter."""
     spectral, wavelength = budget.spectral, budget.sar.wavelength
     if not budget.has_fast_sources:
@@ -247,7 +247,7 @@ def echo_table(budget: Budget, key: str) -> Table | Text:
     )
 
 
-def image_table(budget: Budget, key: str) -> Table:
+def image_table(budget: Budget, key: str) -> TableBlock:
     """The aperture, and the azimuth response with the quadratic phase."""
     sar, sources = budget.sar, provenance(budget)
     response = budget.response(budget.processing)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.charts.kinds import Array, Chart, Limit, Line, Span
+from app.charts.kinds import Array, Chart, LimitLine, Line, Span
 from app.document.numbers import number, percent
 from nav_model.budget import Budget
 from nav_model.budget.contributors import with_contributors
@@ -29,9 +29,9 @@ def limit_at_sigma(budget: Budget, name: str, scale: float = 1.0) -> float:
     return math.nan if lowest is None else scale * lowest.at_one_sigma
 
 
-def _limits(budget: Budget, spans: Iterable[tuple[str, float, float]], scale: float = 1.0) -> tuple[Limit, ...]:
+def _limits(budget: Budget, spans: Iterable[tuple[str, float, float]], scale: float = 1.0) -> tuple[LimitLine, ...]:
     return tuple(
-        Limit(name, f"limit on {label_of(name).lower()}, at 1σ", start, stop, limit_at_sigma(budget, name, scale))
+        LimitLine(name, f"limit on {label_of(name).lower()}, at 1σ", start, stop, limit_at_sigma(budget, name, scale))
         for name, start, stop in spans
     )
 

@@ -7,7 +7,7 @@ import panel_material_ui as pmui
 import param
 
 from app.declared import declared, required
-from app.document.blocks import Block, Bullets, Row, Table, Text, numbers, table
+from app.document.blocks import Block, Bullets, Row, TableBlock, Text, numbers, table
 from app.document.numbers import NONE, number, show
 from app.document.pane import html_of
 from app.document.wording import input_in_words
@@ -38,7 +38,7 @@ _CAUSES = (
 )
 
 
-def vendor_block(design: Design, key: str, unit: str = "") -> Table:
+def vendor_block(design: Design, key: str, unit: str = "") -> TableBlock:
     """The table of the design, or with another IMU of the catalogue."""
 
     def value(name: str, sigma: float | None) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from app.charts.kinds import LEVELS, Array, Band, Chart, Limit, Line, RankBar, RankChart, TradeMapChart
+from app.charts.kinds import LEVELS, Array, Band, Chart, LimitLine, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.budget.figures import figures
@@ -16,9 +16,9 @@ from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import quantity
 from nav_model.explore.margins import ALL, label_of, limits
-from nav_model.explore.rank import Sensitivity, rank, sentence, silent
+from nav_model.explore.rank import InputSensitivity, rank, sentence, silent
 from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma
-from nav_model.explore.sweep_plan import Plan
+from nav_model.explore.sweep_plan import SweepPlan
 from nav_model.explore.trade_map import TradeMap, is_log, place, trade_map
 from nav_model.explore.uncertainty import UncertainVerdict
 
@@ -49,7 +49,7 @@ def rank_chart(design: Design, figure: str) -> RankChart:
     )
 
 
-def _bar(item: Sensitivity, figure_label: str) -> RankBar | None:
+def _bar(item: InputSensitivity, figure_label: str) -> RankBar | None:
     doubled = item.slope < 0
     change = item.doubled if doubled else item.halved
     if math.isnan(change) or change > -5e-4:
@@ -70,7 +70,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
 
 
 def sweep_chart(
-    design: Design, plan: Plan, columns: Mapping[str, Column], keys: Sequence[str]
+    design: Design, plan: SweepPlan, columns: Mapping[str, Column], keys: Sequence[str]
 ) -> Chart | TradeMapChart:
     """What a sweep found over one or two of its numeric inputs: the best of its other inputs at each place.
 
@@ -95,7 +95,7 @@ def sweep_chart(
     name = _WORST if result == ALL else label_of(result)
     x = values[0] / factor
     line = Line("best", name, x, best, "horizontal", "formulas of the budget")
-    limit_line = (Limit("limit", "limit", float(x[0]), float(x[-1]), 1.0),) if result == ALL else ()
+    limit_line = (LimitLine("limit", "limit", float(x[0]), float(x[-1]), 1.0),) if result == ALL else ()
     return Chart(
         key="sweep-curve",
         title=f"{name} over {label.partition(' [')[0].lower()}",

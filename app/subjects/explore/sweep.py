@@ -35,7 +35,7 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.parts import labelled, quantity
 from nav_model.explore.sweep import Column, to_csv, to_parquet, whole_sweep
-from nav_model.explore.sweep_plan import Plan, parse_plan
+from nav_model.explore.sweep_plan import SweepPlan, parse_plan
 
 MOST_DESIGNS = 200_000
 """Of one sweep on the page: some 40 MB, and a minute where they are post-processed. The command takes more."""
@@ -48,7 +48,7 @@ _ELSEWHERE = "Use fewer points, or download the sweep file and run “navbudget 
 class Swept:
     """A finished sweep: its plan, and the results of every design."""
 
-    plan: Plan
+    plan: SweepPlan
     columns: Mapping[str, Column]
 
 
@@ -62,7 +62,7 @@ class SweepPanel(Question):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run(), files=session.new_run())
-        self._plan: Plan | None = None
+        self._plan: SweepPlan | None = None
         self.rows = [self._row(key) for key in ("imu.angle_random_walk", "gnss.position_noise", NONE, NONE)]
         self._count = html_pane("", margin=(4, 10))
         self.bar = RunBar(self.run, self.start, "Run sweep")

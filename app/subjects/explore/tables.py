@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.charts.kinds import TradeMapChart
-from app.document.blocks import Answer, Block, Cell, Column, Row, Table, Text, numbers, table
+from app.document.blocks import Answer, Block, Cell, Column, Row, TableBlock, Text, numbers, table
 from app.document.closing import Way, beyond_one, ways_table
 from app.document.numbers import margin_in_sentence, number, percent, signed_percent
 from app.document.wording import input_in_words
@@ -19,11 +19,11 @@ from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import PRESET_KEYS, declaration_of, quantity
 from nav_model.explore.margins import label_of
 from nav_model.explore.search import Biases, Candidate
-from nav_model.explore.solve import Answer as Solved
+from nav_model.explore.solve import InputAnswer as Solved
 from nav_model.explore.solve import Solution, remedies, resolution_for, rounded_offer
 from nav_model.explore.sweep import Column as Swept
 from nav_model.explore.sweep import least_demanding, sweep_ratios
-from nav_model.explore.sweep_plan import Plan
+from nav_model.explore.sweep_plan import SweepPlan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
 _SURE = 0.95  # probability from which a verdict counts as sure
@@ -96,7 +96,7 @@ def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequenc
         yield Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}.")
 
 
-def each_table(design: Design, solutions: tuple[Solution, ...]) -> Table:
+def each_table(design: Design, solutions: tuple[Solution, ...]) -> TableBlock:
     """Every input solved for each requirement alone."""
     return table(
         "solved-each",
@@ -154,7 +154,7 @@ def search_answer(rows: Sequence[Candidate], yours: bool, unbiased: int) -> Answ
     return Answer(f"{len(good)} of {len(rows)} {what}", "good", (why,))
 
 
-def search_table(rows: Sequence[Candidate], yours: bool) -> Table:
+def search_table(rows: Sequence[Candidate], yours: bool) -> TableBlock:
     """Units, or pairs of unit and receiver, in the order of `search`; each can be taken into the design."""
     offers = any(value is not None for row in rows for value in (row.price, row.mass, row.power))
     titles = (
@@ -216,7 +216,7 @@ def uncertain_answer(verdict: UncertainVerdict) -> Answer:
     return Answer(head, tone, (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
 
 
-def uncertain_table(verdict: UncertainVerdict) -> Table:
+def uncertain_table(verdict: UncertainVerdict) -> TableBlock:
     """What each requirement adds to the probability."""
     return table(
         "uncertain",
@@ -235,7 +235,7 @@ def _probability(p: Probability) -> str:
 _SWEPT = 200  # rows of a sweep's table on the page
 
 
-def sweep_order(plan: Plan, columns: Mapping[str, Swept]) -> NDArray[np.intp]:
+def sweep_order(plan: SweepPlan, columns: Mapping[str, Swept]) -> NDArray[np.intp]:
     """Rows of a sweep: the `least_demanding`, the others that pass, those that fail; each the nearest to its limits
     first. In their order where there is no requirement."""
     if columns["closes"][0] is None:
@@ -244,7 +244,7 @@ def sweep_order(plan: Plan, columns: Mapping[str, Swept]) -> NDArray[np.intp]:
     return np.lexsort((np.where(ratios <= 1, -ratios, ratios), ~least_demanding(plan, columns), ratios > 1))
 
 
-def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answer:
+def sweep_answer(plan: SweepPlan, columns: Mapping[str, Swept], stale: bool) -> Answer:
     """How many designs of a sweep meet all requirements, and the one that just does."""
     old = ("The results belong to an earlier sweep or design. Run again.",) if stale else ()
     if columns["closes"][0] is None:
@@ -261,7 +261,7 @@ def sweep_answer(plan: Plan, columns: Mapping[str, Swept], stale: bool) -> Answe
     return Answer(word, "warn" if stale else "good" if good else "bad", (*old, sentence))
 
 
-def sweep_table(plan: Plan, columns: Mapping[str, Swept]) -> Table:
+def sweep_table(plan: SweepPlan, columns: Mapping[str, Swept]) -> TableBlock:
     """The first designs of a sweep in `sweep_order`; each can be taken into the design."""
     rows = sweep_order(plan, columns)[:_SWEPT]
     judged = columns["closes"][0] is not None
@@ -297,7 +297,7 @@ def _swept_name(key: str) -> str:
     return str(declaration_of(key).label) if key not in PRESET_KEYS else "Catalogue"
 
 
-def _swept_cells(plan: Plan, row: int) -> list[tuple[str, float | str]]:
+def _swept_cells(plan: SweepPlan, row: int) -> list[tuple[str, float | str]]:
     cells: list[tuple[str, float | str]] = []
     for axis, place in zip(plan.axes, plan.indices(row, row + 1), strict=True):
         value = axis.values[int(place[0])]
@@ -306,12 +306,12 @@ def _swept_cells(plan: Plan, row: int) -> list[tuple[str, float | str]]:
     return cells
 
 
-def _swept_row(plan: Plan, row: int, mark: str) -> list[Cell]:
+def _swept_row(plan: SweepPlan, row: int, mark: str) -> list[Cell]:
     """The inputs of a row; the first is pressed to apply them all."""
     first, *others = (Cell(text, sort=sort) for text, sort in _swept_cells(plan, row))
     return [replace(first, mark=mark, value=str(row)), *others]
 
 
-def _swept_values(plan: Plan, row: int) -> list[str]:
+def _swept_values(plan: SweepPlan, row: int) -> list[str]:
     names = (in_sentence(_swept_name(axis.key)) for axis in plan.axes)
     return [f"{name} {text}" for name, (text, _) in zip(names, _swept_cells(plan, row), strict=True)]

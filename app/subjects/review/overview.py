@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from app.document.blocks import Answer, Cell, Column, Row, Table, table
+from app.document.blocks import Answer, Cell, Column, Row, TableBlock, table
 from app.library.reviews import Review
 from app.library.texts import counted, moment
 
@@ -11,7 +11,7 @@ _COUNTS = _HEADS[2:6]
 _MARKS: dict[str, str] = {"good": "✓", "warn": "⚠", "bad": "✗"}
 
 
-def overview(reviews: Sequence[Review]) -> Table:
+def overview(reviews: Sequence[Review]) -> TableBlock:
     """All reviews, to sort and to open one from: the value of a row is the review's id."""
     columns = tuple(Column(head, numeric=head in _COUNTS, sortable=True) for head in _HEADS)
     return table("reviews", "All reviews", columns, map(_row, reviews))

@@ -3,7 +3,7 @@
 from importlib.metadata import version
 
 from app.document.allocation import owners_table
-from app.document.blocks import Answer, Block, Cell, CellLike, Chapter, Row, Section, Table, Text, numbers, table
+from app.document.blocks import Answer, Block, Cell, CellLike, Chapter, Row, Section, TableBlock, Text, numbers, table
 from app.document.numbers import NONE
 from app.document.verdict import check_words, met_cell
 from app.document.wording import printable, shortened
@@ -114,7 +114,7 @@ _PROMISE = (
 )
 
 
-def audit_table(review: Review) -> Table:
+def audit_table(review: Review) -> TableBlock:
     """What was frozen, by whom, with which program, and whether it is signed and intact."""
     signed = f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"
     intact = Cell("verified", tone="good") if review.intact else Cell(f"BROKEN: {review.doubt}", tone="bad")
@@ -146,7 +146,7 @@ def _program(frozen: str) -> CellLike:
     return Cell(versions, tone="warn")
 
 
-def status_table(review: Review) -> Table:
+def status_table(review: Review) -> TableBlock:
     """Every requirement of every design with the decision in force."""
     rows: list[Row] = []
     for item, revision in zip(review.items, review.revisions, strict=True):
@@ -178,7 +178,7 @@ def decided_word(decision: Decision, *, met: bool) -> Cell:
     return Cell("✓ accepted", tone="good") if met else Cell("⚠ accepted with a waiver", tone="warn")
 
 
-def comment_table(review: Review) -> Table:
+def comment_table(review: Review) -> TableBlock:
     """What was said, in order."""
     rows = tuple(
         (str(c.number), f"D{c.place}: {subject_label(c.subject)}", c.comment, _by(c)) for c in review.comments
@@ -196,7 +196,7 @@ def _by(comment: Comment) -> str:
     return f"{comment.author}, {moment(comment.written)}"
 
 
-def decision_table(review: Review) -> Table:
+def decision_table(review: Review) -> TableBlock:
     """Every decision ever taken, in order, with the figure it was taken on."""
     rows = tuple((str(decision.number), *_decided(review, decision)) for decision in review.decisions)
     return table("audit-decisions", "Decisions in order", ("No.", *_DECIDED), rows, "" if rows else "No decision.")

@@ -10,7 +10,7 @@ from types import EllipsisType
 
 import numpy as np
 
-from app.document.blocks import Answer, Block, Bullets, Cell, Row, Table, Text, numbers, table
+from app.document.blocks import Answer, Block, Bullets, Cell, Row, TableBlock, Text, numbers, table
 from app.document.numbers import NONE, hundredths, margin_in_sentence, number
 from app.document.verdict import SAID, check_words
 from nav_model.aperture.geometry import metres_to_phase
@@ -20,7 +20,7 @@ from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import REAL_TIME
 from nav_model.sar.advice import LEFT
 from nav_model.sar.agreement import agreement, agreement_sentence
-from nav_model.sar.decomposition import Band
+from nav_model.sar.decomposition import MedianBand
 from nav_model.sar.design_case import flight_cautions, judged, study_cautions
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy
@@ -117,7 +117,7 @@ def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
     return Bullets((*study_cautions(budget), *flown), "Assumptions and cautions")
 
 
-def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> Table:
+def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> TableBlock:
     """One row per strategy: closed form and runs, along the line of sight of mid-aperture and with the along-track
     part; all at the confidence of the limit."""
     rows = []
@@ -133,7 +133,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
             millimetres, degrees = (confidence * scale for scale in _scales(study.budget))
             cells += [_number(scale * float(study.residuals[index])) for scale in (millimetres, degrees)]
             band = study.parts["residual_rms"]
-            whole_band = Band(*(study.composed(DETRENDED, x) for x in (band.median, band.low, band.high)))
+            whole_band = MedianBand(*(study.composed(DETRENDED, x) for x in (band.median, band.low, band.high)))
             cells += [_banded(whole_band, index, degrees)]
             wholes += [_number(degrees * float(study.whole_residuals[index]))]
         cells += wholes
@@ -156,13 +156,13 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
     )
 
 
-def run_tables(study: SarStudy, beside: SarStudy | None, key: str) -> tuple[Table, ...]:
+def run_tables(study: SarStudy, beside: SarStudy | None, key: str) -> tuple[TableBlock, ...]:
     """Measures of the runs: parts of the error, impulse responses, and a comparison of the engines."""
     engines = () if beside is None else (_agreement_table(study, beside, key),)
     return (_parts_table(study, key), *_response_tables(study, key), *engines)
 
 
-def _parts_table(study: SarStudy, key: str) -> Table:
+def _parts_table(study: SarStudy, key: str) -> TableBlock:
     """Parts of each residual in degrees; the largest residual in millimetres; the jumps of the filter."""
     millimetres, degrees = _scales(study.budget)
     parts = (
@@ -182,7 +182,7 @@ def _parts_table(study: SarStudy, key: str) -> Table:
     )
 
 
-def _response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
+def _response_tables(study: SarStudy, key: str) -> tuple[TableBlock, TableBlock]:
     """The impulse response of each strategy: lobe, then side lobes integrated, both ways."""
     cell, r = study.budget.sar.cell_length, study.responses
 
@@ -224,7 +224,7 @@ def _response_tables(study: SarStudy, key: str) -> tuple[Table, Table]:
     )
 
 
-def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
+def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> TableBlock:
     """Flights of the simulator beside the error model: the two engines, strategy by strategy."""
     pairs = agreement(study, beside)
     scales = _scales(study.budget)
@@ -255,7 +255,7 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> Table:
 
 def _by_strategy(
     study: SarStudy, key: str, caption: str, titles: tuple[str, ...], row: Callable[[int], tuple[str, ...]], note: str
-) -> Table:
+) -> TableBlock:
     return table(
         key,
         caption,
@@ -281,12 +281,12 @@ def _number(value: float) -> str:
     return "0" if abs(value) < 1e-9 else number(value)  # of the ideal, rounding of the transform is left
 
 
-def _of(band: Band, index: int | EllipsisType) -> tuple[float, float, float]:
+def _of(band: MedianBand, index: int | EllipsisType) -> tuple[float, float, float]:
     median, low, high = (float(np.asarray(part)[index]) for part in (band.median, band.low, band.high))
     return median, low, high
 
 
-def _banded(band: Band, index: int | EllipsisType, scale: float) -> str:
+def _banded(band: MedianBand, index: int | EllipsisType, scale: float) -> str:
     return _bracketed(*(_number(scale * value) for value in _of(band, index)))
 
 

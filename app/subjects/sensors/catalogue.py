@@ -2,7 +2,7 @@
 
 import re
 
-from app.document.blocks import Cell, Column, Row, Table, numbers, table
+from app.document.blocks import Cell, Column, Row, TableBlock, numbers, table
 from app.document.numbers import number
 from nav_model.base.units import from_si
 from nav_model.design.catalogue import Entry, Kind, SourcedValue, catalogue
@@ -32,7 +32,7 @@ _STATUS = (
 )
 
 
-def catalogue_table(kind: Kind, chosen: str) -> Table:
+def catalogue_table(kind: Kind, chosen: str) -> TableBlock:
     """The catalogue of a kind; the row named `chosen` is marked."""
     columns = _COLUMNS[kind]
     graded = (Column("Grade", sortable=True),) if kind == "imu" else ()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from app.document.blocks import Answer, Bullets, Cell, CellLike, Column, Row, Table, Text, numbers, table
+from app.document.blocks import Answer, Bullets, Cell, CellLike, Column, Row, TableBlock, Text, numbers, table
 from app.document.numbers import NONE, number
 from app.document.wording import input_in_words, printable
 from app.subjects.sensors.charts import TERM_NAMES
@@ -14,7 +14,7 @@ from nav_model.allan.result import (
     AxisNoise,
     Coefficient,
     LogAnalysis,
-    Provenance,
+    LogSource,
     axis_label,
     triad_random_walk,
 )
@@ -37,7 +37,7 @@ def origin_answer(design: Design) -> Answer:
     return Answer("Sensor noise", "open", tuple(sentences))
 
 
-def origin_table(design: Design) -> Table:
+def origin_table(design: Design) -> TableBlock:
     """Origins of the design's noise values: a log, the catalogue, or typed."""
     return table(
         "noise-origins",
@@ -66,7 +66,7 @@ def _origin(design: Design, key: str) -> Cell:
     return Cell(text) if item.confirmed else Cell(text, f"⚠ {item.status} source", "warn")
 
 
-def reading_text(provenance: Provenance) -> Text:
+def reading_text(provenance: LogSource) -> Text:
     """File, rate, duration, and how the file was understood."""
     return Text(
         f"{provenance.file_name}: {provenance.samples} samples at {number(provenance.rate_hz, 6, given=True)} Hz, "
@@ -109,7 +109,7 @@ def _range(walk: Coefficient, scale: float) -> str:
     return f"{number(walk.low / scale)} to {number(walk.high / scale)}"
 
 
-def coefficient_tables(result: LogAnalysis) -> tuple[Table, ...]:
+def coefficient_tables(result: LogAnalysis) -> tuple[TableBlock, ...]:
     """A table for each triad: every coefficient of every axis, or the reason why the log does not show it."""
     return tuple(
         _triad_table(title, quantity, axes)
@@ -118,7 +118,7 @@ def coefficient_tables(result: LogAnalysis) -> tuple[Table, ...]:
     )
 
 
-def _triad_table(title: str, quantity: str, axes: list[AxisNoise]) -> Table:
+def _triad_table(title: str, quantity: str, axes: list[AxisNoise]) -> TableBlock:
     heads = (f"{TERM_NAMES[term].capitalize()} [{UNITS[quantity][term][0]}]" for term in TERMS)
     return table(
         f"log-{quantity}",
@@ -206,7 +206,7 @@ def motion_answer(result: MotionAnalysis) -> Answer:
     )
 
 
-def motion_table(result: MotionAnalysis) -> Table:
+def motion_table(result: MotionAnalysis) -> TableBlock:
     """Effective noise of a log in motion, the factors over the bench and what they leave out."""
     low, high = result.band_hz
     heads = (f"Effective, {low:g} to {high:g} Hz", f"Median {BLOCK_S:g} s block", "5 to 95 % of blocks",

@@ -16,7 +16,7 @@ from nav_model.base.errors import InputError
 from nav_model.simulation.study_inputs import STUDY_KEYS, STUDY_PARTS, SimulationInputs, read_study_inputs
 
 
-class StudyInput(SheetInput):
+class RunInput(SheetInput):
     """One input; an empty box means its default."""
 
     def __init__(self, controls: StudyControls, key: str) -> None:
@@ -61,7 +61,7 @@ class StudyControls(View):
 
     def __init__(self) -> None:
         super().__init__()
-        inputs = [StudyInput(self, key) for key in STUDY_KEYS]
+        inputs = [RunInput(self, key) for key in STUDY_KEYS]
         self._view = self.sheet = InputSheet(
             [
                 Group(part.title, [each for each in inputs if each.key.startswith(f"{part.section}.")])

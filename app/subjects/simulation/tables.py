@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 
-from app.document.blocks import Answer, Block, Bullets, Row, Table, Text, numbers, table
+from app.document.blocks import Answer, Block, Bullets, Row, TableBlock, Text, numbers, table
 from app.document.numbers import NONE, number
 from nav_model.simulation.departures import SMALL, Departure, cause_in_words, closed_velocity_noise
 from nav_model.simulation.design_study import SimulationStudy, moments
@@ -51,7 +51,7 @@ def conditions_told(study: SimulationStudy, _: str) -> Bullets:
     return Bullets(study.conditions, "How the simulation differs from the formulas' assumptions")
 
 
-def run_table(study: SimulationStudy, key: str) -> Table:
+def run_table(study: SimulationStudy, key: str) -> TableBlock:
     """The parameters of the runs."""
     spec = study.result.spec
     beyond = added(spec, closed_velocity_noise(study.design))
@@ -74,7 +74,7 @@ def run_table(study: SimulationStudy, key: str) -> Table:
     )
 
 
-def sigma_table(study: SimulationStudy, key: str) -> Table:
+def sigma_table(study: SimulationStudy, key: str) -> TableBlock:
     """Simulated, filter, closed form and refined sigma of every state, at the last fix and at the outage's end."""
     result = study.result
     closed = result.closed_form_sigma

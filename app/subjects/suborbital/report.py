@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from app.charts.kinds import Chart
-from app.document.blocks import Block, Row, Section, Table, Text, chart_block, table
+from app.document.blocks import Block, Row, Section, TableBlock, Text, chart_block, table
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
@@ -55,7 +55,7 @@ def sections(page: Content, key: str) -> tuple[Section, ...]:
     def section(part: str, title: str, *blocks: Block) -> Section:
         return Section(f"{prefix}-{part}", f"Suborbital flight: {title}", blocks)
 
-    def table(build: Callable[[Content], tables.NumberTable]) -> Table:
+    def table(build: Callable[[Content], tables.ResultTable]) -> TableBlock:
         return build(page).block(f"{prefix}-")
 
     def drawn(*describe: Callable[[Content], Chart]) -> tuple[Block, ...]:
@@ -93,13 +93,13 @@ def _sensors(settings: Settings) -> str:
     return "The study has its own inputs, listed at its end; they are not this design's IMU."
 
 
-def _paper_tables(page: Content, prefix: str) -> tuple[Table, ...]:
+def _paper_tables(page: Content, prefix: str) -> tuple[TableBlock, ...]:
     """The four tables; the note they share is under the last."""
     *first, last = (table.block(f"{prefix}-") for table in tables.paper_tables(page))
     return (*(replace(table, note="") for table in first), last)
 
 
-def _inputs(settings: Settings, prefix: str) -> Table:
+def _inputs(settings: Settings, prefix: str) -> TableBlock:
     rows: list[Row] = []
     for title, group in GROUPS.items():
         rows.append((title,))

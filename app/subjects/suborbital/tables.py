@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.document.blocks import Cell, Column, Table
+from app.document.blocks import Cell, Column, TableBlock
 from app.document.numbers import DIGITS, NONE, number, percent
 from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content, called
 from nav_model.base.constants import ARCSECOND
@@ -18,7 +18,7 @@ Entry = str | float | None
 
 
 @dataclass(frozen=True)
-class NumberTable:
+class ResultTable:
     """Rows of numbers, which a page and a report show as a block and a person takes away as CSV."""
 
     key: str
@@ -32,10 +32,10 @@ class NumberTable:
         """The table as CSV text, full precision."""
         return csv_text((self.heads, *(("" if entry is None else entry for entry in row) for row in self.rows)))
 
-    def block(self, before: str = "", *, sortable: bool = False) -> Table:
+    def block(self, before: str = "", *, sortable: bool = False) -> TableBlock:
         """The table as a block, its key after `before`; sorted, numbers go by their size, whatever their sign."""
         first = max(1.9, 0.28 * len(self.heads))  # the more columns of numbers, the narrower each
-        return Table(
+        return TableBlock(
             f"{before}{self.key}",
             self.caption,
             tuple(
@@ -90,12 +90,12 @@ def _paper(name: str) -> tuple[Entry, ...]:
     )
 
 
-def paper_tables(page: Content) -> tuple[NumberTable, ...]:
+def paper_tables(page: Content) -> tuple[ResultTable, ...]:
     """The paper's four tables for these sensors: final errors, m, the paper's readings beside them."""
     final = page.study.final_m
     how = f"Final errors at {page.study.flight.time_s[-1]:.0f} s. {page.how}. {PAPER_NOTE}"
     tables = [
-        NumberTable(
+        ResultTable(
             key,
             title,
             ("source", *_heads("INS", "tracker"), *_PAPER_HEADS),
@@ -111,10 +111,10 @@ def paper_tables(page: Content) -> tuple[NumberTable, ...]:
         ("improvement in size", *map(float, abs(pure) - abs(aided)), *_paper("improvement by the star tracker")),
     )
     heads = (SUM, *(f"{channel} [m]" for channel in CHANNELS), *_PAPER_HEADS)
-    return (*tables, NumberTable("tracker", "INS alone vs with star tracker", heads, lines, how))
+    return (*tables, ResultTable("tracker", "INS alone vs with star tracker", heads, lines, how))
 
 
-def source_table(page: Content) -> NumberTable:
+def source_table(page: Content) -> ResultTable:
     """Every case: single sources, classes, tracker and gravity, with down-range and cross-range."""
 
     def line(k: int) -> tuple[Entry, ...]:
@@ -130,7 +130,7 @@ def source_table(page: Content) -> NumberTable:
         *map(float, study.aided_noise.position_sigma_m[-1]), None, None,
     )  # fmt: skip
     gravity = dict(zip(study.names, study.marks, strict=True))["gravity model"]
-    return NumberTable(
+    return ResultTable(
         "sources",
         "Every error source, one at a time and by class",
         ("source", *(f"INS {n} [m]" for n in names), *(f"tracker {n} [m]" for n in names)),
@@ -139,7 +139,7 @@ def source_table(page: Content) -> NumberTable:
     )
 
 
-def gap_table(page: Content) -> NumberTable:
+def gap_table(page: Content) -> ResultTable:
     """How far the linear answers are from the integrated ones."""
     plain = page.matrix_gap
     study = page.survey.study
@@ -153,7 +153,7 @@ def gap_table(page: Content) -> NumberTable:
             f"within {percent(_PROMISED)} on {len(rows) - len(beyond)} of {len(rows)} rows; "
             f"{called(study.names[worst])} is off by {off}"
         )
-    return NumberTable(
+    return ResultTable(
         "linear",
         "Linear answers against the integrated INS",
         ("source", "linear, INS [m]", "linear, INS [%]", "linear, tracker [m]", "linear, tracker [%]"),
@@ -168,7 +168,7 @@ def gap_table(page: Content) -> NumberTable:
     )  # fmt: skip
 
 
-def noise_table(page: Content) -> NumberTable:
+def noise_table(page: Content) -> ResultTable:
     """White noise at the end: ensemble against prediction."""
     ensemble = page.ensemble
     heads = ("INS, channel", "predicted 1σ [m]", "ensemble rms [m]", "rms / predicted", "inside 95 %")
@@ -192,13 +192,13 @@ def noise_table(page: Content) -> NumberTable:
             f"{number(ensemble.low)} to {number(ensemble.high)}, where each lies with 95 % probability if the "
             "prediction is right: one in twenty falls outside by chance."
         )
-    return NumberTable("white-noise", "White noise at the end of the flight", heads, rows, note)
+    return ResultTable("white-noise", "White noise at the end of the flight", heads, rows, note)
 
 
-def method_table(page: Content) -> NumberTable:
+def method_table(page: Content) -> ResultTable:
     """The attitude methods on this flight's images."""
     sigma = page.survey.settings["camera.centroid_noise"] / ARCSECOND
-    return NumberTable(
+    return ResultTable(
         "methods",
         "Attitude methods compared",
         ("method", "mean error [arcsec]", "rms about x [arcsec]", "rms about y [arcsec]",
@@ -216,9 +216,9 @@ def method_table(page: Content) -> NumberTable:
     )  # fmt: skip
 
 
-def gravity_table(page: Content) -> NumberTable:
+def gravity_table(page: Content) -> ResultTable:
     """What a wrong gravity model costs an otherwise perfect INS."""
-    return NumberTable(
+    return ResultTable(
         "gravity-mismatch",
         "Cost of a mismatched gravity model",
         ("truth / INS", *(f"{channel} [m]" for channel in CHANNELS)),
@@ -230,11 +230,11 @@ def gravity_table(page: Content) -> NumberTable:
     )
 
 
-def star_table(page: Content) -> NumberTable:
+def star_table(page: Content) -> ResultTable:
     """The stars of the image looked at."""
     frame = page.star_frame
     real = page.survey.settings["sky.stars"] == "Hipparcos"
-    return NumberTable(
+    return ResultTable(
         "stars",
         f"Identified stars at {frame.time_s:.0f} s",
         ("star", "Hp magnitude", "x [pixel]", "y [pixel]", "x measured [pixel]", "y measured [pixel]"),

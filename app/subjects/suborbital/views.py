@@ -16,7 +16,7 @@ from app.document.pane import html_of
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
 from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content
 from app.subjects.suborbital.tables import (
-    NumberTable,
+    ResultTable,
     gap_table,
     gravity_table,
     method_table,
@@ -34,7 +34,7 @@ from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import FRAME, NARROW
-from app.ui.view import View as Page
+from app.ui.view import View
 from nav_model.suborbital.errors import CLASSES, SOURCES
 from nav_model.suborbital.study import GRAVITY_ROW
 from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
@@ -44,12 +44,12 @@ _SQUARE = 400  # pixels of height of a chart whose two axes must be alike
 
 
 @dataclass(frozen=True)
-class View:
+class Charts:
     """Charts, then tables in one column; chooses: names of the choosers above."""
 
     name: str
     charts: tuple[Describe, ...] = ()
-    tables: tuple[Callable[[Content], NumberTable], ...] = ()
+    tables: tuple[Callable[[Content], ResultTable], ...] = ()
     chooses: tuple[str, ...] = ()
 
 
@@ -61,25 +61,25 @@ def _of(draw: Callable[[Content, int], Chart]) -> Describe:
     return lambda page: draw(page, page.channel)
 
 
-def _paper(index: int) -> Callable[[Content], NumberTable]:
+def _paper(index: int) -> Callable[[Content], ResultTable]:
     """One of the tables beside the published values."""
     return lambda page: paper_tables(page)[index]
 
 
-VIEWS: tuple[View, ...] = (
-    View("Errors", (_of(errors.aided_chart), _of(errors.source_chart)),
+VIEWS: tuple[Charts, ...] = (
+    Charts("Errors", (_of(errors.aided_chart), _of(errors.source_chart)),
          chooses=("channel", "case", "aided_sources", "along_track")),
-    View("Vertical-channel instability", (errors.growth_chart,), chooses=("case", "channel")),
-    View("Error sources", tables=(source_table, gap_table)),
-    View("Published values", tables=tuple(map(_paper, range(4)))),
-    View("Sensor errors", tuple(_of(partial(sensors.sensor_chart, sensor=sensor)) for sensor in (0, 1)),
+    Charts("Vertical-channel instability", (errors.growth_chart,), chooses=("case", "channel")),
+    Charts("Error sources", tables=(source_table, gap_table)),
+    Charts("Published values", tables=tuple(map(_paper, range(4)))),
+    Charts("Sensor errors", tuple(_of(partial(sensors.sensor_chart, sensor=sensor)) for sensor in (0, 1)),
          chooses=("axis",)),
-    View("White noise", (_of(sensors.noise_chart),), (noise_table,), chooses=("channel", "noise")),
-    View("Attitude errors", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
+    Charts("White noise", (_of(sensors.noise_chart),), (noise_table,), chooses=("channel", "noise")),
+    Charts("Attitude errors", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
          ("case",)),
-    View("Stars", (attitude.star_chart, attitude.star_count_chart), (star_table,), ("moment",)),
-    View("Flight path", (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart)),
-    View("Gravity", (flight.gravity_chart,), (gravity_table,)),
+    Charts("Stars", (attitude.star_chart, attitude.star_count_chart), (star_table,), ("moment",)),
+    Charts("Flight path", (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart)),
+    Charts("Gravity", (flight.gravity_chart,), (gravity_table,)),
 )  # fmt: skip
 """In their order on the page."""
 
@@ -97,7 +97,7 @@ _COMING = "<p>The charts and tables of this view appear here with the first stud
 CASES = {SUM: "all"} | {name: name for name in (*CLASSES, *SOURCES, GRAVITY_ROW) if name != "all"}
 
 
-class StudyViews(Page):
+class StudyViews(View):
     """A switch and the view chosen, made when it is first opened, then fed while it is in view.
 
     The parameters are what a person chooses to look at; ``more`` are the views that are not of charts and tables.
@@ -132,7 +132,7 @@ class StudyViews(Page):
         self.moment = min(self.moment, seconds)
         self.param.moment.bounds = (0, seconds)
 
-    def _place(self, view: View) -> pn.Column:
+    def _place(self, view: Charts) -> pn.Column:
         """The place of a view; it is filled with the first answer."""
         parts = self._parts[view.name] = Follower(lambda: self.page)
         waiting = pn.Column(self._coming, sizing_mode="stretch_both", min_height=320, styles=FRAME, margin=(8, 10))
@@ -150,7 +150,7 @@ class StudyViews(Page):
         if parts := self._parts.get(self.views.chosen):
             parts.follow()
 
-    def _build(self, view: View, parts: Follower[Content]) -> pn.Column:
+    def _build(self, view: Charts, parts: Follower[Content]) -> pn.Column:
         fills: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
         scrolls = {**fills, "styles": {"overflow": "auto"}}
         made: list[Any] = []
@@ -183,13 +183,13 @@ class StudyViews(Page):
         return axis
 
 
-def _table(parts: Follower[Content], build: Callable[[Content], NumberTable]) -> SortableTable:
+def _table(parts: Follower[Content], build: Callable[[Content], ResultTable]) -> SortableTable:
     table = SortableTable(margin=(4, 12))
     parts.add(lambda page: setattr(table, "html", html_of(build(page).block(sortable=True))))
     return table
 
 
-def _takes(view: View, current: Callable[[], Content]) -> Iterator[pn.viewable.Viewable]:
+def _takes(view: Charts, current: Callable[[], Content]) -> Iterator[pn.viewable.Viewable]:
     """Buttons that take the numbers of a view away."""
     for draw in view.charts:
         yield from download_buttons(draw, current)

@@ -8,7 +8,7 @@ from pathlib import Path
 import panel as pn
 
 from app.declared import required
-from app.document.blocks import Answer, Bullets, Cell, Row, Table, Text, numbers, table
+from app.document.blocks import Answer, Bullets, Cell, Row, TableBlock, Text, numbers, table
 from app.document.html import mathml
 from app.document.numbers import number
 from app.document.pane import html_of, prose
@@ -80,7 +80,7 @@ def theory() -> str:
     return validation() + differences() + "".join(parts)
 
 
-def _symbols() -> Table:
+def _symbols() -> TableBlock:
     rows = ((s.meaning, f"{_MATH}{s.math}", s.unit) for s in ALL_SYMBOLS)  # a row's heading is text
     return table("all-symbols", "Symbols", ("Meaning", "Symbol", "Unit"), rows)
 

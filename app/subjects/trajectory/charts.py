@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.charts.kinds import Array, Band, Chart, Limit, Line, Points, Span, without_fixes
+from app.charts.kinds import Array, Band, Chart, LimitLine, Line, Points, Span, without_fixes
 from app.subjects.trajectory.figures import FIGURES, limits_along
 from app.subjects.trajectory.run import Followed
 
@@ -63,7 +63,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
         return lines
 
     def chart(
-        key: str, title: str, y_label: str, lines: list[Line], limits: tuple[Limit, ...] = (), how: str = _HOW
+        key: str, title: str, y_label: str, lines: list[Line], limits: tuple[LimitLine, ...] = (), how: str = _HOW
     ) -> Chart:
         return Chart(f"trajectory-{key}", title, _TIME, y_label, tuple(lines), limits=limits, spans=spans,
                      y_log=True, knowledge=how)  # fmt: skip
@@ -73,7 +73,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
         return [line for which, styles in names for line in pair(which, which, f"{which}_{kind}", 1.0, styles)]
 
     limits = () if followed is None else limits_along(followed.result, name)
-    drawn = tuple(Limit("limit", "limit", start, stop, figure.scale * level) for start, stop, level in limits)
+    drawn = tuple(LimitLine("limit", "limit", start, stop, figure.scale * level) for start, stop, level in limits)
     attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
     chosen = pair("figure", figure.in_sentence, "figure", figure.scale, ("exact", "horizontal refined"))
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))

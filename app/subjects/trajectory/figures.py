@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Figure:
+class FlightFigure:
     """A figure that a requirement of the design may limit, by its name in a result. dimension: of `show`."""
 
     name: str
@@ -47,7 +47,9 @@ class Figure:
 
 
 FIGURES = {
-    name: Figure(name, DECLARED[name].label, DECLARED[name].dimension, "1σ" if DECLARED[name].scaled else "90 %")
+    name: FlightFigure(
+        name, DECLARED[name].label, DECLARED[name].dimension, "1σ" if DECLARED[name].scaled else "90 %"
+    )
     for name in IN_FLIGHT
 }
 

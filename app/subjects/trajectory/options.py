@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from app.document.blocks import Answer, Cell, Row, Table, numbers, table
+from app.document.blocks import Answer, Cell, Row, TableBlock, numbers, table
 from app.document.numbers import NONE, percent
 from app.subjects.trajectory.figures import FIGURES
 from nav_model.base.units import time_in_words
@@ -32,7 +32,7 @@ def options_answer(answer: Manoeuvres) -> Answer:
     return Answer(word, "good", (f"{ways[:1].upper()}{ways[1:]}.", *note))
 
 
-def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> Table:
+def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> TableBlock:
     """Each option, the shortest that closes first; the value of a row is the option's name."""
     rows: list[Row] = []
     name = max(answer.figures, key=lambda figure: answer.figures[figure].ratio)

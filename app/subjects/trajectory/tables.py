@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.document.blocks import Answer, Cell, Row, Table, numbers, table
+from app.document.blocks import Answer, Cell, Row, TableBlock, numbers, table
 from app.document.numbers import NONE, percent
 from app.document.verdict import SAID
 from app.subjects.trajectory.figures import FIGURES
@@ -67,7 +67,7 @@ def failure(line: LineResult) -> str:
     return f"{line.name} fails: {line.because}; {worst} at worst"
 
 
-def line_list(followed: Followed, name: str) -> Table:
+def line_list(followed: Followed, name: str) -> TableBlock:
     """The verdict of each line: when and why it fails, or the figure that decides, `name` where no limit does; and
     how long it may be, once that is solved."""
     result = followed.result
@@ -109,7 +109,7 @@ def _length(line: LineResult) -> str:
     return length_in_words(line)
 
 
-def line_table(followed: Followed, name: str) -> Table:
+def line_table(followed: Followed, name: str) -> TableBlock:
     """Each line: the figure `name` and those with a limit, their rms, worst and share of the line within it."""
     result = followed.result
     having_one = [key for line in result.lines for key in line.limits]

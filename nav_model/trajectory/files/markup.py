@@ -18,7 +18,7 @@ from nav_model.base.errors import quoted
 from nav_model.base.npz_arrays import DAMAGED
 from nav_model.base.number_table import seconds_of
 from nav_model.trajectory.files.heights import MOST_WAYPOINTS, Heights, Reference, counted, plain_name
-from nav_model.trajectory.files.recorded import Segment
+from nav_model.trajectory.files.recorded import RecordedSegment
 from nav_model.trajectory.plan import Waypoint
 
 _MOST_XML = 5_000_000  # bytes
@@ -84,7 +84,7 @@ def unpack(content: bytes, heights: Heights) -> bytes | None:
     return inside
 
 
-def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[Segment]:
+def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[RecordedSegment]:
     """The waypoints of a KML or GPX file, or the segments that it recorded.
 
     Recorded tracks come before what is planned, paths before single points. Each leg of a path is a line of its name;
@@ -105,7 +105,7 @@ def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list
         tour = " but a tour of the camera" if root.find(".//{*}Tour") is not None else ""
         raise heights.refuse(f"holds no path, route, track or point{tour}")
     taken = [shape for shape in shapes if shape.noun == chosen]
-    flight: tuple[Waypoint, ...] | list[Segment]
+    flight: tuple[Waypoint, ...] | list[RecordedSegment]
     if chosen == _RECORDED:
         flight = [_segment(shape, heights) for shape in taken]
         number = sum(len(part.rows) for part in flight)
@@ -146,7 +146,7 @@ def _xml(content: bytes, heights: Heights) -> Element:
     return root
 
 
-def _segment(shape: Shape, heights: Heights) -> Segment:
+def _segment(shape: Shape, heights: Heights) -> RecordedSegment:
     """What was recorded, with its times."""
     rows = []
     for number, point in enumerate(shape.places, 1):
@@ -154,7 +154,7 @@ def _segment(shape: Shape, heights: Heights) -> Segment:
         if math.isnan(time := seconds_of(point.time or "")):
             raise heights.refuse(f"{where}: {quoted(point.time)} is not a date and time")
         rows.append((time, *heights.place(point.place, shape.reference, where)))
-    return Segment(shape.name, np.array(rows).reshape(-1, 4))
+    return RecordedSegment(shape.name, np.array(rows).reshape(-1, 4))
 
 
 def _gpx(root: Element) -> Iterator[Shape]:

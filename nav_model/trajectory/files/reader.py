@@ -10,7 +10,7 @@ from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.markup import read_markup, unpack
-from nav_model.trajectory.files.recorded import Segment, fly_recorded
+from nav_model.trajectory.files.recorded import RecordedSegment, fly_recorded
 from nav_model.trajectory.files.sbet import name_of, read_sbet
 from nav_model.trajectory.files.table import in_two_columns, read_columns
 from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
@@ -58,7 +58,7 @@ def parse_file(content: bytes, name: str, height: float | None = None, ground: f
     return FlightFile(name, read, None, note) if isinstance(read, tuple) else FlightFile(name, (), read, note)
 
 
-def _read(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[Segment] | PlannedFlight:
+def _read(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[RecordedSegment] | PlannedFlight:
     if len(content) > FILE_BOUNDS.most_bytes:
         raise heights.refuse(f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
     if not content.strip():

@@ -17,7 +17,7 @@ from nav_model.simulation.specification import HIGHEST_LATITUDE
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, counted
 from nav_model.trajectory.plan import PlannedFlight
-from nav_model.trajectory.specification import Line
+from nav_model.trajectory.specification import FlightLine
 
 _STEP = 0.5  # s between samples of the flight, where knots are not closer
 _LONGEST = 100 * 3600.0  # s
@@ -33,7 +33,7 @@ _ATTITUDE = slice(4, 7)
 
 
 @dataclass(frozen=True, eq=False)
-class Segment:
+class RecordedSegment:
     """Rows of time [s], latitude, longitude [°], height above the ellipsoid [m], and roll, pitch, yaw [°] where they
     were recorded: shape (n, 4) or (n, 7)."""
 
@@ -41,7 +41,7 @@ class Segment:
     rows: Array
 
 
-def as_flown(samples: Array, heights: Heights, noun: str, lines: tuple[Line, ...] = ()) -> PlannedFlight:
+def as_flown(samples: Array, heights: Heights, noun: str, lines: tuple[FlightLine, ...] = ()) -> PlannedFlight:
     """The flight through samples in the order of `COLUMNS` [s, rad, m], each a `noun` of the file.
 
     Raises InputError for what `check_samples` and `flight_through` refuse.
@@ -52,7 +52,7 @@ def as_flown(samples: Array, heights: Heights, noun: str, lines: tuple[Line, ...
     return PlannedFlight(flight, float(samples[-1, 0]), lines)
 
 
-def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight:
+def fly_recorded(segments: Sequence[RecordedSegment], heights: Heights) -> PlannedFlight:
     """The flight through recorded segments, each of which is a line.
 
     Raises InputError under the file's name: time that runs backwards, nothing that moves in time, and what
@@ -75,7 +75,7 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
     north, east = metres_per_radian(latitude, height)
     scale = np.array([math.radians(north), math.radians(east), 1.0])
     origin = pieces[0].rows[0, 1:4]
-    times, places, lines, cuts = [], [], list[Line](), list[float]()
+    times, places, lines, cuts = [], [], list[FlightLine](), list[float]()
     count = Counter(piece.name for piece in pieces)
     curve: Any = None
     clock = before = 0.0
@@ -99,7 +99,7 @@ def fly_recorded(segments: Sequence[Segment], heights: Heights) -> PlannedFlight
         t = np.linspace(start, stop, min(steps, 2 * len(piece.rows) + math.ceil((stop - start) / _STEP)) + 1)
         times.append(clock + t - start)
         places.append(curve(t))
-        lines.append(Line(name, clock, clock + stop - start))
+        lines.append(FlightLine(name, clock, clock + stop - start))
         clock, before = lines[-1].stop, stop
     time = np.concatenate(times)
     place = np.vstack(places) / scale + origin
@@ -130,7 +130,7 @@ def unrolled(time: Array, heights: Heights) -> Array:
     return time
 
 
-def _pieces(segment: Segment, heights: Heights) -> list[Segment]:
+def _pieces(segment: RecordedSegment, heights: Heights) -> list[RecordedSegment]:
     """A segment without repeated times, cut at its pauses."""
     rows = segment.rows.copy()
     steps = np.diff(rows[:, 0])
@@ -146,7 +146,7 @@ def _pieces(segment: Segment, heights: Heights) -> list[Segment]:
     steps = np.diff(rows[:, 0])
     ends = np.flatnonzero(steps > max(_PAUSE, _PAUSE * float(np.median(steps)))) + 1
     parts = [part for part in np.split(rows, ends) if len(part) > 1]
-    return [Segment(segment.name or "segment", part) for part in parts]
+    return [RecordedSegment(segment.name or "segment", part) for part in parts]
 
 
 def _smoothed(time: Array, values: Array) -> Any:

@@ -14,7 +14,7 @@ from nav_model.base.number_table import NumberTable
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, Reference, counted
-from nav_model.trajectory.files.recorded import Segment, unrolled
+from nav_model.trajectory.files.recorded import RecordedSegment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 
 _NAMES = {
@@ -57,7 +57,7 @@ class _Column(NamedTuple):
     header: str
 
 
-def read_columns(table: NumberTable, heights: Heights) -> list[Segment] | PlannedFlight:
+def read_columns(table: NumberTable, heights: Heights) -> list[RecordedSegment] | PlannedFlight:
     """The flight of a table: with the names of `COLUMNS` as it is, else places that were recorded.
 
     Raises InputError under the file's name: a column that is missing, a unit that is not known, what is no number.
@@ -83,7 +83,7 @@ def in_two_columns(content: bytes, heights: Heights) -> bytes:
     return named + _PAIR.sub(rb"\1,\2", content[end:])
 
 
-def _recorded(table: NumberTable, heights: Heights) -> Segment:
+def _recorded(table: NumberTable, heights: Heights) -> RecordedSegment:
     columns, reference, others = _columns(table.headers, heights)
     places, times = [column.place for column in columns.values()], [columns["time"].place]
     read = table.columns(places, FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes, times)
@@ -126,7 +126,7 @@ def _recorded(table: NumberTable, heights: Heights) -> Segment:
     heights.note(f"{counted(len(lines), 'recorded row')} of {', '.join(c.header for c in columns.values())}")
     if others:
         heights.note(f"not used: {listed(others)}")
-    return Segment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
+    return RecordedSegment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
 
 
 def _columns(

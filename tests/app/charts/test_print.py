@@ -15,7 +15,7 @@ from app.charts.kinds import (
     Chart,
     Dot,
     DotChart,
-    Limit,
+    LimitLine,
     Line,
     MapChart,
     PictureChart,
@@ -123,11 +123,11 @@ def test_a_line_has_the_colour_and_dash_of_its_style():
 
 
 def test_a_limit_that_is_not_given_is_neither_drawn_nor_named():
-    limits = (Limit("a", "limit on a", 1.0, 10.0, math.nan),)
+    limits = (LimitLine("a", "limit on a", 1.0, 10.0, math.nan),)
     svg = to_svg(plain_chart(limits=limits))
     assert not paths(svg, STYLES["limit"].colour)
     assert not any("limit" in text for text in texts(svg))
-    given = to_svg(plain_chart(limits=(*limits, Limit("b", "limit on b", 10.0, 100.0, 5.0))))
+    given = to_svg(plain_chart(limits=(*limits, LimitLine("b", "limit on b", 10.0, 100.0, 5.0))))
     assert len(paths(given, STYLES["limit"].colour)) == 2
     assert "limit (scaled to 1σ)" in texts(given)
 

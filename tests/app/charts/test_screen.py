@@ -9,7 +9,7 @@ from bokeh.document.events import ColumnDataChangedEvent
 from bokeh.models import HoverTool
 
 from app.charts.kinds import Chart, Line, Points
-from app.charts.screen.figures import Figure, to_bokeh
+from app.charts.screen.figures import DrawnChart, to_bokeh
 from app.charts.screen.timelines import Timelines
 from app.examples import example
 from app.subjects.sar.charts import arw_winner_chart
@@ -32,7 +32,7 @@ def _chart(first: float = 1.0, run: int = 7) -> Chart:
     )
 
 
-def _heard(figure: Figure) -> list[Any]:
+def _heard(figure: DrawnChart) -> list[Any]:
     """Every change of the figure, and that no line is without its column while it is made."""
     document, events = Document(), []
     document.add_root(figure.plot)
@@ -45,7 +45,7 @@ def _heard(figure: Figure) -> list[Any]:
     return events
 
 
-def _drawn(figure: Figure) -> list[Any]:
+def _drawn(figure: DrawnChart) -> list[Any]:
     """What each line's glyph finds in its source."""
     return [line.data_source.data.get(line.glyph.y.field) is not None for line in figure._lines]
 

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from app.charts.kinds import Dot, DotChart
-from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Column, Table, Text, table
+from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Column, TableBlock, Text, table
 from app.document.pane import html_of
 from app.document.ranks_html import ranks_html
 from nav_model.equations import ALL_EQUATIONS
@@ -30,7 +30,7 @@ def test_what_people_write_is_text_in_every_field_of_every_block() -> None:
     columns = (Column(HOSTILE, group=HOSTILE, sortable=True), Column(HOSTILE, group=HOSTILE))
     blocks = (
         Answer(HOSTILE, "good", (HOSTILE,), HOSTILE),
-        Table("key", HOSTILE, columns, ((cell, cell), (Cell(HOSTILE),)), HOSTILE, ticks=True),
+        TableBlock("key", HOSTILE, columns, ((cell, cell), (Cell(HOSTILE),)), HOSTILE, ticks=True),
         Text(HOSTILE),
         Bullets((HOSTILE,), HOSTILE),
     )

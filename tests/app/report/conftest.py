@@ -7,7 +7,7 @@ from typing import Any
 import pypdf
 import pytest
 
-from app.document.blocks import Cell, Report, Table
+from app.document.blocks import Cell, Report, TableBlock
 from app.examples import EXAMPLES
 from nav_model.budget import Budget
 
@@ -21,7 +21,7 @@ def three(budget_of) -> list[Budget]:
 def cells() -> Callable[[Report], list[Cell]]:
     """Every cell of every table."""
     return lambda report: [
-        cell for block in report.blocks() if isinstance(block, Table) for row in block.rows for cell in row
+        cell for block in report.blocks() if isinstance(block, TableBlock) for row in block.rows for cell in row
     ]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from app.document.blocks import Bullets, Equations, Report, Table, Text
+from app.document.blocks import Bullets, Equations, Report, TableBlock, Text
 from app.document.display import Display
 from app.report.content import report_of
 from nav_model.base.units import format_quantity
@@ -24,7 +24,7 @@ def sayings(report: Report) -> list[str]:
     """Every text of a report that may name an equation."""
     texts: list[str] = []
     for block in report.blocks():
-        if isinstance(block, Table):
+        if isinstance(block, TableBlock):
             texts += [cell.text for row in block.rows for cell in row]
             texts += [block.caption, block.note, *(column.title for column in block.columns)]
         elif isinstance(block, Text):
@@ -34,8 +34,8 @@ def sayings(report: Report) -> list[str]:
     return texts + [chart.chart.knowledge for chart in report.charts()]
 
 
-def table(report: Report, key: str) -> Table:
-    return next(block for block in report.blocks() if isinstance(block, Table) and block.key == key)
+def table(report: Report, key: str) -> TableBlock:
+    return next(block for block in report.blocks() if isinstance(block, TableBlock) and block.key == key)
 
 
 def test_every_requirement_and_every_input_is_there(mems):
@@ -213,7 +213,7 @@ def test_a_comparison_of_the_same_design_has_no_best_and_no_difference(mems, cel
 
 def test_many_designs_are_split_over_tables_and_charts(mems):
     report = report_of([mems] * 9, NOW)
-    widths = [len(block.columns) for block in report.blocks() if isinstance(block, Table) and "c-fig" in block.key]
+    widths = [len(block.columns) for block in report.blocks() if isinstance(block, TableBlock) and "c-fig" in block.key]
     assert widths == [6, 5]
     lines = [len(block.chart.lines) for block in report.charts() if re.match(r"c-\d+-chart-position", block.key)]
     assert lines == [7, 2]

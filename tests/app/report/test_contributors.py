@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from app.document.blocks import Table
+from app.document.blocks import TableBlock
 from app.document.html import to_html
 from app.examples import example
 from app.report.comparison import difference_tables
@@ -28,7 +28,7 @@ def test_the_report_lists_them_and_no_longer_says_that_they_are_left_out(mode: s
     alone = _BASE.replace({"processing.mode": mode})
     design = alone.replace({}, entries=UserEntries(read_contributors([_LEVER_ARM]), allocation=Allotment()))
     report, without = (report_of([analyse(variant)]) for variant in (design, alone))
-    tables = [each for part in report.chapters[0].sections for each in part.blocks if isinstance(each, Table)]
+    tables = [each for part in report.chapters[0].sections for each in part.blocks if isinstance(each, TableBlock)]
     written = [column for each in tables for column in each.columns if column.title in ("Owner", "Source")]
     assert written
     assert all(column.width for column in written)  # else a long text leaves the others no room on paper

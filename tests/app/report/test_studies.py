@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Equations, Section, Symbols, Table, Text
+from app.document.blocks import Answer, Bullets, Cell, ChartBlock, Equations, Section, Symbols, TableBlock, Text
 from app.examples import example
 from app.report import report_bytes
 from app.report.content import report_of
@@ -71,8 +71,8 @@ def pages(sections, design, placed) -> list[tuple[str, float]]:
     return texts
 
 
-def table(sections: tuple[Section, ...], key: str) -> Table:
-    return next(b for section in sections for b in section.blocks if isinstance(b, Table) and b.key == f"d-{key}")
+def table(sections: tuple[Section, ...], key: str) -> TableBlock:
+    return next(b for section in sections for b in section.blocks if isinstance(b, TableBlock) and b.key == f"d-{key}")
 
 
 def verdict(sections: tuple[Section, ...], key: str) -> Answer:
@@ -257,7 +257,7 @@ def test_every_mark_in_the_html_leads_to_its_equation(html):
 def test_html_and_pdf_say_every_number_of_every_table(sections, html, pages):
     page = squeezed(re.sub(r"<[^>]+>", " ", html).replace("&#39;", "'").replace("&lt;", "<"))
     printed = squeezed(" ".join(text for text, _ in pages)).replace("\u200b", "")
-    tables = [block for section in sections for block in section.blocks if isinstance(block, Table)]
+    tables = [block for section in sections for block in section.blocks if isinstance(block, TableBlock)]
     texts = {cell.text for table in tables for row in table.rows for cell in row}
     assert len(texts) > 100
     assert not {text for text in texts if squeezed(text) not in page}

@@ -12,7 +12,7 @@ from open_page import Tab
 from waiting import PATIENCE, until
 
 from app.serving.address import SharedSocket
-from app.serving.board import Row, SharedMetrics
+from app.serving.board import BoardRow, SharedMetrics
 
 pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "app/upstream")]
 
@@ -89,7 +89,7 @@ def test_open_pages_have_their_turn_while_connections_come_without_end() -> None
     """A loop that accepts while somebody waits would serve nobody else."""
     with (
         ExitStack() as held,
-        SharedSocket(socket.create_server(("127.0.0.1", 0), backlog=100), Row(SharedMetrics())) as listening,
+        SharedSocket(socket.create_server(("127.0.0.1", 0), backlog=100), BoardRow(SharedMetrics())) as listening,
     ):
         listening.setblocking(False)
         for _ in range(50):

@@ -21,7 +21,7 @@ from waiting import PATIENCE, soon, until
 from app.cli import main
 from app.serving import address, supervisor
 from app.serving.address import SharedSocket
-from app.serving.board import Row, SharedMetrics
+from app.serving.board import BoardRow, SharedMetrics
 from app.serving.rules import Rules
 
 pytestmark = [pytest.mark.long, pytest.mark.watches("app/serving", "nav_model/base/processes.py")]
@@ -194,8 +194,8 @@ def test_the_fuller_process_lets_the_other_go_first_but_nobody_waits_long(
         board.put(process, "sessions", sessions)
     listening = socket.create_server(("127.0.0.1", 0))
     with (
-        SharedSocket(listening.dup(), Row(board, 1)) as emptier,
-        SharedSocket(listening, Row(board, 0)) as fuller,
+        SharedSocket(listening.dup(), BoardRow(board, 1)) as emptier,
+        SharedSocket(listening, BoardRow(board, 0)) as fuller,
         socket.create_connection(fuller.getsockname()),
     ):
         with pytest.raises(BlockingIOError):
@@ -262,11 +262,11 @@ def test_one_that_ends_just_after_it_was_looked_at_is_noticed(monkeypatch: pytes
 
 def test_what_a_process_counted_outlives_it() -> None:
     board = SharedMetrics(2)
-    row = Row(board, 1)
+    row = BoardRow(board, 1)
     row.add("opened")
     row.add("opened")
     row.put("sessions", 2)
-    Row(board, 0).add("opened")
+    BoardRow(board, 0).add("opened")
     board.clear(1)
     assert board.total("opened") == 3
     assert board.total("sessions") == 0

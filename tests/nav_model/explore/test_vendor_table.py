@@ -11,7 +11,7 @@ from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.file import parse_design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-from nav_model.explore.vendor_table import COLUMNS, Row, invert, read_row, vendor_table, with_unit
+from nav_model.explore.vendor_table import COLUMNS, VendorRow, invert, read_row, vendor_table, with_unit
 
 _UNITS = {"horizontal": "m", "vertical": "m", "velocity": "m/s", "roll and pitch": "°", "heading": "°"}
 _WALKS = ("imu.angle_random_walk", "imu.velocity_random_walk")
@@ -22,7 +22,7 @@ _RECEIVERS = (
 )
 
 
-def printed(row: Row, digits: int = 4, factors: dict[str, float] | None = None) -> str:
+def printed(row: VendorRow, digits: int = 4, factors: dict[str, float] | None = None) -> str:
     """A row of the table as a data sheet prints it, some entries times a factor."""
     entries = []
     for name, value in row.values.items():
@@ -51,7 +51,7 @@ def random_unit(rng: np.random.Generator) -> Design:
     )
 
 
-def real_time(design: Design) -> list[Row]:
+def real_time(design: Design) -> list[VendorRow]:
     return [row for row in vendor_table(design) if row.processing == REAL_TIME]
 
 

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from nav_model.analytic.steady_state import horizontal
 from nav_model.budget import analyse
 from nav_model.processing.geolocation import (
-    Line,
+    AxisError,
     circular_error,
     free_line,
     ground_covariance,
@@ -90,7 +90,9 @@ def test_shifts_of_the_image_by_exact_geometry():
 
     def ours(mean, slope, scene):
         """Shift of unit errors as the square roots of the variances: along the track, across."""
-        level, upright = (Line(np.array(m), np.array(s), np.array(0.0)) for m, s in zip(mean, slope, strict=True))
+        level, upright = (
+            AxisError(np.array(m), np.array(s), np.array(0.0)) for m, s in zip(mean, slope, strict=True)
+        )
         moved = shifts(level, upright, grazing, slant, speed)
         ground = ground_covariance(moved, grazing, scene)
         return math.sqrt(float(ground[0])), math.sqrt(float(ground[1]))

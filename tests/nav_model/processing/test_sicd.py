@@ -13,7 +13,7 @@ from sarkit.sicd import projection
 from app.document.sicd import NAMESPACE, sicd_xml
 from nav_model.budget import analyse
 from nav_model.budget.sicd import error_statistics
-from nav_model.processing.geolocation import Line, ground_covariance, shifts
+from nav_model.processing.geolocation import AxisError, ground_covariance, shifts
 
 
 def metadata(place, heading, right, grazing, distance, speed, squint=0.0):
@@ -61,7 +61,7 @@ def component(trajectory, axes):
 def random_lines(rng):
     mean, slope = np.exp(rng.uniform(math.log(1e-4), math.log(9), 2)), np.exp(rng.uniform(-14, -4, 2))
     both = rng.uniform(-0.9, 0.9, 2) * np.sqrt(mean * slope)
-    return Line(mean[0], slope[0], both[0]), Line(mean[1], slope[1], both[1])
+    return AxisError(mean[0], slope[0], both[0]), AxisError(mean[1], slope[1], both[1])
 
 
 def covariance(level, upright):

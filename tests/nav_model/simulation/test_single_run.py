@@ -9,10 +9,10 @@ import pytest
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly, fly_without_errors
 from nav_model.simulation.specification import (
-    Aiding,
+    Aids,
     FilterModel,
     GnssModel,
-    InitialErrors,
+    InitialSigma,
     SimulationSpec,
     TrajectorySpec,
 )
@@ -74,7 +74,7 @@ def test_a_long_lever_arm_is_handled_consistently_through_turns(make_imu):
         make_imu(0.1, 0.05),
         GnssModel(position_noise=0.02, velocity_noise=0.02, lever_arm=(20.0, -5.0, 8.0)),
         TrajectorySpec("turns", speed=80.0),
-        initial=InitialErrors(yaw=math.radians(0.5)),
+        initial=InitialSigma(yaw=math.radians(0.5)),
         duration=180.0,
         runs=20,
     )
@@ -87,9 +87,9 @@ def test_a_long_lever_arm_is_handled_consistently_through_turns(make_imu):
 def test_heading_and_height_come_with_the_fixes_and_height_alone_in_an_outage(make_imu):
     spec = SimulationSpec(
         make_imu(0.1, 0.05),
-        aiding=Aiding(heading_noise=math.radians(0.05), barometer_noise=0.5),
+        aiding=Aids(heading_noise=math.radians(0.05), barometer_noise=0.5),
         trajectory=TrajectorySpec("turns", speed=80.0, heading=math.radians(175.0)),  # through 180°
-        initial=InitialErrors(yaw=math.radians(1.0)),
+        initial=InitialSigma(yaw=math.radians(1.0)),
         duration=240.0,
         outages=((180.0, 240.0),),
         runs=20,

@@ -17,7 +17,7 @@ from nav_model.trajectory.design_study import along_flight, covariance_specifica
 from nav_model.trajectory.line_length import with_lengths
 from nav_model.trajectory.lines import MOST_RESERVE, length_in_words
 from nav_model.trajectory.result import TrajectoryResult, to_json
-from nav_model.trajectory.specification import Line
+from nav_model.trajectory.specification import FlightLine
 
 START, WALK, BIAS, TIME = 0.005 * DEGREE, 0.05 * DEGREE / 60, 0.5 * DEGREE_PER_HOUR, 200.0
 TACTICAL = Design({"imu.angle_random_walk": WALK, "flight.speed": 60.0, "gnss.position_noise": 0.05})
@@ -31,7 +31,7 @@ def test_heading_grows_along_a_straight_line_as_its_closed_form(states: int) -> 
         TACTICAL, trajectory="straight", duration=900.0, states=states, more=read_study_inputs(noise)
     )
     limit = 0.02 * DEGREE
-    spec = covariance_specification(TACTICAL, study, (Line("line 1", 0.0, 900.0),))
+    spec = covariance_specification(TACTICAL, study, (FlightLine("line 1", 0.0, 900.0),))
     flown = covariance(replace(spec, most=(("heading", limit),)))
     t = np.arange(901.0)
     drift = 2 * BIAS**2 * TIME * (t - TIME * (1 - np.exp(-t / TIME)))
@@ -54,7 +54,7 @@ def test_heading_grows_along_a_straight_line_as_its_closed_form(states: int) -> 
 
 def test_a_line_within_its_limits_fails_at_no_time_and_one_beyond_from_the_start_says_so() -> None:
     study = specification(TACTICAL, trajectory="straight", duration=60.0)
-    spec = covariance_specification(TACTICAL, study, (Line("line 1", 10.0, 60.0),))
+    spec = covariance_specification(TACTICAL, study, (FlightLine("line 1", 10.0, 60.0),))
     within, beyond = (
         covariance(replace(spec, most=(("heading", limit * DEGREE),))).lines[0] for limit in (1.0, 0.05)
     )

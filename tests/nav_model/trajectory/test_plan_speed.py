@@ -14,7 +14,7 @@ from nav_model.design.link import from_query, to_query
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.single_run import fly as simulate
-from nav_model.simulation.specification import InitialErrors
+from nav_model.simulation.specification import InitialSigma
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, plan_of, planned
@@ -105,7 +105,7 @@ def test_what_a_change_of_speed_shows_of_the_heading_is_least_squares_by_hand() 
     velocity fixes of sigma_v give the heading as the slope of a line through them, on the speed flown."""
     flight = planned(PLAN)
     study = specification(PLAN, trajectory=flight.trajectory, runs=1, duration=flight.duration)
-    study = replace(study, initial=InitialErrors(velocity=5.0, tilt=1e-8, yaw=2 * DEGREE))
+    study = replace(study, initial=InitialSigma(velocity=5.0, tilt=1e-8, yaw=2 * DEGREE))
     result = covariance(replace(covariance_specification(PLAN, study, flight.lines), settled=False))
     time, speed = speeds(flight, 1.0)
     flown = np.interp(result.time_s, time, speed)
@@ -122,7 +122,7 @@ def test_a_simulated_flight_turns_its_heading_error_into_velocity_across() -> No
     flight = planned(PLAN)
     outage = ((0.5, flight.duration),)
     study = specification(PLAN, trajectory=flight.trajectory, runs=1, duration=flight.duration, outages=outage)
-    study = replace(study, initial=InitialErrors(1e-6, 1e-9, 1e-11, 0.5 * DEGREE))
+    study = replace(study, initial=InitialSigma(1e-6, 1e-9, 1e-11, 0.5 * DEGREE))
     error = simulate(study, 0).error[POSTERIOR]
     speed = speeds(flight, 1.0)[1]
     fastest = int(speed.argmax())

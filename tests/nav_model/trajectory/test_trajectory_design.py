@@ -22,7 +22,7 @@ from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, lines_of, planned
 from nav_model.trajectory.result import STATE_AXES
-from nav_model.trajectory.specification import Line
+from nav_model.trajectory.specification import FlightLine
 
 EXAMPLE_FILE = Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml"
 EXAMPLE = EXAMPLE_FILE.read_text()
@@ -178,7 +178,7 @@ def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not
     flight = planned(case)
     study = specification(case, trajectory=flight.trajectory, runs=1, duration=120.0, every=10.0)
     given = (("short", 43.0, 43.5), ("cut", 80.0, 150.0), ("later", 121.0, 122.0), ("not flown", 150.0, 190.0))
-    spec = covariance_specification(case, study, tuple(Line(*line) for line in given))
+    spec = covariance_specification(case, study, tuple(FlightLine(*line) for line in given))
     result = covariance(spec)
     short, cut, *others = result.lines
     at = np.searchsorted(result.time_s, 40.0)

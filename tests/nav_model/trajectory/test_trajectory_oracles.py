@@ -13,7 +13,7 @@ from pyins.measurements import Position
 from nav_model.budget.inputs import inputs_of
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import specification
-from nav_model.simulation.specification import Aiding, GnssModel, ImuModel, InitialErrors, SimulationSpec, TriadModel
+from nav_model.simulation.specification import Aids, GnssModel, ImuModel, InitialSigma, SimulationSpec, TriadModel
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
@@ -39,7 +39,7 @@ def test_through_two_turns_a_climb_and_an_outage_the_filter_is_that_of_another_p
     result = covariance(CovarianceSpec(spec, inputs_of(MEMS))).real_time
     mine = np.hstack([result.position, result.velocity, result.attitude])
 
-    start = InitialErrors()
+    start = InitialSigma()
     t = np.arange(0.0, duration + 0.1, 0.5)
     now = true_states(plan_trajectory(spec.trajectory, spec.duration), t[t <= duration])
     angles = np.degrees(now.euler)
@@ -109,7 +109,7 @@ def test_runs_that_are_smoothed_back_from_fix_to_fix_lie_within_their_confidence
         {"gyro.bias_instability": "20 °/h", "gyro.correlation_time": "100 s", "gyro.scale_factor": "1000 ppm"}
     )
     study = specification(design, trajectory="turns", duration=180.0, every=6.0, outages=[(100, 130)], more=more)
-    spec = CovarianceSpec(replace(study, aiding=Aiding(heading_noise=0.002, barometer_noise=2.0)), inputs_of(MEMS))
+    spec = CovarianceSpec(replace(study, aiding=Aids(heading_noise=0.002, barometer_noise=2.0)), inputs_of(MEMS))
     result = covariance(spec).post_processed
     squares = np.mean(smoothed_runs(error_model(spec), runs)[:, :6] ** 2, axis=2)
     ratio = squares / np.hstack([result.position, result.velocity]) ** 2

@@ -19,7 +19,7 @@ from app.charts.legend import legend_html
 from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
 from app.charts.styles import STYLES
-from app.document.blocks import Table
+from app.document.blocks import TableBlock
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.simulation import charts
@@ -216,7 +216,7 @@ def test_the_verdict_and_its_tables_are_the_studys(study: SimulationStudy) -> No
     figures = [float(text) for text in re.findall(r"\d+\.\d+", answer.sentences[0])]
     assert figures == pytest.approx([nees.mean, nees.low, nees.high], rel=5e-3)
     first, *blocks = sections(study, "page")[0].blocks
-    titles = [block.caption for block in blocks if isinstance(block, Table)]
+    titles = [block.caption for block in blocks if isinstance(block, TableBlock)]
     assert first == answer
     assert titles[0] == "Simulation set-up"
     assert titles[-1] == "Where formula and simulation differ, and why"
