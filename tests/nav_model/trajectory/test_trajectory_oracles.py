@@ -17,7 +17,7 @@ from nav_model.simulation.specification import Aids, GnssModel, ImuModel, Initia
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
-from nav_model.trajectory.covariance import _filtered, _transition, covariance
+from nav_model.trajectory.covariance import _filtered, _transitions, covariance
 from nav_model.trajectory.errors import ErrorModel, error_model
 from nav_model.trajectory.plan import Plan, Waypoint, fly
 from nav_model.trajectory.specification import CovarianceSpec
@@ -75,11 +75,12 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
     generator = np.random.default_rng(7)
     run, m, n = _filtered(model), model.states.estimated, model.states.size
     draw = generator.standard_normal
+    whole, estimated = ([*_transitions(model, size)] for size in (n, m))
     now = model.states.initial @ draw((model.states.initial.shape[1], runs))
     before, after = [now], []
     for node in range(len(model.time_s)):
         if node:
-            now = _transition(model, node, n) @ now
+            now = whole[node] @ now
             for place, error in enumerate(model.states.drives):
                 added = model.factors[node - 1, place] @ draw((9, runs))
                 now[:9] += added[:9]
@@ -93,7 +94,7 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
     smooth = after[-1][:m]
     result = {len(after) - 1: smooth}
     for node in range(len(after) - 2, -1, -1):
-        step, p = _transition(model, node + 1, m), run.covariance[node]
+        step, p = estimated[node + 1], run.covariance[node]
         predicted = step @ p @ step.T + model.filter_noise[node]
         back = np.linalg.solve(predicted, step @ p).T
         smooth = after[node][:m] + back @ (smooth - before[node + 1][:m])
