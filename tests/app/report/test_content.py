@@ -213,7 +213,9 @@ def test_a_comparison_of_the_same_design_has_no_best_and_no_difference(mems, cel
 
 def test_many_designs_are_split_over_tables_and_charts(mems):
     report = report_of([mems] * 9, NOW)
-    widths = [len(block.columns) for block in report.blocks() if isinstance(block, TableBlock) and "c-fig" in block.key]
+    widths = [
+        len(block.columns) for block in report.blocks() if isinstance(block, TableBlock) and "c-fig" in block.key
+    ]
     assert widths == [6, 5]
     lines = [len(block.chart.lines) for block in report.charts() if re.match(r"c-\d+-chart-position", block.key)]
     assert lines == [7, 2]

@@ -72,7 +72,9 @@ def pages(sections, design, placed) -> list[tuple[str, float]]:
 
 
 def table(sections: tuple[Section, ...], key: str) -> TableBlock:
-    return next(b for section in sections for b in section.blocks if isinstance(b, TableBlock) and b.key == f"d-{key}")
+    return next(
+        b for section in sections for b in section.blocks if isinstance(b, TableBlock) and b.key == f"d-{key}"
+    )
 
 
 def verdict(sections: tuple[Section, ...], key: str) -> Answer:

@@ -161,7 +161,9 @@ def test_states_of_a_line_are_those_of_the_moment_that_the_budget_checks(changes
     """Before a fix unless the design says otherwise, smoothed in the middle of an aperture; however many results."""
     design = parse_design(Path("examples/tactical_x_band.toml").read_bytes(), changes=changes)
     budget = analyse(design)
-    result = covariance(replace(planned(design, duration=300.0, every=every), lines=(FlightLine("middle", 100.0, 200.0),)))
+    result = covariance(
+        replace(planned(design, duration=300.0, every=every), lines=(FlightLine("middle", 100.0, 200.0),))
+    )
     on = (result.time_s >= 100.0) & (result.time_s <= 200.0)
     for part, processing in ((result.real_time, "real time"), (result.post_processed, "post-processed")):
         for name in STEADY:
@@ -179,7 +181,9 @@ def test_the_quadratic_phase_along_the_track_is_that_of_the_budget(changes: list
     limits = ["requirements.quadratic_phase=9°", "trajectory.limits=line 1, quadratic_phase=18°"]
     design = parse_design(Path("examples/tactical_x_band.toml").read_bytes(), changes=[*changes, *limits])
     study = specification(design, trajectory="straight", duration=200.0)
-    spec = covariance_specification(design, study, (FlightLine("line 0", 50.0, 100.0), FlightLine("line 1", 100.0, 150.0)))
+    spec = covariance_specification(
+        design, study, (FlightLine("line 0", 50.0, 100.0), FlightLine("line 1", 100.0, 150.0))
+    )
     result, name, budget = covariance(spec), "along_track_quadratic_phase", analyse(design)
     for part, processing in ((result.real_time, "real time"), (result.post_processed, "post-processed")):
         assert part.figures[name][100] == pytest.approx(budget[name, processing].sigma, rel=0.01), processing
