@@ -14,6 +14,7 @@ Exit status: 0 if the goal holds, 1 if it is missed.
 import argparse
 import asyncio
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -90,7 +91,7 @@ async def _life(address: str) -> AsyncIterator[Tab | None]:
     await tab.until(name="timelines")
     place = tab.row(_SLIDER)[1]["place"]
     yield tab
-    bar = next(model for model in tab.objects if model["name"].startswith("Bar") and model["name"][3:].isdigit())
+    bar = next(model for model in tab.objects if re.fullmatch(r"HeaderBar\d+", model["name"]))
     for index in (*range(1, len(SUBJECTS)), 0):
         await tab.set(bar["id"], active=index)
         yield tab  # the tab is being made
