@@ -198,7 +198,7 @@ _STARTS, _FITS, _EVALUATIONS = 2048, 3, 40
 _EXACT = 1e-4  # sum of squares, of roundings, from which no other start is tried
 _STEP = 1e-20
 _NAMES = {
-    **dict.fromkeys(("roll/pitch", "roll / pitch", "roll & pitch", "roll", "pitch"), "roll and pitch"),
+    **dict.fromkeys(("roll/pitch", "roll / pitch", "roll & pitch", "roll", "pitch", "tilt"), "roll and pitch"),
     **dict.fromkeys(("true heading", "yaw"), "heading"),
     **{f"{axis} position": axis for axis in ("horizontal", "vertical")},
     "horizontal velocity": "velocity",

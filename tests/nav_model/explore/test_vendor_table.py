@@ -155,7 +155,7 @@ def test_rows_as_a_manual_prints_them() -> None:
     rows = [
         "No outage: horizontal position 0.01 m + 1 ppm, vertical position 0.02 m + 1 ppm, roll/pitch 0.008°",
         "10 s: horizontal 5 cm, vertical 5 cm, horizontal velocity 0.02 m/s, roll & pitch 8e-3°, true heading 0.03°",
-        "after 60 s: horizontal 0.5 m, vertical 0.3 m, velocity 0.02 m/s, roll/pitch 0.012°, yaw 0.06°",
+        "after 60 s: horizontal 0.5 m, vertical 0.3 m, velocity 0.02 m/s, tilt 0.012°, yaw 0.06°",
     ]
     with pytest.raises(InputError, match=r"grows with the base line\. Give gnss\.baseline"):
         invert(Design(), rows)
