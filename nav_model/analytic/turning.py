@@ -73,15 +73,18 @@ def along_track_velocity(
     coast: ArrayLike,
     aperture: ArrayLike,
 ) -> Array:
-    """Variance [m²/s²] of the constant velocity error that has the second functional of a free INS. [S-2]
+    """Variance [m²/s²] of the constant velocity error whose along-track quadratic phase is that of a free INS. [S-2]
 
-    Arguments as `nav_model.processing.geolocation.free_line`; complex numbers pass through.
+    It has the same second functional as the INS's error over an aperture of `aperture` seconds that begins `coast`
+    seconds after the last fix (docs/sar.md). Arguments as those of `nav_model.processing.geolocation.free_line`: SI,
+    one sigma, any shapes that broadcast; complex numbers pass through.
     """
     sigma_a, sigma_w, b, d, g, c, t = (as_numbers(x) for x in (sigma_a, sigma_w, bias_a, bias_w, g, coast, aperture))
     p, age = carried(start, sigma_a, sigma_w, g, c), c + t / 2
-    # A constant velocity has T/2 of the functional. What the aperture begins with counts as in its middle.
+    # A constant velocity has T/2 of the functional, hence 4/T² of the variance. What the aperture begins with counts
+    # as in its middle.
     state = p.p22 + g * p.p23 * t + g**2 * p.p33 * t**2 / 4
-    noise = 213 / 616 * sigma_a**2 * t + 1739 / 36036 * (g * sigma_w) ** 2 * t**3
+    noise = 4 * (_ACCELEROMETER[1, 1] * sigma_a**2 * t + _GYRO[1, 1] * (g * sigma_w) ** 2 * t**3)
     variance: Array = state + noise + (b * age) ** 2 + (g * d * (age**2 / 2 + t**2 / 28)) ** 2
     return variance
 

@@ -78,15 +78,15 @@ def with_swath(
 
 
 def _worst(slant_range: float, lines: tuple[LineResult, ...], elsewhere: tuple[Check, ...]) -> _Trial:
-    trial = _Trial(slant_range, 0.0, "")
+    """The line, or the requirement judged on Budget alone, that is farthest beyond its limit at a slant range [m]."""
+    trials = [_Trial(slant_range, 0.0, "")]
     for line in lines:
         name, excess = line.excess
         by = f"{line.name} {line.reason}" if line.reason else f"{figure_in_sentence(name)} of {line.name} fails first"
-        trial = max(trial, _Trial(slant_range, math.inf if line.reason else excess, by))
+        trials.append(_Trial(slant_range, math.inf if line.reason else excess, by))
     for check in elsewhere:
-        by = f"{figure_in_sentence(check.name)} fails first"
-        trial = max(trial, _Trial(slant_range, check.value / check.limit, by))
-    return trial
+        trials.append(_Trial(slant_range, check.value / check.limit, f"{figure_in_sentence(check.name)} fails first"))
+    return max(trials, key=lambda trial: trial.excess)
 
 
 def _edge(inside: _Trial, outside: _Trial, flown: Callable[[float], _Trial]) -> _Trial:
