@@ -1,12 +1,20 @@
 """Compiled kernels: fast to start, and never older than the source they came from."""
 
+import builtins
+import errno
+import importlib.util
+import io
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numba
 import pytest
+from numba.core.event import install_recorder
 
 import nav_model
 from nav_model.base.compiled import room_digest
@@ -39,51 +47,54 @@ def test_a_fresh_process_takes_everything_from_the_cache():
     assert compiled == 0
 
 
-def _add(folder: Path, value: int, more: str = "") -> tuple[int, int]:
-    """What a small kernel of its own folder gives, and how often Numba compiled, in a fresh process."""
-    (folder / "adding.py").write_text(
-        "from nav_model.base.compiled import kernel\n@kernel\ndef add(a):\n    return a + 1\n", encoding="utf-8"
-    )
-    code = (
-        f"from numba.core.event import install_recorder\nfrom adding import add\n{more}\n"
-        f"with install_recorder('numba:compile') as compiled:\n    total = add({value})\n"
-        "print(total, len(compiled.buffer))"
-    )
-    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    environment["PYTHONPATH"] = str(ROOM.parent)
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    total, compiled = done.stdout.split()
-    return int(total), int(compiled)
+def _adding(folder: Path) -> Callable[[int], tuple[int, int]]:
+    """A small kernel of its own folder, read anew: what it gives, and how often Numba compiled."""
+    path = folder / "adding.py"
+    path.write_text("from nav_model.base.compiled import kernel\n@kernel\ndef add(a):\n    return a + 1\n")
+    specification = importlib.util.spec_from_file_location("adding", path)
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+
+    def add(value: int) -> tuple[int, int]:
+        with install_recorder("numba:compile") as compiled:
+            total = module.add(value)
+        return total, len(compiled.buffer)
+
+    return add
 
 
+@pytest.fixture
+def beside_the_source(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba's cache lies in the folder of a file."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+
+
+@pytest.mark.usefixtures("beside_the_source")
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 @pytest.mark.parametrize("content", [b"", b"\0" * 4096, b"half"])
 def test_a_damaged_file_of_the_cache_is_written_anew(tmp_path: Path, kind: str, content: bytes) -> None:
-    assert _add(tmp_path, 1) == (2, 2)  # an event at the start, one at the end
-    assert _add(tmp_path, 2) == (3, 0)
+    assert _adding(tmp_path)(1) == (2, 2)  # an event at the start, one at the end
+    assert _adding(tmp_path)(2) == (3, 0)
     (file,) = (tmp_path / "__pycache__").glob(f"*.{kind}")
     file.write_bytes(file.read_bytes()[:-100] if content == b"half" else content)
-    assert _add(tmp_path, 3) == (4, 2)
-    assert _add(tmp_path, 4) == (5, 0)
+    assert _adding(tmp_path)(3) == (4, 2)
+    assert _adding(tmp_path)(4) == (5, 0)
 
 
-_FULL = """
-import errno, builtins
-shipped = builtins.open
-def full(file, mode="r", *more, **options):
-    if "w" in mode:
-        raise OSError(errno.ENOSPC, "No space left on device")
-    return shipped(file, mode, *more, **options)
-import io
-builtins.open = io.open = full
-"""
+@pytest.mark.usefixtures("beside_the_source")
+def test_with_a_full_disk_a_kernel_is_compiled_for_the_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add, shipped = _adding(tmp_path), open
 
+    def full(file: Any, mode: str = "r", *arguments: Any, **options: Any) -> Any:
+        if "w" in mode:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return shipped(file, mode, *arguments, **options)
 
-def test_with_a_full_disk_a_kernel_is_compiled_for_the_process(tmp_path: Path) -> None:
-    assert _add(tmp_path, 1, _FULL) == (2, 2)
+    for module in (builtins, io):
+        monkeypatch.setattr(module, "open", full)
+    assert add(1) == (2, 2)
     assert not list((tmp_path / "__pycache__").glob("*.nb?"))
 
 
