@@ -25,8 +25,9 @@ from nav_model.design.trajectory import LINES, WAYPOINTS, lines_in_words
 from nav_model.trajectory.covariance import lines_along
 from nav_model.trajectory.design_study import along_flight, plan_of, planned, rows_of
 from nav_model.trajectory.line_length import line_longer
-from nav_model.trajectory.plan import Plan, PlannedFlight, before_line, in_parts
+from nav_model.trajectory.plan import PlannedFlight, before_line, in_parts
 from nav_model.trajectory.result import LineResult
+from nav_model.trajectory.waypoints import Plan
 
 _TURNS: Mapping[str, tuple[float, ...]] = {
     "S-turn": (45 * DEGREE, -90 * DEGREE, 45 * DEGREE),

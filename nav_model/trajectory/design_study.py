@@ -21,8 +21,9 @@ from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
 from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, lengthened, strip
+from nav_model.trajectory.plan import PlannedFlight, fly
 from nav_model.trajectory.specification import CovarianceSpec, FlightLine, Most
+from nav_model.trajectory.waypoints import Plan, Waypoint, lengthened, strip
 
 _SAME = 0.005
 _MOST_RESULTS = 1200  # along a flight

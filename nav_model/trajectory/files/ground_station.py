@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from nav_model.base.errors import quoted
 from nav_model.trajectory.files.heights import Heights, Reference, counted, plain_name
-from nav_model.trajectory.plan import Waypoint
+from nav_model.trajectory.waypoints import Waypoint
 
 _MOST_TEXT = 5_000_000  # bytes
 WAYPOINT_LIST = b"QGC WPL"

@@ -6,7 +6,7 @@ import re
 from typing import Literal
 
 from nav_model.base.errors import InputError, quoted
-from nav_model.trajectory.plan import Waypoint
+from nav_model.trajectory.waypoints import Waypoint
 
 MOST_WAYPOINTS = 2000
 _MOST_NAME = 80

@@ -19,7 +19,7 @@ from nav_model.base.npz_arrays import DAMAGED
 from nav_model.base.number_table import seconds_of
 from nav_model.trajectory.files.heights import MOST_WAYPOINTS, Heights, Reference, counted, plain_name
 from nav_model.trajectory.files.recorded import RecordedSegment
-from nav_model.trajectory.plan import Waypoint
+from nav_model.trajectory.waypoints import Waypoint
 
 _MOST_XML = 5_000_000  # bytes
 _MOST_TAGS = 400_000

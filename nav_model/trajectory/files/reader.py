@@ -13,7 +13,8 @@ from nav_model.trajectory.files.markup import read_markup, unpack
 from nav_model.trajectory.files.recorded import RecordedSegment, fly_recorded
 from nav_model.trajectory.files.sbet import name_of, read_sbet
 from nav_model.trajectory.files.table import in_two_columns, read_columns
-from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly
+from nav_model.trajectory.plan import PlannedFlight, fly
+from nav_model.trajectory.waypoints import Plan, Waypoint
 
 KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV or SBET"
 _GIVE = f"Give a {KINDS} file."

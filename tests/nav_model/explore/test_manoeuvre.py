@@ -16,8 +16,9 @@ from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.single_run import fly as simulate
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import along_flight, lines_of, planned, rows_of
-from nav_model.trajectory.plan import Plan, Waypoint, before_line, fly, in_parts
+from nav_model.trajectory.plan import before_line, fly, in_parts
 from nav_model.trajectory.result import TrajectoryResult
+from nav_model.trajectory.waypoints import Plan, Waypoint
 
 PLAN = Design(
     {

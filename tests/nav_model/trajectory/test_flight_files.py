@@ -14,7 +14,8 @@ import pytest
 from nav_model.base.errors import InputError
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.files.reader import FlightFile, parse_file
-from nav_model.trajectory.plan import Plan, PlannedFlight
+from nav_model.trajectory.plan import PlannedFlight
+from nav_model.trajectory.waypoints import Plan
 
 BROUGHT = Path("/work/shared/data/brought")
 METRE = 180 / math.pi / 6_371_000

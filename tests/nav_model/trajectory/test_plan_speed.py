@@ -19,7 +19,8 @@ from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, plan_of, planned
 from nav_model.trajectory.files.reader import parse_file
-from nav_model.trajectory.plan import Plan, PlannedFlight, Waypoint, fly, lengthened
+from nav_model.trajectory.plan import PlannedFlight, fly
+from nav_model.trajectory.waypoints import Plan, Waypoint, lengthened
 
 METRE = 1 / 6.37e6
 NORTH = 80 * DEGREE  # where the Earth's rotation shows little of a heading

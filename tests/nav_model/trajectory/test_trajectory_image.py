@@ -19,8 +19,9 @@ from nav_model.trajectory.aperture import apertures_of, directions
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.errors import error_model
-from nav_model.trajectory.plan import Plan, Waypoint, fly
+from nav_model.trajectory.plan import fly
 from nav_model.trajectory.result import TrajectoryResult
+from nav_model.trajectory.waypoints import Plan, Waypoint
 
 BASES = [read_design(f"examples/{name}_x_band.toml") for name in ("mems", "tactical")]
 NAMES = ("quadratic_phase", "cubic_phase", "detrended_phase", "azimuth_shift")

@@ -19,8 +19,9 @@ from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.covariance import _filtered, _transitions, covariance
 from nav_model.trajectory.errors import ErrorModel, error_model
-from nav_model.trajectory.plan import Plan, Waypoint, fly
+from nav_model.trajectory.plan import fly
 from nav_model.trajectory.specification import CovarianceSpec
+from nav_model.trajectory.waypoints import Plan, Waypoint
 
 METRE = 1 / 6.38e6
 MEMS = read_design("examples/mems_x_band.toml")

@@ -11,7 +11,9 @@ from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.files.reader import parse_file
-from nav_model.trajectory.plan import Plan, Waypoint, _dubins, fly, strip
+from nav_model.trajectory.plan import fly
+from nav_model.trajectory.turns import dubins
+from nav_model.trajectory.waypoints import Plan, Waypoint, strip
 
 DEGREE = math.pi / 180
 METRE = 1 / 6.37e6
@@ -95,17 +97,17 @@ def test_two_lines_are_flown_whole_with_a_run_in_wherever_the_second_is(rows: li
         assert np.max(np.abs(before)) < 0.05 * DEGREE
 
 
-def test_the_shortest_way_between_two_directions_is_that_of_dubins() -> None:
+def test_the_shortest_way_between_two_directions_is_that_ofdubins() -> None:
     """Back on the same line takes 7/3 pi radii, back three radii beside it pi + 1; every way arrives as asked."""
     lengths = [
-        min(sum(map(abs, arcs)) * R + straight for arcs, straight in _dubins(way, 1.0 + 0j, -1.0 + 0j, R) if arcs)
+        min(sum(map(abs, arcs)) * R + straight for arcs, straight in dubins(way, 1.0 + 0j, -1.0 + 0j, R) if arcs)
         for way in (0j, 3j * R)
     ]
     assert lengths == pytest.approx([7 / 3 * math.pi * R, (math.pi + 1) * R])
     random = np.random.default_rng(1)
     for north, east, start, stop in random.uniform(-1.0, 1.0, (200, 4)):
         way, ahead, onward = 5 * R * complex(north, east), np.exp(3j * start), np.exp(3j * stop)
-        for arcs, straight in _dubins(way, ahead, onward, R):
+        for arcs, straight in dubins(way, ahead, onward, R):
             # Flown in small steps of the Euler method, with the heading of the middle of each.
             heading, place = float(np.angle(ahead)), 0j
             for arc, after in zip(arcs, (straight, 0.0, 0.0), strict=False):
