@@ -152,6 +152,34 @@ def smoother_reaches(free: FloatArray, x: Inputs, gnss: GnssModel) -> bool:
     return bool(free.sum() * length * known > _SMOOTHED_AWAY)
 
 
+def mean_square(squares: FloatArray, time_s: FloatArray, apertures: Apertures, length: float) -> FloatArray:
+    """Mean square of the smoothed error along the line of sight over each aperture (sources, apertures) [m²].
+
+    The covariance of position changes by that of position with velocity, so between two nodes it is nearly the cubic
+    that has both at both ends.
+    """
+    covariance = squares[..., :3]
+    change = squares[..., 3:] + squares[..., 3:].swapaxes(2, 3)
+    steps = np.diff(time_s)[:, None, None]
+    whole = steps / 2 * (covariance[:, :-1] + covariance[:, 1:]) + steps**2 / 12 * (change[:, :-1] - change[:, 1:])
+    integral = np.concatenate([0.0 * covariance[:, :1], np.cumsum(whole, axis=1)], axis=1)
+
+    def until(at: FloatArray) -> FloatArray:
+        node = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
+        h = np.diff(time_s)[node][:, None, None]
+        u = (at - time_s[node])[:, None, None] / h
+        return np.asarray(
+            integral[:, node]
+            + h * (u - u**3 + u**4 / 2) * covariance[:, node]
+            + h * (u**3 - u**4 / 2) * covariance[:, node + 1]
+            + h**2 * (u**2 / 2 - 2 * u**3 / 3 + u**4 / 4) * change[:, node]
+            + h**2 * (u**4 / 4 - u**3 / 3) * change[:, node + 1]
+        )
+
+    mean = (until(apertures.begin + length) - until(apertures.begin)) / length
+    return np.asarray(np.einsum("saij,ai,aj->sa", mean, apertures.sight, apertures.sight))
+
+
 def smoothed_rest(whole: FloatArray, variances: FloatArray, free: FloatArray) -> FloatArray:
     """Mean square that the coefficients leave of smoothed errors, (sources, apertures) [m²].
 

@@ -24,14 +24,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.contributors import composed
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
+from nav_model.trajectory.composition import all_sources, processed
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import along, judge
-from nav_model.trajectory.result import STATE_AXES, LineResult, Processed, TrajectoryResult
+from nav_model.trajectory.result import LineResult, Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.start import settled_start
 from nav_model.trajectory.states import RADAR_TIME, short_as_white
@@ -66,7 +66,7 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     not finite.
     """
     model, figures = _followed(spec, most_steps, (REAL_TIME, POST_PROCESSED))
-    truth, sources = model.truth.at(model.outputs), _all_sources(spec, model)
+    truth, sources = model.truth.at(model.outputs), all_sources(spec, model)
     real_time, post_processed = figures[REAL_TIME], figures[POST_PROCESSED]
     return TrajectoryResult(
         spec=spec,
@@ -83,7 +83,7 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
 def lines_along(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> tuple[LineResult, ...]:
     """The lines of `covariance` alone, in the processing that is judged and where there are lines: less work."""
     model, figures = _followed(spec, most_steps, (spec.processing,))
-    return judge(spec, model.time_s[model.outputs], figures[spec.processing], _all_sources(spec, model))
+    return judge(spec, model.time_s[model.outputs], figures[spec.processing], all_sources(spec, model))
 
 
 def _followed(
@@ -118,9 +118,9 @@ def _followed(
     for name, image in zip(processings, of_images, strict=True):
         rest, place = free_rest[:, None], int(name == POST_PROCESSED)
         if place and len(path.rows):
-            whole = _mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
+            whole = aperture.mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
             rest = aperture.smoothed_rest(whole, image, free_rest)
-        figures[name] = _processed(spec, model, apertures, variances[place], judged[place], image, rest, name)
+        figures[name] = processed(spec, model, apertures, variances[place], judged[place], image, rest, name)
     return model, figures
 
 
@@ -381,34 +381,6 @@ def _forward(
     return (free, smooth[:, :count]), (judged, smooth[:, -count:]), of_images, squares
 
 
-def _mean_square(squares: FloatArray, time_s: FloatArray, apertures: Apertures, length: float) -> FloatArray:
-    """Mean square of the smoothed error along the line of sight over each aperture (sources, apertures) [m²].
-
-    The covariance of position changes by that of position with velocity, so between two nodes it is nearly the cubic
-    that has both at both ends.
-    """
-    covariance = squares[..., :3]
-    change = squares[..., 3:] + squares[..., 3:].swapaxes(2, 3)
-    steps = np.diff(time_s)[:, None, None]
-    whole = steps / 2 * (covariance[:, :-1] + covariance[:, 1:]) + steps**2 / 12 * (change[:, :-1] - change[:, 1:])
-    integral = np.concatenate([0.0 * covariance[:, :1], np.cumsum(whole, axis=1)], axis=1)
-
-    def until(at: FloatArray) -> FloatArray:
-        node = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
-        h = np.diff(time_s)[node][:, None, None]
-        u = (at - time_s[node])[:, None, None] / h
-        return np.asarray(
-            integral[:, node]
-            + h * (u - u**3 + u**4 / 2) * covariance[:, node]
-            + h * (u**3 - u**4 / 2) * covariance[:, node + 1]
-            + h**2 * (u**2 / 2 - 2 * u**3 / 3 + u**4 / 4) * change[:, node]
-            + h**2 * (u**4 / 4 - u**3 / 3) * change[:, node + 1]
-        )
-
-    mean = (until(apertures.begin + length) - until(apertures.begin)) / length
-    return np.asarray(np.einsum("saij,ai,aj->sa", mean, apertures.sight, apertures.sight))
-
-
 def _factors(model: ErrorModel, node: int) -> FloatArray:
     """Factors (drives, moving, 9) of what process noise adds in the step to a node."""
     factors = np.zeros((len(model.states.drives), model.states.moving, 9))
@@ -424,42 +396,3 @@ def _by_node(nodes: Indices) -> Mapping[int, list[int]]:
     for index, node in enumerate(nodes.tolist()):
         indices.setdefault(node, []).append(index)
     return indices
-
-
-def _all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
-    """The model's sources, then the user's own contributors."""
-    entered = (part.name for parts in spec.contributors.in_figures.values() for part in parts)
-    return *model.states.sources, *dict.fromkeys(entered)
-
-
-def _processed(
-    spec: CovarianceSpec,
-    model: ErrorModel,
-    apertures: Apertures,
-    variances: FloatArray,
-    judged: FloatArray,
-    image: FloatArray,
-    rest: FloatArray,
-    processing: str,
-) -> Processed:
-    """The figures of one processing, of `variances` at the outputs and `judged` ones (sources, outputs, 9) and those
-    of the sums of apertures (sources, apertures, COLUMNS), with the `rest` of `aperture.figures`."""
-    judged, sources = np.maximum(judged, 0.0), model.states.sources
-    groups = {name: judged[:, :, axes].sum(axis=2) for name, axes in STATE_AXES.items()}
-    sigmas = {name: np.sqrt(judged[:, :, axes].sum(axis=0).max(axis=1)) for name, axes in STATE_AXES.items()}
-    for name, values in aperture.figures(image, spec.inputs, rest).items():
-        groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
-        groups[name][:, apertures.output] = np.maximum(values, 0.0)
-        sigmas[name] = np.sqrt(groups[name].sum(axis=0))
-    sigmas["ce90"][apertures.output] = aperture.circular(image.sum(axis=0), spec.inputs)
-    entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
-    shares = {}
-    for name, values in groups.items():
-        total = values.sum(axis=0)
-        with np.errstate(invalid="ignore"):
-            by_source = dict(zip(sources, values / total, strict=True))
-        whole = composed(sigmas[name], by_source, entered.get(name, ()))
-        sigmas[name], by_source = whole.sigma, dict(whole.shares)
-        shares[name] = np.stack([by_source.get(source, 0.0 * total) for source in _all_sources(spec, model)])
-    states = np.sqrt(np.maximum(variances, 0.0).sum(axis=0))
-    return Processed(states[:, 0:3], states[:, 3:6], states[:, 6:9], sigmas, shares)

@@ -1,0 +1,52 @@
+"""The figures of a flight in one processing, composed of variances by source and the user's own contributors."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.budget.contributors import composed
+from nav_model.trajectory import aperture
+from nav_model.trajectory.aperture import Apertures
+from nav_model.trajectory.errors import ErrorModel
+from nav_model.trajectory.result import STATE_AXES, Processed
+from nav_model.trajectory.specification import CovarianceSpec
+
+FloatArray = NDArray[np.float64]
+
+
+def all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
+    """The model's sources, then the user's own contributors."""
+    entered = (part.name for parts in spec.contributors.in_figures.values() for part in parts)
+    return *model.states.sources, *dict.fromkeys(entered)
+
+
+def processed(
+    spec: CovarianceSpec,
+    model: ErrorModel,
+    apertures: Apertures,
+    variances: FloatArray,
+    judged: FloatArray,
+    image: FloatArray,
+    rest: FloatArray,
+    processing: str,
+) -> Processed:
+    """The figures of one processing, of `variances` at the outputs and `judged` ones (sources, outputs, 9) and those
+    of the sums of apertures (sources, apertures, COLUMNS), with the `rest` of `aperture.figures`."""
+    judged, sources = np.maximum(judged, 0.0), model.states.sources
+    groups = {name: judged[:, :, axes].sum(axis=2) for name, axes in STATE_AXES.items()}
+    sigmas = {name: np.sqrt(judged[:, :, axes].sum(axis=0).max(axis=1)) for name, axes in STATE_AXES.items()}
+    for name, values in aperture.figures(image, spec.inputs, rest).items():
+        groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
+        groups[name][:, apertures.output] = np.maximum(values, 0.0)
+        sigmas[name] = np.sqrt(groups[name].sum(axis=0))
+    sigmas["ce90"][apertures.output] = aperture.circular(image.sum(axis=0), spec.inputs)
+    entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
+    shares = {}
+    for name, values in groups.items():
+        total = values.sum(axis=0)
+        with np.errstate(invalid="ignore"):
+            by_source = dict(zip(sources, values / total, strict=True))
+        whole = composed(sigmas[name], by_source, entered.get(name, ()))
+        sigmas[name], by_source = whole.sigma, dict(whole.shares)
+        shares[name] = np.stack([by_source.get(source, 0.0 * total) for source in all_sources(spec, model)])
+    states = np.sqrt(np.maximum(variances, 0.0).sum(axis=0))
+    return Processed(states[:, 0:3], states[:, 3:6], states[:, 6:9], sigmas, shares)
