@@ -10,25 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.allan.log_names import COUNTS, Meaning, meaning_of, meanings_of
+from nav_model.allan.log_names import COUNTS, SENSORS, Meaning, meaning_of, meanings_of
 from nav_model.base.errors import InputError
-from nav_model.base.file_kind import kind_of
+from nav_model.base.file_kind import KINDS, kind_of
 from nav_model.base.npz_arrays import read_npz_arrays
-from nav_model.base.number_table import open_table
+from nav_model.base.number_table import NumberTable, open_table
 
 IGNORED = "-"
-SENSORS = ("gyro", "accelerometer")
 _SIX_COLUMN_NAMES = ("counts", "imu", "data", "samples", "log")
-_BAG = "If it is a ROS 2 bag, write its IMU topic as CSV, for example with PlotJuggler."
-_ARRAYS = "Write its arrays with numpy.savez, each under its name, or as CSV."
-_ADVICE = {
-    "an MCAP recording": _BAG, "an SQLite database": _BAG,
-    "a ROS bag": "Write its IMU topic as CSV: rostopic echo -b FILE -p /imu/data > imu.csv.",
-    "a PX4 log (ULog)": "Run ulog2csv on it and give the CSV of sensor_combined.",
-    "an ArduPilot log (DataFlash)": "Write its IMU messages as CSV: mavlogdump.py --format csv --types IMU FILE.",
-    "a MATLAB file": _ARRAYS, "an HDF5 file": _ARRAYS, "a single NumPy array": _ARRAYS,
-    "an Excel workbook": "Save its sheet as CSV.",
-}  # fmt: skip
 # A comment states the rate of the samples if it holds no other word than these, a number and a unit.
 _RATE_WORDS = re.compile(
     r"[\s/#%]*(?:(?:imu|log|data|sensor|samples?|sampled|sampling|recorded|recording|logged|logging|output|update|odr|"
@@ -110,7 +99,7 @@ def read_content(content: bytes, name: str, options: LogOptions, limits: Limits)
         raise InputError("columns", reason, options.columns)
     if kind not in (None, "an NPZ archive"):
         packed = "Unpack it and give the log in it." if kind.endswith("archive") else ""
-        advice = packed or _ADVICE.get(kind, "Write the inertial data as CSV, a row for each sample.")
+        advice = packed or KINDS["log_advice"].get(kind, "Write the inertial data as CSV, a row for each sample.")
         raise InputError(name, f"The file is {kind}. {advice}")
     read = (_from_npz if kind else _from_text)(content, name, options, limits)
     empty = [c for c in read.columns if np.isnan(c.values[:1]).all() and np.isnan(c.values).all()]
@@ -120,7 +109,7 @@ def read_content(content: bytes, name: str, options: LogOptions, limits: Limits)
 
 def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
     table = open_table(content, name)
-    names, meanings = _named(table.headers, table.width, name, options.columns)
+    names, meanings = _named(table, options.columns)
     known = {place: meaning for place, meaning in enumerate(meanings) if meaning is not None}
     times = [place for place, meaning in known.items() if meaning.role == "time"]
     read = table.columns([*known], limits.rows, limits.unpacked_bytes, times)
@@ -132,10 +121,9 @@ def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -
     return LogContent(columns, others, {}, _rate_of(table.comments), lambda row: f"line {lines[row]}", read.cut)
 
 
-def _named(
-    headers: Sequence[Sequence[str]], width: int, name: str, given: Sequence[str] | None
-) -> tuple[Sequence[str], list[Meaning | None]]:
+def _named(table: NumberTable, given: Sequence[str] | None) -> tuple[Sequence[str], list[Meaning | None]]:
     """Name and meaning of each column: as given, or from the header nearest to the rows that has a sensor."""
+    name, width = table.file_name, table.width
     if given is not None:
         if len(given) != width:
             raise InputError(name, f"{len(given)} column names are given, but the file has {width} columns.")
@@ -145,18 +133,14 @@ def _named(
                 allowed = f"time, gyro_x .. gyro_z, accelerometer_x .. accelerometer_z, temperature, {IGNORED}"
                 raise InputError(name, f"column name {label!r} is not understood; allowed: {allowed}")
         return given, meanings
-    if not headers:
+    if not table.headers:
         example = "time,gyro_x,gyro_y,gyro_z,accelerometer_x,accelerometer_y,accelerometer_z"
         raise InputError(name, f"No header names its {width} columns. Give `columns`, such as {example}")
-    for header, below in zip(headers, [[""] * width, *headers], strict=False):
-        # The line between names and numbers may have the units.
-        pairs = zip(header, below, strict=True)
-        with_units = [f"{label} [{unit.strip('[]()')}]" if unit else label for label, unit in pairs]
-        for labels in (with_units, header):
-            meanings = meanings_of(labels)
-            if any(meaning and meaning.role in SENSORS for meaning in meanings):
-                return labels, meanings
-    return headers[0], meanings_of(headers[0])
+    for labels in table.names():
+        meanings = meanings_of(labels)
+        if any(meaning and meaning.role in SENSORS for meaning in meanings):
+            break
+    return labels, meanings
 
 
 def _rate_of(comments: Sequence[str]) -> float | None:

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.allan.imu_log import AXIS_LETTERS, NO_BREAKS, ImuLog
-from nav_model.allan.log_content import SENSORS, Limits, LogColumn, LogContent, LogOptions, read_content
-from nav_model.allan.log_names import scale_of
+from nav_model.allan.log_content import Limits, LogColumn, LogContent, LogOptions, read_content
+from nav_model.allan.log_names import SENSORS, scale_of
 from nav_model.base.arrays import Array
 from nav_model.base.column_names import listed
 from nav_model.base.constants import STANDARD_GRAVITY

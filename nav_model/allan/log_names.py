@@ -8,11 +8,13 @@ Understood: `gyro_x [deg/s]`, `gx_dps`, `wx(rad/s)`, `acc_x_g`, `az`, EuRoC's `w
 import math
 import re
 from collections.abc import Sequence
+from itertools import product
 from typing import Final, NamedTuple
 
-from nav_model.base.column_names import parted, size_of_unit
+from nav_model.base.column_names import TABLES, parted, size_of_unit, vocabulary
 from nav_model.base.errors import InputError
 
+SENSORS: Final = ("gyro", "accelerometer")
 COUNTS: Final = ("counts", "raw", "lsb")
 
 
@@ -45,41 +47,10 @@ _OFFERED: Final = {
     "gyro": ("rad/s", "mrad/s", "deg/s", "mdeg/s", "deg/h", "rad", "mrad", "urad", "deg", "arcsec"),
     "accelerometer": ("m/s2", "g", "mg", "ug", "m/s", "mm/s", "g s", "ug s"),
 }
-_ROLES: Final = (
-    ("time", r"t|time|times|timefine|timestamp|timestamps|stamp|i?tow|timeofweek|seconds|secs|sec|zeit|temps|tiempo"),
-    ("temperature", r"(gyro|acc|accel)?(temp|temperature)"),
-    ("gyro", r"g|gyr|gyro|gyroscope|gyros|gyrorotation|as|w|omega|ω|wrss|wibb"),
-    ("gyro", r"angularvelocity|angularrate|angrate|angvel|rotationrate|dtheta|dang|dangle|deltatheta|deltaangle|dth"),
-    ("accelerometer", r"a|f|acc|accl|accel|accelerometer|accelerometers|acceleration|accelerometeracceleration"),
-    ("accelerometer", r"linearacceleration|linacc|specificforce|force|arss|fib|fibb"),
-    ("accelerometer", r"dvel|dv|deltav|deltavelocity|velinc"),
-)  # fmt: skip
-_NEUTRAL: Final = (
-    "imu sensor sensors combined field msg message data body calibrated cal corrected filtered measured compensated "
-    "output value in header sample since start startup elapsed system device host unix epoch utc log logging gps txt "
-    "scaled out uncomp"
-)
+_ROLES: Final = vocabulary("log")
+_NEUTRAL: Final = TABLES["passed_over"]["log"].split()
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
 _AXIS: Final = re.compile("([xyzpqr])(?:[ _]?(?:rot|rate))?")
-_SI: Final = {"gyro": "rad/s", "accelerometer": "m/s2"}
-# What a name says of the unit, and by whose convention.
-_BY_NAME: Final = {
-    "angularvelocity": ("rad/s", "REP 103"), "linearacceleration": ("m/s2", "REP 103"),
-    "seconds": ("s", ""), "secs": ("s", ""), "sec": ("s", ""),
-}  # fmt: skip
-_BY_INDEX: Final = {"gyro_rad": "rad/s", "delta_angle": "rad", "delta_velocity": "m/s"}
-# Units that are known by other columns: pattern of these, whose convention; pattern, role and unit of a column.
-# Movella DOT has MT Manager's names without the date, but degrees per second and microseconds.
-_LAYOUTS: Final = (
-    (r"\balphax\b", "Kalibr", ("omega([xyz])", "gyro", "rad/s"), ("alpha([xyz])", "accelerometer", "m/s2")),
-    (r"\bpacketcounter\b.* (utc)?second\b", "MT Manager", ("gyr([xyz])", "gyro", "rad/s"),
-     ("sampletimefine", "time", "0.1 ms")),
-    (r"\bpacketcounter\b", "Xsens", ("acc([xyz])", "accelerometer", "m/s2")),
-    (r"\btimeus\b", "ArduPilot", ("gyr([xyz])", "gyro", "rad/s"), ("acc([xyz])", "accelerometer", "m/s2"),
-     ("t", "temperature", "C")),
-    (r"\btimestartup\b", "VectorNav", ("(?:uncomp)?(?:angularrate|gyro)([xyz])", "gyro", "rad/s"),
-     ("(?:uncomp)?acc(?:el)?([xyz])", "accelerometer", "m/s2"), ("timestartup", "time", "ns")),
-)  # fmt: skip
 
 
 def units_of(role: str) -> dict[str, bool]:
@@ -107,15 +78,13 @@ def meanings_of(names: Sequence[str]) -> list[Meaning | None]:
     """Meaning of each of the columns of a file, which may show together what unit they are in by convention."""
     meanings = [meaning_of(name) for name in _counted_from_zero(names)]
     plain = ["".join(_words(name)) for name in names]
-    for mark, program, *columns in _LAYOUTS:
-        if not re.search(mark, " ".join(plain)):
+    for program in TABLES["program"]:
+        if not re.search(program["mark"], " ".join(plain)):
             continue
-        for at, name in enumerate(plain):
-            for pattern, role, unit in columns:
-                match, known = re.fullmatch(pattern, name), meanings[at]
-                if match and (known is None or known.unit is None):
-                    axis = "xyz".index(match[1]) if match.lastindex else None
-                    meanings[at] = Meaning(role, axis, unit, program)
+        for (at, name), (pattern, role, unit) in product(enumerate(plain), program["columns"]):
+            if match := re.fullmatch(pattern, name):
+                axis = "xyz012".index(match[1]) % 3 if match.lastindex else None
+                meanings[at] = Meaning(role, axis, unit, program["name"])
     return meanings
 
 
@@ -138,9 +107,8 @@ def meaning_of(name: str) -> Meaning | None:
     meaning = _meaning(index[1] if index else text)
     if meaning and not index:
         return meaning
-    if meaning and index and meaning.axis is None and meaning.role in _SI:
-        unit = _BY_INDEX.get(re.split("[./]", index[1])[-1].lower())
-        return Meaning(meaning.role, int(index[2]), unit or meaning.unit, "PX4" if unit else meaning.convention)
+    if meaning and index and meaning.axis is None and meaning.role in SENSORS:
+        return meaning._replace(axis=int(index[2]))
     # Behind the names of a topic and its messages: "/imu/data/angular_velocity/x".
     parts = re.split(r"[./]+", text)
     behind = [k for k in range(1, len(parts)) if not _OF_SOMETHING_ELSE.search("".join(parts[:k]).lower())]
@@ -151,11 +119,11 @@ def _meaning(text: str) -> Meaning | None:
     for name, unit, sure in parted(text):
         meaning = _from_words(_words(name))
         if sure and (axis := _AXIS.fullmatch(name.lower())):  # "x [rad/s]": what it is of, the unit says
-            rates = [role for role in _SI if size_of_unit(unit, _DIMENSIONS[role][0][0])]
+            rates = [role for role in SENSORS if size_of_unit(unit, _DIMENSIONS[role][0][0])]
             return Meaning(rates[0], "xyzpqr".index(axis[1]) % 3, unit) if rates else None
         if meaning is None:
             continue
-        if (sure and meaning.role in _SI) or (unit and _known(meaning.role, unit)):
+        if (sure and meaning.role in SENSORS) or (unit and _known(meaning.role, unit)):
             return meaning._replace(unit=unit, convention="")
         if not unit or (sure and meaning.role == "time" and len(name) > 1):  # "Time (UTC)", but not "T (°)"
             return meaning
@@ -175,7 +143,7 @@ def _words(text: str) -> list[str]:
 
 def _from_words(words: list[str]) -> Meaning | None:
     words = words[2:] if words[:1] == ["imu"] and len(words) > 1 and words[1].isdigit() else words
-    joined = "".join(word for word in words if word not in _NEUTRAL.split())
+    joined = "".join(word for word in words if word not in _NEUTRAL)
     joined = joined or ("time" if {"epoch", "elapsed"} & {*words} else "")
     stems: list[tuple[str, int | None]] = [(joined, None)]
     if len(joined) > 1 and joined[-1] in "xyz":
@@ -183,7 +151,7 @@ def _from_words(words: list[str]) -> Meaning | None:
     elif len(joined) > 2 and joined[0] in "xyz":
         stems.append((joined[1:], "xyz".index(joined[0])))
     for stem, axis in stems:
-        for role, pattern in _ROLES:
-            if re.fullmatch(pattern, stem) and not (len(stem) == 1 and role in _SI and axis is None):
-                return Meaning(role, axis, *_BY_NAME.get(stem, (None, "")))
+        role, _ = _ROLES.get(stem, ("", 0))
+        if role and not (len(stem) == 1 and role in SENSORS and axis is None):
+            return Meaning(role, axis, *TABLES["conventions"].get(stem, (None, "")))
     return None

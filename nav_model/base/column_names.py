@@ -1,20 +1,29 @@
-"""Names of columns with their units: "gyro_x [deg/s]", "accX_m_s2", "Height (ft)", "alt_feet"."""
+"""Names of columns with their units: "gyro_x [deg/s]", "accX_m_s2", "Height (ft)", "alt_feet".
+
+What other programs call them is in `column_names.toml`.
+"""
 
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
 from nav_model.base.errors import InputError
+from nav_model.base.toml_text import shipped
 from nav_model.base.units import parse_quantity
 
 _MOST_NAMES = 8
 _NUMBER = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?(.*)", re.DOTALL)
 _BRACKETS = re.compile(r"(.+?)[\s_]*[\[({](.*)[\])}]\s*")
 _UNIT_MAY_START = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
-_RUN_TOGETHER = {
-    "ms2": "m/s2", "mss": "m/s2", "mps2": "m/s2", "rads": "rad/s", "radps": "rad/s", "rps": "rad/s",
-    "degs": "deg/s", "degps": "deg/s", "gs": "g s", "ugs": "ug s",
-}  # fmt: skip
+
+
+TABLES = shipped("nav_model.base", "column_names")
+_UNIT_OF = {spelling: unit for unit, spellings in TABLES["units"].items() for spelling in spellings.split()}
+
+
+def vocabulary(of: str) -> dict[str, tuple[str, int]]:
+    """Names in a "log" or a "flight" -> the quantity, and how well the name fits it, 0 the best."""
+    return {name: (key, rank) for key, names in TABLES[of].items() for rank, name in enumerate(names.split())}
 
 
 def listed(names: Sequence[str]) -> str:
@@ -41,7 +50,10 @@ def size_of_unit(unit: str, dimension: str) -> float | None:
     number, text = _NUMBER.findall(unit)[0]
     text = re.sub(r"^in[\s_]+", "", text.strip(" _"))
     for plain in (text, text.lower()):
-        for spelling in (_RUN_TOGETHER.get(re.sub(r"[\s_^.]", "", plain), plain), re.sub(r"_(?:per_)?", "/", plain)):
+        for spelling in (
+            _UNIT_OF.get(re.sub(r"[\s_^.]", "", plain), plain),
+            re.sub(r"_(?:per_)?", "/", plain),
+        ):
             with suppress(InputError):
                 return parse_quantity(f"{number or 1} {spelling}", dimension).value
     return None

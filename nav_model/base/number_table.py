@@ -9,7 +9,7 @@ import io
 import math
 import re
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -49,7 +49,7 @@ class NumberTable:
     """A table whose rows are not read yet.
 
     comments: all lines above the first row; headers: those that have a text for each of `width` columns, the nearest
-    first. ends_open: rows end with a delimiter, after which no column comes.
+    first. Where rows end with a delimiter, the last column is empty and has no name.
     """
 
     file_name: str
@@ -57,9 +57,17 @@ class NumberTable:
     comments: tuple[str, ...]
     width: int
     delimiter: str | None
-    ends_open: bool
     encoding: str
     content: bytes = field(repr=False)
+
+    def names(self) -> Iterator[tuple[str, ...]]:
+        """What may be the names of the columns, the likeliest first: with units from the line between names and rows,
+        or as they are; at last the nearest header once more."""
+        for header, below in zip(self.headers, [("",) * self.width, *self.headers], strict=False):
+            pairs = zip(header, below, strict=True)
+            yield tuple(f"{name} [{unit.strip('[]()')}]" if unit else name for name, unit in pairs)
+            yield header
+        yield from self.headers[:1]
 
     def columns(self, places: Sequence[int], most_rows: int, most_bytes: int, times: Collection[int] = ()) -> Columns:
         """The columns at `places`, counted from zero; a field of those in `times` may be a date or a time of day [s].
@@ -108,18 +116,17 @@ class NumberTable:
                 return None
             lines = [line.replace(",", ".") for line in lines]
         # Asked for some columns, the parser does not count the others, but text among them does no harm.
-        whole = [*places] == [*range(self.width)]
-        some = places if self.delimiter and (not whole or self.ends_open) else None
-        if some and piece.count(self.delimiter or "") != len(lines) * (self.width - 1 + self.ends_open):
+        some = places if self.delimiter else None
+        if self.delimiter and piece.count(self.delimiter) != len(lines) * (self.width - 1):
             return None
         try:  # a list of lines takes half the time of a file
             block = np.loadtxt(lines, delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, usecols=some)
         except ValueError:
             return None
         # It passes over empty lines, which are counted.
-        if len(block) != len(lines) or (some is None and block.shape[1] != self.width) or np.isinf(block).any():
+        if len(block) != len(lines) or block.shape[1] != len(some or range(self.width)) or np.isinf(block).any():
             return None
-        return block if some or whole else block[:, places]
+        return block if some else block[:, places]
 
     def _by_field(
         self, piece: list[str], first: int, places: Sequence[int], times: Collection[int], *, last: bool
@@ -130,8 +137,6 @@ class NumberTable:
         block, marks = np.empty((len(lines), len(places))), dict[str, str]()
         for row, (at, line) in enumerate(lines):
             fields, where = _fields(line, self.delimiter), f"line {first + at}"
-            if len(fields) == self.width + 1 and self.ends_open and not fields[-1]:
-                fields.pop()
             if len(fields) != self.width:
                 if last and row == len(lines) - 1 and len(fields) < self.width:
                     return block[:row], offsets[:row], True
@@ -187,18 +192,15 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
         if len(cells := _fields(line, delimiter)) == width and 2 * _numeric(cells) > max(amounts)
     )  # fmt: skip
     headers = _headers(head[:first], delimiter, width)
-    # A delimiter at the end of every row parts nothing, unless there is a name for what comes after it.
-    ends_open = not headers and width > 1 and not any(cells[-1].strip() for _, cells in rows)
-    if ends_open:
-        width -= 1
-        headers = _headers(head[:first], delimiter, width)
+    if not headers and width > 1 and not any(cells[-1].strip() for _, cells in rows):  # rows end with a delimiter
+        headers = tuple((*names, "") for names in _headers(head[:first], delimiter, width - 1))
     names = len(head[first - 1].split(",")) if first else 0
     numbers = head[first].split(",") if delimiter == "," and not headers else []
     if 1 < names < len(numbers) <= 2 * names and all(map(_WHOLE.fullmatch, numbers)):
         counts = f"line {first + 1}: {len(numbers)} numbers under {names} names"
         advice = "Write the file with semicolons or tabs between the columns, or with decimal points."
         raise InputError(file_name, f"{counts}. These are decimal commas between commas. {advice}")
-    return NumberTable(file_name, headers, tuple(head[:first]), width, delimiter, ends_open, encoding, content)
+    return NumberTable(file_name, headers, tuple(head[:first]), width, delimiter, encoding, content)
 
 
 def _text(content: bytes, encoding: str) -> io.TextIOWrapper:

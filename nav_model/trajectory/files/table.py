@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.base.arrays import Array
-from nav_model.base.column_names import listed, parted, size_of_unit
+from nav_model.base.column_names import listed, parted, size_of_unit, vocabulary
 from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.number_table import NumberTable
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
@@ -17,23 +17,7 @@ from nav_model.trajectory.files.heights import Heights, Reference, counted
 from nav_model.trajectory.files.recorded import RecordedSegment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 
-_NAMES = {
-    "time": "time t timestamp gpstime gpsseconds timeofweek tow itow sow gpst utctime utc seconds zeit flytime "
-    "flighttime elapsedtime datetime updatetime date",
-    "latitude": "latitude lat breite breitengrad",
-    "longitude": "longitude lon long lng länge längengrad",
-    "ellipsoid": "ellipsoidheight ellipsoidalheight heightellipsoid heightaboveellipsoid hell hae altellipsoid "
-    "altitudeellipsoid geoaltitude",
-    "sea": "altitude alt elevation ele msl amsl altitudemsl altmsl altitudeamsl altitudeabovesealevel heightmsl "
-    "orthometricheight baroaltitude",
-    "height": "height h höhe",
-    "ground": "heightabovetakeoff relativealtitude relalt relativeheight relheight agl altitudeagl heightagl",
-    "roll": "roll bank",
-    "pitch": "pitch",
-    "yaw": "yaw heading hdg azimuth trueheading compassheading",
-}
-"""In the order in which they are taken; without unit, prefix, blanks and marks."""
-_KEYS = {name: (key, rank) for key, names in _NAMES.items() for rank, name in enumerate(names.split())}
+_KEYS = vocabulary("flight")
 _USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", "roll", "pitch", "yaw"), ("angle", "°"))}
 _ABOVE: dict[str, Reference] = {"ellipsoid": "ellipsoid", "sea": "sea", "height": "ellipsoid", "ground": "ground"}
 """What the columns of heights are above, the one that is taken first."""
@@ -84,7 +68,7 @@ def in_two_columns(content: bytes, heights: Heights) -> bytes:
 
 
 def _recorded(table: NumberTable, heights: Heights) -> RecordedSegment:
-    columns, reference, others = _columns(table.headers, heights)
+    columns, reference, others = _columns(table, heights)
     places, times = [column.place for column in columns.values()], [columns["time"].place]
     read = table.columns(places, FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes, times)
     whole = np.isfinite(read.values).all(axis=1)
@@ -129,13 +113,11 @@ def _recorded(table: NumberTable, heights: Heights) -> RecordedSegment:
     return RecordedSegment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
 
 
-def _columns(
-    headers: Sequence[Sequence[str]], heights: Heights
-) -> tuple[dict[str, _Column], Reference, Sequence[str]]:
+def _columns(table: NumberTable, heights: Heights) -> tuple[dict[str, _Column], Reference, Sequence[str]]:
     """The columns of a recorded flight, what its heights are above, and the names of the other columns.
 
     Roll, pitch and yaw are taken together or not at all."""
-    for header in headers or [("no names",)]:
+    for header in [*table.names()] or [("no names",)]:
         known = [named for place, cell in enumerate(header) if (named := _meaning(cell, place, heights))]
         columns = dict(sorted(known, reverse=True))  # the best of a key is the last
         if {"latitude", "longitude"} <= columns.keys():
