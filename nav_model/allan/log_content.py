@@ -125,6 +125,7 @@ def _named(table: NumberTable, given: Sequence[str] | None) -> tuple[Sequence[st
     """Name and meaning of each column: as given, or from the header nearest to the rows that has a sensor."""
     name, width = table.file_name, table.width
     if given is not None:
+        given = [*given, IGNORED] if table.ends_open and len(given) == width - 1 else given
         if len(given) != width:
             raise InputError(name, f"{len(given)} column names are given, but the file has {width} columns.")
         meanings = meanings_of(given)

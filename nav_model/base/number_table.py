@@ -49,7 +49,7 @@ class NumberTable:
     """A table whose rows are not read yet.
 
     comments: all lines above the first row; headers: those that have a text for each of `width` columns, the nearest
-    first. Where rows end with a delimiter, the last column is empty and has no name.
+    first. ends_open: rows end with a delimiter, so that the last column is empty and has no name.
     """
 
     file_name: str
@@ -57,6 +57,7 @@ class NumberTable:
     comments: tuple[str, ...]
     width: int
     delimiter: str | None
+    ends_open: bool
     encoding: str
     content: bytes = field(repr=False)
 
@@ -192,7 +193,8 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
         if len(cells := _fields(line, delimiter)) == width and 2 * _numeric(cells) > max(amounts)
     )  # fmt: skip
     headers = _headers(head[:first], delimiter, width)
-    if not headers and width > 1 and not any(cells[-1].strip() for _, cells in rows):  # rows end with a delimiter
+    ends_open = not headers and width > 1 and not any(cells[-1].strip() for _, cells in rows)
+    if ends_open:
         headers = tuple((*names, "") for names in _headers(head[:first], delimiter, width - 1))
     names = len(head[first - 1].split(",")) if first else 0
     numbers = head[first].split(",") if delimiter == "," and not headers else []
@@ -200,7 +202,7 @@ def open_table(content: bytes, file_name: str) -> NumberTable:
         counts = f"line {first + 1}: {len(numbers)} numbers under {names} names"
         advice = "Write the file with semicolons or tabs between the columns, or with decimal points."
         raise InputError(file_name, f"{counts}. These are decimal commas between commas. {advice}")
-    return NumberTable(file_name, headers, tuple(head[:first]), width, delimiter, encoding, content)
+    return NumberTable(file_name, headers, tuple(head[:first]), width, delimiter, ends_open, encoding, content)
 
 
 def _text(content: bytes, encoding: str) -> io.TextIOWrapper:

@@ -99,6 +99,13 @@ def test_headerless_file_needs_columns_units_and_rate():
     np.testing.assert_allclose(log.accelerometer, FORCE)
 
 
+def test_rows_that_end_with_a_comma_have_no_column_behind_it():
+    given = LogOptions(columns=NAMES[:3], rate_hz=100.0, gyro_unit="rad/s")
+    for ending in ("", ","):
+        log = read_log(csv(GYRO).replace(b"\n", f"{ending}\n".encode()), given)
+        np.testing.assert_allclose(log.gyro, GYRO)
+
+
 def test_counts_take_a_scale_per_count():
     counts = np.round(GYRO * 1e4)
     options = LogOptions(columns=["-", *NAMES[:3], "-"], rate_hz=200.0, gyro_unit="0.05 deg/s")
