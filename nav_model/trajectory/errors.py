@@ -30,10 +30,10 @@ from nav_model.simulation.layout import (
     VELOCITY,
 )
 from nav_model.simulation.schedule import fix_noise, output_samples, samples_at_multiples
-from nav_model.simulation.single_run import tuning_of
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.trajectory import QuinticPath, plan_trajectory
 from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
+from nav_model.simulation.tuning import tuning_of
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, States, states_of
 

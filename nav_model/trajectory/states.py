@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE, SLOW_GNSS
 from nav_model.simulation.layout import ATTITUDE, BAROMETER, BIASES, HEADING, POSITION, VELOCITY
-from nav_model.simulation.single_run import believed_covariance, initial_sigma, tuning_of
 from nav_model.simulation.specification import SimulationSpec, TriadModel
+from nav_model.simulation.tuning import believed_covariance, initial_sigma, tuning_of
 
 FloatArray = NDArray[np.float64]
 MEASURED_BY: Mapping[str, slice] = {
