@@ -76,7 +76,7 @@ def _loaded(reference: str) -> Any:
 SUBJECTS: tuple[Subject, ...] = (
     Subject("budget", "command", "report"),
     Subject("simulation", "command", "report", "Simulation"),
-    Subject("trajectory", "command", "report", "Trajectory"),
+    Subject("trajectory", "command", "report", "Trajectory", ahead="run:follow_ahead"),
     Subject("sar", "command", "report", "SAR"),
     Subject("suborbital", "command", "report", "Suborbital flight", ahead="studies:fly_ahead"),
     Subject("explore", "command"),

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.parts import Trajectory
@@ -130,6 +134,13 @@ def follow_if_short(design: Design, states: int) -> Followed | None:
     from nav_model.trajectory.design_study import planned
 
     return follow(design, states) if planned(design).duration <= _SHORT * design.gnss.interval else None
+
+
+async def follow_ahead(design: Design) -> None:
+    """Have what following a flight loads, here and in a process of the pool."""
+    await asyncio.to_thread(import_module, "nav_model.trajectory.lines")
+    with suppress(InputError):  # whoever asks is told
+        await run_in_pool(follow_if_short, design, 0)
 
 
 def closing_options(
