@@ -133,30 +133,38 @@ class NumberTable:
         self, piece: list[str], first: int, places: Sequence[int], times: Collection[int], *, last: bool
     ) -> tuple[Array, NDArray[np.int32], bool]:
         """The rows one field at a time, the lines they are in, and whether the last line ends too early."""
-        lines = [(at, line) for at, line in enumerate(piece) if line.strip() and line[0] not in "#%"]
-        offsets = np.array([at for at, _ in lines], dtype=np.int32)
-        block, marks = np.empty((len(lines), len(places))), dict[str, str]()
-        for row, (at, line) in enumerate(lines):
-            fields, where = _fields(line, self.delimiter), f"line {first + at}"
+        bare = ((at, line) for at, line in enumerate(piece) if line.strip() and line[0] not in "#%")
+        rows = {at: _fields(line, self.delimiter) for at, line in bare}
+        if cut := last and bool(rows) and len(rows[max(rows)]) < self.width:
+            rows.popitem()
+        block, marks = np.empty((len(rows), len(places))), dict[str, int]()
+        for row, (at, fields) in enumerate(rows.items()):
             if len(fields) != self.width:
-                if last and row == len(lines) - 1 and len(fields) < self.width:
-                    return block[:row], offsets[:row], True
-                raise InputError(self.file_name, f"{where}: {len(fields)} columns, {self.width} in the lines before")
-            for column, place in enumerate(places):
-                text = fields[place]
-                try:
-                    value = _number(text, self.delimiter, marks, where)
-                    wrong = "finite" if math.isinf(value) else ""
-                except ValueError:
-                    value = seconds_of(text) if place in times else math.nan
-                    wrong = "a number" if math.isnan(value) else ""
-                if wrong:
-                    raise InputError(self.file_name, f"{where}, column {place + 1}: {quoted(text)} is not {wrong}")
-                block[row, column] = value
-            if len(marks) == 2:
-                reason = f"{marks[',']}: a decimal comma, but {marks['.']} has a decimal point."
+                reason = f"line {first + at}: {len(fields)} columns, {self.width} in the lines before"
                 raise InputError(self.file_name, reason)
-        return block, offsets, False
+            block[row] = [self._number(fields[place], first + at, place, times, marks) for place in places]
+            if len(marks) == 2:
+                reason = f"line {marks[',']}: a decimal comma, but line {marks['.']} has a decimal point."
+                raise InputError(self.file_name, reason)
+        return block, np.array([*rows], dtype=np.int32), cut
+
+    def _number(self, text: str, line: int, place: int, times: Collection[int], marks: dict[str, int]) -> float:
+        """A field as a number, NaN where it is empty, with the first line of its decimal mark into `marks`."""
+        if text.strip().lower() in _EMPTY:
+            return math.nan
+        comma = self.delimiter != "," and _COMMA_NUMBER.fullmatch(text)
+        try:
+            number = float(text.replace(",", ".") if comma else text.replace("_", "x"))  # 1_0 is no number
+        except ValueError:
+            number = seconds_of(text) if place in times else math.nan
+            wrong = "a number" if math.isnan(number) else ""
+        else:
+            wrong = "finite" if math.isinf(number) else ""
+            if comma or "." in text:
+                marks.setdefault("," if comma else ".", line)
+        if wrong:
+            raise InputError(self.file_name, f"line {line}, column {place + 1}: {quoted(text)} is not {wrong}")
+        return number
 
 
 def open_table(content: bytes, file_name: str) -> NumberTable:
@@ -250,19 +258,6 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
                 headers.append(names)
                 break
     return tuple(headers)
-
-
-def _number(text: str, delimiter: str | None, marks: dict[str, str], where: str) -> float:
-    """A field as a number, NaN where it is empty, with its decimal mark into `marks`. ValueError: it is neither."""
-    if delimiter != "," and _COMMA_NUMBER.fullmatch(text):
-        marks.setdefault(",", where)
-        return float(text.replace(",", "."))
-    if text.strip().lower() in _EMPTY:
-        return math.nan
-    value = float(text.replace("_", "x"))  # Python's own digits may be parted by it
-    if "." in text:
-        marks.setdefault(".", where)
-    return value
 
 
 def seconds_of(text: str) -> float:
