@@ -17,6 +17,7 @@ from nav_model.base.npz_arrays import read_npz_arrays
 from nav_model.base.number_table import NumberTable, open_table
 
 IGNORED = "-"
+_ROLES = (*SENSORS, "time", "temperature")
 _SIX_COLUMN_NAMES = ("counts", "imu", "data", "samples", "log")
 # A comment states the rate of the samples if it holds no other word than these, a number and a unit.
 _RATE_WORDS = re.compile(
@@ -154,24 +155,21 @@ def _rate_of(comments: Sequence[str]) -> float | None:
 
 
 def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
-    chosen = options.arrays or {}
     arrays = read_npz_arrays(content, name, limits.unpacked_bytes)
-    meanings = {label: meaning_of(label) for label in arrays}
-    for label, meaning in meanings.items():
-        if meaning and (meaning.role in chosen or arrays[label].ndim == 0):
-            meanings[label] = None
-    for role, label in chosen.items():
-        if label not in arrays or role not in (*SENSORS, "time", "temperature"):
-            roles, names = ", ".join((*SENSORS, "time", "temperature")), ", ".join(sorted(arrays))
-            raise InputError(name, f"arrays {role}={label!r}; roles are {roles}, arrays are {names}")
-        of_name = meaning_of(label)
-        meanings[label] = Meaning(role, None, of_name.unit if of_name and of_name.role == role else None)
+    roles = {label: role for role, label in (options.arrays or {}).items()}
+    for label, role in roles.items():
+        if label not in arrays or role not in _ROLES:
+            allowed = f"roles are {', '.join(_ROLES)}, arrays are {', '.join(sorted(arrays))}"
+            raise InputError(name, f"arrays {role}={label!r}; {allowed}")
     count_units, rate_hz = _scalars(arrays)
     columns: list[LogColumn] = []
-    for label, meaning in meanings.items():
-        if meaning is None:
+    for label, array in arrays.items():
+        meaning = meaning_of(label)
+        if label in roles:
+            unit = meaning.unit if meaning and meaning.role == roles[label] else None
+            meaning = Meaning(roles[label], None, unit)
+        elif meaning is None or meaning.role in roles.values() or array.ndim == 0:
             continue
-        array = arrays[label]
         triad = meaning.role in SENSORS and meaning.axis is None and array.ndim == 2 and array.shape[1] == 3
         if not (triad or array.ndim == 1) or not 0 < len(array) <= limits.rows:
             allowed = f"1 to {limits.rows} rows of one column, or of three for a triad, are allowed"

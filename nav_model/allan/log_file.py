@@ -203,14 +203,13 @@ class _Reader:
         labels = ", ".join(column.label for column in columns)
         unit = self.content.unit(role, self.options) or ""
         scale = scale_of(role, unit)
-        signal = np.empty((len(columns[0].values), len(columns)))
+        signal = np.stack([column.values for column in columns], axis=1, dtype=np.float64)
         if clock.stamps is not None and len(clock.stamps) != len(signal):
             raise self.refuse(f"{len(clock.stamps)} times but {len(signal)} samples of {labels}")
         # Rows without a value or a time are lost samples.
-        usable = np.ones(len(signal), dtype=bool) if clock.stamps is None else np.isfinite(clock.stamps)
-        for axis, column in enumerate(columns):
-            signal[:, axis] = column.values
-            usable &= ~np.isnan(column.values)
+        usable = ~np.isnan(signal).any(axis=1)
+        if clock.stamps is not None:
+            usable &= np.isfinite(clock.stamps)
         source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
         values = "increments per sample" if scale.per_sample else "rates"
         by = "" if self.options.unit(role) else columns[0].meaning.convention

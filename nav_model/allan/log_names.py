@@ -104,15 +104,15 @@ def meaning_of(name: str) -> Meaning | None:
     """Meaning of a column or array name, None when it is not one of an inertial log's quantities."""
     text = name.strip().strip('"').lstrip("#%").strip()
     index = re.fullmatch(r"(.*)[\[(.]([0-2])[\])]?", text)
-    meaning = _meaning(index[1] if index else text)
-    if meaning and not index:
-        return meaning
-    if meaning and index and meaning.axis is None and meaning.role in SENSORS:
-        return meaning._replace(axis=int(index[2]))
-    # Behind the names of a topic and its messages: "/imu/data/angular_velocity/x".
+    text = index[1] if index else text
+    # Alone, or behind the names of a topic and its messages: "/imu/data/angular_velocity/x".
     parts = re.split(r"[./]+", text)
     behind = [k for k in range(1, len(parts)) if not _OF_SOMETHING_ELSE.search("".join(parts[:k]).lower())]
-    return next(filter(None, (_meaning(".".join(parts[start:])) for start in behind)), None)
+    names = (text, *(".".join(parts[start:]) for start in behind))
+    meaning = next(filter(None, map(_meaning, names)), None)
+    if meaning is None or index is None:
+        return meaning
+    return meaning._replace(axis=int(index[2])) if meaning.axis is None and meaning.role in SENSORS else None
 
 
 def _meaning(text: str) -> Meaning | None:
