@@ -35,7 +35,6 @@ def add_to(commands: Any) -> None:
 
 
 def _allan(options: argparse.Namespace) -> int:
-    from app.report.supplier import acceptance_json
     from app.subjects.sensors.log_study import read_options, study_log
     from nav_model.allan.log_content import Limits
     from nav_model.allan.motion import BenchNoise, MotionAnalysis, motion_to_json
@@ -75,6 +74,8 @@ def _allan(options: argparse.Namespace) -> int:
             return motion_to_json(study)
         if design is None:
             return to_json(study)
+        from app.report.supplier import acceptance_json  # as much to load as all the rest
+
         judged = acceptance_json(design, judge_log(lines, study))
         passes = judged["passes"]
         return {**to_json(study), "acceptance": judged}
