@@ -207,9 +207,9 @@ class _Reader:
         if clock.stamps is not None and len(clock.stamps) != len(signal):
             raise self.refuse(f"{len(clock.stamps)} times but {len(signal)} samples of {labels}")
         # Rows without a value or a time are lost samples.
-        usable = ~np.isnan(signal).any(axis=1)
-        if clock.stamps is not None:
-            usable &= np.isfinite(clock.stamps)
+        usable = np.ones(len(signal), dtype=bool) if clock.stamps is None else np.isfinite(clock.stamps)
+        for axis in signal.T:
+            usable &= ~np.isnan(axis)
         source = " .. ".join(dict.fromkeys((columns[0].label, columns[-1].label)))
         values = "increments per sample" if scale.per_sample else "rates"
         by = "" if self.options.unit(role) else columns[0].meaning.convention

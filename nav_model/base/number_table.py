@@ -117,8 +117,8 @@ class NumberTable:
                 return None
             lines = [line.replace(",", ".") for line in lines]
         # Asked for some columns, the parser does not count the others, but text among them does no harm.
-        some = places if self.delimiter else None
-        if self.delimiter and piece.count(self.delimiter) != len(lines) * (self.width - 1):
+        some = places if self.delimiter and len(places) < self.width else None
+        if some and piece.count(self.delimiter or "") != len(lines) * (self.width - 1):
             return None
         try:  # a list of lines takes half the time of a file
             block = np.loadtxt(lines, delimiter=self.delimiter, comments=None, quotechar='"', ndmin=2, usecols=some)

@@ -138,7 +138,9 @@ def held_values(values: Array, breaks: Rows) -> tuple[Rows, float] | None:
     length, and no more often than the shares of its values say; values that are held come in runs of one length or of
     two next to each other.
     """
-    equal = np.all(values[1:] == values[:-1], axis=1)
+    equal = values[1:, 0] == values[:-1, 0]
+    for axis in values.T[1:]:
+        equal &= axis[1:] == axis[:-1]
     if np.count_nonzero(equal) < _LEAST_EQUAL * len(equal) or not np.any(values != values[0]):
         return None
     starts = np.union1d(np.flatnonzero(~equal) + 1, np.append(breaks, 0))
