@@ -16,7 +16,6 @@ from app.subjects.suborbital.answer import WAITING, answer
 from app.subjects.suborbital.camera import CameraNoisePanel
 from app.subjects.suborbital.charts.content import Content
 from app.subjects.suborbital.inputs import InputPanel, Trajectory
-from app.subjects.suborbital.noise import NoisePanel
 from app.subjects.suborbital.studies import asked, fly_study
 from app.subjects.suborbital.views import CAMERA_NOISE, StudyViews
 from app.ui.downloads import download
@@ -32,7 +31,7 @@ from nav_model.budget import Budget
 from nav_model.suborbital.moving import moved, needs_other_matrices, renewed
 from nav_model.suborbital.study import LinearParts, Study
 from nav_model.suborbital.survey import Survey, needs_run
-from nav_model.suborbital.survey_json import noise_json, survey_json
+from nav_model.suborbital.survey_json import survey_json
 
 _SETTLE_SECONDS = 0.6  # a slider that needs a new run has come to rest after this long
 
@@ -47,20 +46,14 @@ class SuborbitalPage(StudyPage[Survey]):
     waiting = WAITING
     renewal = required(Run)
     inputs = required(InputPanel)
-    noise = required(NoisePanel)
     camera = required(CameraNoisePanel)
     study = required(StudyViews)
 
     def __init__(self, session: Session) -> None:
-        noise, camera, inputs = (
-            NoisePanel(session, lambda: self.study.page),
-            CameraNoisePanel(session),
-            InputPanel(session),
-        )
+        camera, inputs = CameraNoisePanel(session), InputPanel(session)
         super().__init__(
-            session, renewal=session.new_run(), inputs=inputs, noise=noise, camera=camera,
-            study=StudyViews(noise, camera, inputs),
-        )  # fmt: skip
+            session, renewal=session.new_run(), inputs=inputs, camera=camera, study=StudyViews(camera, inputs)
+        )
         self._flown: Trajectory = None  # the trajectory of the last exact run
         self._tiles = html_pane("", margin=(8, 0, 0, 0))
         self._bar = RunBar(self.run, self.begin, "Run full simulation", strip=True)
@@ -141,19 +134,18 @@ class SuborbitalPage(StudyPage[Survey]):
 
     # --- on screen ---------------------------------------------------------------------------------------
 
-    @param.depends("study.case", "study.channel", "study.aided_sources", "study.along_track", "study.moment",
-                   "noise.run.result", watch=True)  # fmt: skip
+    @param.depends(
+        "study.case", "study.channel", "study.aided_sources", "study.along_track", "study.moment", watch=True
+    )
     def _look(self) -> None:
         if self._result is not None and self.study.page is not None:
             self._put_on_screen(self._result, self.study.page.study)
 
     def _put_on_screen(self, survey: Survey, study: Study) -> None:
-        ensemble = self.noise.ensemble_of(study)
-        page = Content(survey, study, self.inputs.settings, **self.study.looks, ensemble=ensemble)
+        page = Content(survey, study, self.inputs.settings, **self.study.looks)
         self._session.keep("suborbital", page)
         with pn.io.hold():
             self._tiles.object = tiles_html(answer(page)[1])
-            self.noise.note(study)
             self.study.page = page
             self._write()
             self._sweep_camera()
@@ -168,6 +160,4 @@ class SuborbitalPage(StudyPage[Survey]):
         if page is None:
             return "{}"
         content = survey_json(page.survey, page.study, page.settings)
-        if page.ensemble is not None:
-            content["white_noise_monte_carlo"] = noise_json(page.ensemble)
         return json.dumps(content, ensure_ascii=False, allow_nan=False, indent=1)

@@ -21,7 +21,6 @@ from nav_model.suborbital.survey import run_survey
 
 _ERRORS = tuple(partial(draw, channel=c) for c in (2, 1, 0) for draw in (errors.source_chart, errors.aided_chart))
 _SENSORS = tuple(partial(sensors.sensor_chart, sensor=s, axis=axis) for s in (0, 1) for axis in range(3))
-_NOISE = tuple(partial(sensors.noise_chart, channel=c) for c in (2, 1, 0))
 _FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart, flight.gravity_chart)
 REFERENCES = (f"{WORKS['van Leeuwen 2007']} The camera's stars.",)
 
@@ -55,14 +54,12 @@ def sections(page: Content, key: str) -> tuple[Section, ...]:
     def section(part: str, title: str, *blocks: Block) -> Section:
         return Section(f"{prefix}-{part}", f"Suborbital flight: {title}", blocks)
 
-    def table(build: Callable[[Content], tables.ResultTable]) -> TableBlock:
-        return build(page).block(f"{prefix}-")
+    def table(build: Callable[[Content], TableBlock]) -> TableBlock:
+        return _named(build(page), prefix)
 
     def drawn(*describe: Callable[[Content], Chart]) -> tuple[Block, ...]:
         return tuple(chart_block(draw(page), prefix) for draw in describe)
 
-    # The prediction of white noise alone is a row of the sources.
-    noise = (*drawn(*_NOISE), table(tables.noise_table)) if page.ensemble is not None else ()
     return (
         Section(
             prefix,
@@ -73,7 +70,7 @@ def sections(page: Content, key: str) -> tuple[Section, ...]:
         ),
         section("errors", "errors by source, with and without star tracker",
                 *drawn(*_ERRORS, errors.growth_chart), table(tables.source_table), table(tables.gap_table)),
-        section("sensors", "errors of the sensors", *drawn(*_SENSORS), *noise),
+        section("sensors", "errors of the sensors", *drawn(*_SENSORS)),
         section("attitude", "attitude and stars",
                 *drawn(attitude.inertial_attitude_chart, attitude.navigation_attitude_chart),
                 table(tables.method_table),
@@ -95,8 +92,12 @@ def _sensors(settings: Settings) -> str:
 
 def _paper_tables(page: Content, prefix: str) -> tuple[TableBlock, ...]:
     """The four tables; the note they share is under the last."""
-    *first, last = (table.block(f"{prefix}-") for table in tables.paper_tables(page))
+    *first, last = (_named(table, prefix) for table in tables.paper_tables(page))
     return (*(replace(table, note="") for table in first), last)
+
+
+def _named(table: TableBlock, prefix: str) -> TableBlock:
+    return replace(table, key=f"{prefix}-{table.key}")
 
 
 def _inputs(settings: Settings, prefix: str) -> TableBlock:

@@ -1,63 +1,46 @@
-"""The tables of the suborbital study, told once for page, report and CSV: the paper's four for these sensors, every
+"""The tables of the suborbital study, told once for page and report: the paper's four for these sensors, every
 source, methods, gravity."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 import numpy as np
 
-from app.document.blocks import Cell, Column, TableBlock
+from app.document.blocks import Cell, Column, TableBlock, numbers, table
 from app.document.numbers import DIGITS, NONE, number, percent
 from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content, called
 from nav_model.base.constants import ARCSECOND
-from nav_model.base.csv_text import csv_text
 from nav_model.suborbital.star_camera import StarFrame
 from nav_model.suborbital.summary import PAPER_FINAL_M
 
 Entry = str | float | None
 """A text, a number in the unit of its column's head, or nothing."""
-
-
-@dataclass(frozen=True)
-class ResultTable:
-    """Rows of numbers, which a page and a report show as a block and a person takes away as CSV."""
-
-    key: str
-    caption: str
-    heads: tuple[str, ...]
-    rows: tuple[tuple[Entry, ...], ...]
-    note: str
-    digits: int = DIGITS
-
-    def csv(self) -> str:
-        """The table as CSV text, full precision."""
-        return csv_text((self.heads, *(("" if entry is None else entry for entry in row) for row in self.rows)))
-
-    def block(self, before: str = "", *, sortable: bool = False) -> TableBlock:
-        """The table as a block, its key after `before`; sorted, numbers go by their size, whatever their sign."""
-        first = max(1.9, 0.28 * len(self.heads))  # the more columns of numbers, the narrower each
-        return TableBlock(
-            f"{before}{self.key}",
-            self.caption,
-            tuple(
-                Column(head, numeric=i > 0, width=1 if i else first, sortable=sortable)
-                for i, head in enumerate(self.heads)
-            ),
-            tuple(tuple(self._cell(entry) for entry in row) for row in self.rows),
-            self.note,
-        )
-
-    def _cell(self, entry: Entry) -> Cell:
-        if entry is None:
-            return Cell(NONE, tone="quiet", sort="")
-        if isinstance(entry, str):
-            return Cell(entry)
-        small = 0 < abs(entry) < _LEAST
-        return Cell(f"< {number(_LEAST, given=True)}" if small else number(entry, self.digits), sort=abs(entry))
-
+Entries = tuple[Entry, ...]
 
 _LEAST = 1e-3  # in the units of the columns: what is smaller is rounding of the integration
 _PROMISED = 0.005  # of the exact error: what S p should hold
 _PIXEL_DIGITS = 6  # a measured place differs from the true one by hundredths of a pixel in a thousand
+
+
+def _table(
+    key: str, caption: str, heads: tuple[str, ...], rows: Iterable[Entries], note: str, digits: int = DIGITS
+) -> TableBlock:
+    """A table to sort, by the size of numbers, whatever their sign; the more columns, the narrower each."""
+    first, *others = heads
+    columns = (
+        Column(first, width=max(1.9, 0.28 * len(heads)), sortable=True),
+        *numbers(*others, width=1, sortable=True),
+    )
+    return table(key, caption, columns, (tuple(_cell(entry, digits) for entry in row) for row in rows), note)
+
+
+def _cell(entry: Entry, digits: int) -> Cell:
+    if entry is None:
+        return Cell(NONE, tone="quiet", sort="")
+    if isinstance(entry, str):
+        return Cell(entry)
+    small = 0 < abs(entry) < _LEAST
+    return Cell(f"< {number(_LEAST, given=True)}" if small else number(entry, digits), sort=abs(entry))
+
 
 _PAPER_GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("accelerometers", "Accelerometer errors",
@@ -78,7 +61,7 @@ def _heads(*words: str) -> tuple[str, ...]:
 _PAPER_HEADS = ("paper x [m]", "paper y [m]", "paper height [m]")
 
 
-def _paper(name: str) -> tuple[Entry, ...]:
+def _paper(name: str) -> Entries:
     """The paper's readings, a range where that is all that can be read."""
     printed = PAPER_FINAL_M.get(name)
     if printed is None:
@@ -90,12 +73,12 @@ def _paper(name: str) -> tuple[Entry, ...]:
     )
 
 
-def paper_tables(page: Content) -> tuple[ResultTable, ...]:
+def paper_tables(page: Content) -> tuple[TableBlock, ...]:
     """The paper's four tables for these sensors: final errors, m, the paper's readings beside them."""
     final = page.study.final_m
     how = f"Final errors at {page.study.flight.time_s[-1]:.0f} s. {page.how}. {PAPER_NOTE}"
     tables = [
-        ResultTable(
+        _table(
             key,
             title,
             ("source", *_heads("INS", "tracker"), *_PAPER_HEADS),
@@ -105,19 +88,19 @@ def paper_tables(page: Content) -> tuple[ResultTable, ...]:
         for key, title, names in _PAPER_GROUPS
     ]
     pure, aided = final("all")
-    lines: tuple[tuple[Entry, ...], ...] = (
+    lines: tuple[Entries, ...] = (
         ("INS alone", *map(float, pure), None, None, None),
         ("INS with star tracker", *map(float, aided), None, None, None),
         ("improvement in size", *map(float, abs(pure) - abs(aided)), *_paper("improvement by the star tracker")),
     )
     heads = (SUM, *(f"{channel} [m]" for channel in CHANNELS), *_PAPER_HEADS)
-    return (*tables, ResultTable("tracker", "INS alone vs with star tracker", heads, lines, how))
+    return (*tables, _table("tracker", "INS alone vs with star tracker", heads, lines, how))
 
 
-def source_table(page: Content) -> ResultTable:
+def source_table(page: Content) -> TableBlock:
     """Every case: single sources, classes, tracker and gravity, with down-range and cross-range."""
 
-    def line(k: int) -> tuple[Entry, ...]:
+    def line(k: int) -> Entries:
         ends = (
             (*e.position_m[k, -1], e.down_range_m[k, -1], e.cross_range_m[k, -1]) for e in (study.pure, study.aided)
         )
@@ -125,12 +108,12 @@ def source_table(page: Content) -> ResultTable:
 
     names = (*CHANNELS, "down-range", "cross-range")
     study = page.study
-    noise: tuple[Entry, ...] = (
+    noise: Entries = (
         "white noise, 1σ", *map(float, study.pure_noise.position_sigma_m[-1]), None, None,
         *map(float, study.aided_noise.position_sigma_m[-1]), None, None,
     )  # fmt: skip
     gravity = dict(zip(study.names, study.marks, strict=True))["gravity model"]
-    return ResultTable(
+    return _table(
         "sources",
         "Every error source, one at a time and by class",
         ("source", *(f"INS {n} [m]" for n in names), *(f"tracker {n} [m]" for n in names)),
@@ -139,7 +122,7 @@ def source_table(page: Content) -> ResultTable:
     )
 
 
-def gap_table(page: Content) -> ResultTable:
+def gap_table(page: Content) -> TableBlock:
     """How far the linear answers are from the integrated ones."""
     plain = page.matrix_gap
     study = page.survey.study
@@ -153,7 +136,7 @@ def gap_table(page: Content) -> ResultTable:
             f"within {percent(_PROMISED)} on {len(rows) - len(beyond)} of {len(rows)} rows; "
             f"{called(study.names[worst])} is off by {off}"
         )
-    return ResultTable(
+    return _table(
         "linear",
         "Linear answers against the integrated INS",
         ("source", "linear, INS [m]", "linear, INS [%]", "linear, tracker [m]", "linear, tracker [%]"),
@@ -168,37 +151,10 @@ def gap_table(page: Content) -> ResultTable:
     )  # fmt: skip
 
 
-def noise_table(page: Content) -> ResultTable:
-    """White noise at the end: ensemble against prediction."""
-    ensemble = page.ensemble
-    heads = ("INS, channel", "predicted 1σ [m]", "ensemble rms [m]", "rms / predicted", "inside 95 %")
-    if ensemble is None:
-        study = page.study
-        spreads = (("INS alone", study.pure_noise), ("INS with star tracker", study.aided_noise))
-        rows: tuple[tuple[Entry, ...], ...] = tuple(
-            (f"{ins}, {channel}", float(spread.position_sigma_m[-1, i]), None, None, None)
-            for ins, spread in spreads
-            for i, channel in enumerate(CHANNELS)
-        )
-        note = "Press Run for an ensemble."
-    else:
-        rows = tuple(
-            (f"{ins}, {channel}", sigma, rms, rms / sigma if sigma > 0 else None, "yes" if inside else "no")
-            for ins, channel, rms, sigma, inside in ensemble.final
-        )
-        inside = sum(row[-1] for row in ensemble.final)
-        note = (
-            f"{ensemble.source}; {ensemble.runs} runs, seed {ensemble.seed}. {inside} of {len(rows)} inside "
-            f"{number(ensemble.low)} to {number(ensemble.high)}, where each lies with 95 % probability if the "
-            "prediction is right: one in twenty falls outside by chance."
-        )
-    return ResultTable("white-noise", "White noise at the end of the flight", heads, rows, note)
-
-
-def method_table(page: Content) -> ResultTable:
+def method_table(page: Content) -> TableBlock:
     """The attitude methods on this flight's images."""
     sigma = page.survey.settings["camera.centroid_noise"] / ARCSECOND
-    return ResultTable(
+    return _table(
         "methods",
         "Attitude methods compared",
         ("method", "mean error [arcsec]", "rms about x [arcsec]", "rms about y [arcsec]",
@@ -216,9 +172,9 @@ def method_table(page: Content) -> ResultTable:
     )  # fmt: skip
 
 
-def gravity_table(page: Content) -> ResultTable:
+def gravity_table(page: Content) -> TableBlock:
     """What a wrong gravity model costs an otherwise perfect INS."""
-    return ResultTable(
+    return _table(
         "gravity-mismatch",
         "Cost of a mismatched gravity model",
         ("truth / INS", *(f"{channel} [m]" for channel in CHANNELS)),
@@ -230,11 +186,11 @@ def gravity_table(page: Content) -> ResultTable:
     )
 
 
-def star_table(page: Content) -> ResultTable:
+def star_table(page: Content) -> TableBlock:
     """The stars of the image looked at."""
     frame = page.star_frame
     real = page.survey.settings["sky.stars"] == "Hipparcos"
-    return ResultTable(
+    return _table(
         "stars",
         f"Identified stars at {frame.time_s:.0f} s",
         ("star", "Hp magnitude", "x [pixel]", "y [pixel]", "x measured [pixel]", "y measured [pixel]"),

@@ -1,6 +1,6 @@
 """The views of the Suborbital page: the charts and tables of each, and what a person chooses there."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from html import escape
@@ -12,21 +12,19 @@ import param
 
 from app.charts.kinds import Chart
 from app.declared import chosen, declared, optional
+from app.document.blocks import TableBlock
 from app.document.pane import html_of
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
 from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content
 from app.subjects.suborbital.tables import (
-    ResultTable,
     gap_table,
     gravity_table,
     method_table,
-    noise_table,
     paper_tables,
     source_table,
     star_table,
 )
 from app.ui.chart_pane import download_buttons
-from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.follower import Follower
@@ -49,7 +47,7 @@ class Charts:
 
     name: str
     charts: tuple[Describe, ...] = ()
-    tables: tuple[Callable[[Content], ResultTable], ...] = ()
+    tables: tuple[Callable[[Content], TableBlock], ...] = ()
     chooses: tuple[str, ...] = ()
 
 
@@ -61,7 +59,7 @@ def _of(draw: Callable[[Content, int], Chart]) -> Describe:
     return lambda page: draw(page, page.channel)
 
 
-def _paper(index: int) -> Callable[[Content], ResultTable]:
+def _paper(index: int) -> Callable[[Content], TableBlock]:
     """One of the tables beside the published values."""
     return lambda page: paper_tables(page)[index]
 
@@ -74,7 +72,7 @@ VIEWS: tuple[Charts, ...] = (
     Charts("Published values", tables=tuple(map(_paper, range(4)))),
     Charts("Sensor errors", tuple(_of(partial(sensors.sensor_chart, sensor=sensor)) for sensor in (0, 1)),
          chooses=("axis",)),
-    Charts("White noise", (_of(sensors.noise_chart),), (noise_table,), chooses=("channel", "noise")),
+    Charts("White noise", (_of(sensors.noise_chart),), chooses=("channel",)),
     Charts("Attitude errors", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
          ("case",)),
     Charts("Stars", (attitude.star_chart, attitude.star_count_chart), (star_table,), ("moment",)),
@@ -110,11 +108,10 @@ class StudyViews(View):
     moment: int = declared(param.Integer(default=100, bounds=(0, 1500), step=_SPACING_S, label="Star frame at [s]"))
     page = optional(Content, "What is on the page; None before the first answer.")
 
-    def __init__(self, noise: pn.viewable.Viewer, camera: pn.viewable.Viewer, inputs: pn.viewable.Viewer) -> None:
+    def __init__(self, camera: pn.viewable.Viewer, inputs: pn.viewable.Viewer) -> None:
         super().__init__()
         self._parts: dict[str, Follower[Content]] = {}  # of the views opened so far
         self._coming = html_pane(_COMING)
-        self._noise = noise
         makes: dict[str, Callable[[], Any]] = {view.name: partial(self._place, view) for view in VIEWS}
         makes |= {CAMERA_NOISE: lambda: camera, INPUTS: lambda: inputs}
         self._view = self.views = NamedViews("What to see", makes, _GROUPS)
@@ -162,15 +159,17 @@ class StudyViews(View):
             made.append(pn.Column(*(_table(parts, build) for build in view.tables), **scrolls))
         half = len(made) // 2 or 1
         choosers = [pn.FlexBox(*map(self._chooser, view.chooses))] if view.chooses else []
+
+        def takes() -> pn.FlexBox:
+            return pn.FlexBox(*(take for draw in view.charts for take in download_buttons(draw, parts.known)))
+
         return pn.Column(
             first_screen(*choosers, left=made[:half], right=made[half:], height="100%"),
-            Folded([("Downloads of this view", lambda: pn.FlexBox(*_takes(view, parts.known)))]),
+            *([Folded([("Downloads of this view", takes)])] if view.charts else []),
             **fills,
         )
 
     def _chooser(self, name: str) -> Any:
-        if name == "noise":
-            return self._noise
         if name == "moment":
             return pmui.IntSlider.from_param(self.param.moment, width=260, margin=(4, 16))
         parameter = self.param["channel" if name == "axis" else name]
@@ -183,17 +182,7 @@ class StudyViews(View):
         return axis
 
 
-def _table(parts: Follower[Content], build: Callable[[Content], ResultTable]) -> SortableTable:
+def _table(parts: Follower[Content], build: Callable[[Content], TableBlock]) -> SortableTable:
     table = SortableTable(margin=(4, 12))
-    parts.add(lambda page: setattr(table, "html", html_of(build(page).block(sortable=True))))
+    parts.add(lambda page: setattr(table, "html", html_of(build(page))))
     return table
-
-
-def _takes(view: Charts, current: Callable[[], Content]) -> Iterator[pn.viewable.Viewable]:
-    """Buttons that take the numbers of a view away."""
-    for draw in view.charts:
-        yield from download_buttons(draw, current)
-    for build in view.tables:
-        now = build(current())
-        name = f"{now.caption.partition(' at ')[0]}: CSV"
-        yield download(name, f"{now.key}.csv", partial(lambda build: build(current()).csv(), build))

@@ -36,7 +36,6 @@ TOGETHER = {
     "gyro errors": ("gyro bias", "gyro instability", "everything"),
     "suborbital channel": ("INS alone", "INS with tracker", "decoupled, holds", "decoupled, fails",
                            "formula, holds", "formula, fails", "reference"),
-    "suborbital, aided": ("INS alone", "INS with tracker", "INS alone, ensemble", "INS with tracker, ensemble"),
     "suborbital axes": ("axis x", "axis y", "axis z", "axis x, tracker", "axis y, tracker", "axis z, tracker"),
     "Allan, three axes": ("x", "y", "z", "fit x", "fit y", "fit z"),
     "Allan, one axis": ("measured", "quantization", "random_walk", "bias_instability", "rate_random_walk", "ramp",

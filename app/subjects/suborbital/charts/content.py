@@ -6,7 +6,6 @@ from functools import cached_property
 from app.charts.kinds import Array, Span
 from app.document.numbers import show_in
 from nav_model.suborbital.channels import closed_form_errors
-from nav_model.suborbital.noise_ensemble import NoiseEnsemble
 from nav_model.suborbital.sensor_history import SensorHistory, sensor_history
 from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.star_camera import StarFrame
@@ -35,7 +34,7 @@ class Content:
     """The content of the page: the last run, the study at the sliders' positions, and the chosen view.
 
     settings: of the study, which its survey was run at unless the curves were moved;
-    along_track: down-range and cross-range in place of north and east; ensemble: white noise flown at these inputs.
+    along_track: down-range and cross-range in place of north and east.
     """
 
     survey: Survey
@@ -46,7 +45,6 @@ class Content:
     aided_sources: bool = False
     along_track: bool = False
     star_index: int = 50
-    ensemble: NoiseEnsemble | None = None
 
     @property
     def exact(self) -> bool:

@@ -1,11 +1,8 @@
-"""Sensor errors along the flight, and the white-noise ensemble."""
+"""Sensor errors along the flight, and what white noise makes of the position."""
 
 import math
 
-import numpy as np
-
-from app.charts.kinds import Band, Chart, Line
-from app.document.numbers import number
+from app.charts.kinds import Chart, Line
 from app.subjects.suborbital.charts.content import CHANNELS, SENSOR_CLASSES, SENSORS, TIME, Content, boost
 from nav_model.base.constants import STANDARD_GRAVITY
 
@@ -37,38 +34,19 @@ def sensor_chart(page: Content, axis: int, sensor: int) -> Chart:
 
 
 def noise_chart(page: Content, channel: int) -> Chart:
-    """White noise in one channel, ensemble against its prediction."""
-    study, ensemble = page.study, page.ensemble
-    x = study.pure.time_s
-    predicted = (
-        ("INS alone", study.pure_noise.position_sigma_m[:, channel]),
-        ("INS with tracker", study.aided_noise.position_sigma_m[:, channel]),
-    )
-    flown, low, high = (np.full(len(x), np.nan),) * 2, math.nan, math.nan
-    result = "Prediction only; press Run for an ensemble."
-    if ensemble is not None:
-        flown = (ensemble.pure_rms_m[:, channel], ensemble.aided_rms_m[:, channel])
-        low, high = ensemble.low, ensemble.high
-        result = (
-            f"Ensemble of {ensemble.runs} INS with independent noise, seed {ensemble.seed}; bands: where the rms of "
-            f"so many runs lies with 95 % probability at an instant ({number(low)} to {number(high)} of predicted)."
-        )
+    """Sigma of white noise in one channel."""
+    study = page.study
+    spreads = (("INS alone", study.pure_noise), ("INS with tracker", study.aided_noise))
     return Chart(
         key=f"white-noise-{CHANNELS[channel]}",
         title=f"White noise, {CHANNELS[channel]}",
         x_label=TIME,
         y_label=f"{CHANNELS[channel]} error, 1σ [m]",
-        lines=(
-            *(Line(name, f"{name}, predicted", x, sigma, name, "covariance of [B-4]") for name, sigma in predicted),
-            *(
-                Line(f"{name}-rms", f"{name}, ensemble", x, rms, f"{name}, ensemble", "INS [B-3], Monte Carlo")
-                for (name, _), rms in zip(predicted, flown, strict=True)
-            ),
-        ),
-        bands=tuple(
-            Band(name, f"{name}, 95 % of ensembles", x, low * sigma, high * sigma, name, "chi-square")
-            for name, sigma in predicted
+        lines=tuple(
+            Line(name, name, study.pure.time_s, spread.position_sigma_m[:, channel], name, "covariance of [B-4]")
+            for name, spread in spreads
         ),
         spans=boost(study),
-        knowledge=f"Prediction: covariance of [B-4] under white noise [B-1]. {result}",
+        knowledge="Covariance of [B-4] under white noise [B-1]. The command flies it as a Monte Carlo: `navbudget "
+        "suborbital --noise-runs`.",
     )
