@@ -103,8 +103,8 @@ def _counted_from_zero(names: Sequence[str]) -> list[str]:
 def meaning_of(name: str) -> Meaning | None:
     """Meaning of a column or array name, None when it is not one of an inertial log's quantities."""
     text = name.strip().strip('"').lstrip("#%").strip()
-    index = re.fullmatch(r"(.*)[\[(.]([0-2])[\])]?", text)
-    text = index[1] if index else text
+    index = re.fullmatch(r"(.*)[\[(.]([0-2])[\])]?(\s*[\[({].*)?", text)  # "gyro[0] (deg/s)"
+    text = index[1] + (index[3] or "") if index else text
     # Alone, or behind the names of a topic and its messages: "/imu/data/angular_velocity/x".
     parts = re.split(r"[./]+", text)
     behind = [k for k in range(1, len(parts)) if not _OF_SOMETHING_ELSE.search("".join(parts[:k]).lower())]

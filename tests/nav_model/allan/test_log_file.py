@@ -380,6 +380,14 @@ PROGRAMS = {
         "header.stamp.secs,header.stamp.nsecs", lambda row: f"{1637290175 + row // 100},{row % 100 * 10**7}",
         "angular_velocity.%", "linear_acceleration.%", "xyz", "REP 103",
     ),
+    "ROS 2": (
+        "sec,nanosec", lambda row: f"{1637290175 + row // 100},{row % 100 * 10**7}",
+        "angular_velocity_%", "linear_acceleration_%", "xyz", "REP 103",
+    ),
+    "MAVLink": ("time_boot_ms", lambda row: 10 * (500 + row), "%gyro [deg/s]", "%acc [mg]", "xyz", "deg mg"),
+    "flight controller of a drone": (
+        "time (us)", lambda row: 10**4 * (500 + row), "gyroADC[%] (deg/s)", "accSmooth[%] (mg)", "012", "deg mg",
+    ),
     "axes by their units": ("t [s]", lambda row: f"{row / 100}", "% [°/h]", "% [mg]", "xyz", "deg/h mg"),
     "axes before a rate": ("Time (s)", lambda row: f"{row / 100}", "% Rot (rad/s)", "% Acc (mg)", "XYZ", "mg"),
     "Greek and German": ("Zeit [s]", lambda row: f"{row / 100}", "ω% [°/s]", "a% [mg]", "xyz", "deg mg"),
