@@ -249,7 +249,7 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
     headers = []
     for line in reversed(lines):
         bare = line.strip().lstrip("#%/").strip()
-        glued = re.sub(r"\s+(?=[\[(])", "", bare)  # a blank before a unit parts nothing
+        glued = re.sub(r"(?<![\s)\]])\s+(?=[\[(])", "", bare)  # a blank between name and unit parts nothing
         for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
             names = tuple(name.strip() for name in _fields((bare if mark else glued).rstrip(mark), mark))
             if delimiter is None and len(names) == width - 1 and _SPANS_TWO.fullmatch(names[0]):
