@@ -91,7 +91,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(
     _open(visit)
     for title in ("Why, and what would change it", "Errors by strategy", "Exports"):
         page.get_by_role("button", name=title, exact=True).click()
-    expect(page.get_by_role("button", name="Point target: SVG")).to_be_visible()
+    expect(page.get_by_role("button", name="Point target (NPZ)")).to_be_visible()
     accessible(page, "wide", every=True)
     page.set_viewport_size({"width": 390, "height": 844})
     page.keyboard.press("Escape")  # where the window is narrow the design is a drawer
@@ -99,7 +99,7 @@ def test_every_part_is_accessible_and_pictures_are_taken_away(
     wider = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
     assert wider <= 0  # tables scroll in regions of their own
     with page.expect_download() as waiting:
-        page.get_by_role("button", name="Point target: NPZ").press("Enter")
+        page.get_by_role("button", name="Point target (NPZ)").press("Enter")
     waiting.value.save_as(tmp_path / "point.npz")
     with np.load(tmp_path / "point.npz") as packed:
         assert packed["power_db"].shape == (9, 61, 121)

@@ -1,5 +1,6 @@
 """The charts of the Image page, as plain data, from a study of the strategies or a map."""
 
+import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -12,13 +13,12 @@ from app.document.numbers import degrees, number, percent, signed_decibels
 from app.subjects.sar.tables import FORMULAS, judged_along, kind_of, shown_strategies
 from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
-from nav_model.base.units import from_si
 from nav_model.budget import Budget
 from nav_model.budget.verdict import decisive
 from nav_model.design.figures import DETRENDED, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import LEFT
-from nav_model.sar.design_map import DesignMap, arw_map, gnss_map
+from nav_model.sar.design_map import gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.pictures import Pictures
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS
@@ -186,6 +186,13 @@ def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
     )
 
 
+def to_npz(chart: PictureChart) -> bytes:
+    """Pictures as numbers."""
+    packed = io.BytesIO()
+    np.savez_compressed(packed, names=np.array(chart.names), x_m=chart.x, y_m=chart.y, power_db=chart.power_db)
+    return packed.getvalue()
+
+
 def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
     row, column = np.unravel_index(int(pictures.power_db[index].argmax()), pictures.power_db[index].shape)
     return float(pictures.x[column]), float(pictures.y[row])
@@ -214,42 +221,24 @@ def _picture(budget: Budget, pictures: Pictures, key: str, title: str, over: str
     )
 
 
-def gnss_winner_chart(budget: Budget) -> MapChart:
+def winner_chart(budget: Budget) -> MapChart:
     """The best strategy by aperture time and position noise."""
-    return _winner_chart(
-        budget, gnss_map(budget), "sar-map-gnss", "Best strategy by aperture and position noise",
-        "position noise, 1σ [m]", 1.0, "catalogue radars",
-        "its aperture [S-3] with this design's GNSS",
-    )  # fmt: skip
-
-
-def arw_winner_chart(budget: Budget) -> MapChart:
-    """The best strategy by aperture time and angle random walk."""
-    return _winner_chart(
-        budget, arw_map(budget), "sar-map-arw", "Best strategy by aperture and angle random walk",
-        "angle random walk, bench value [°/√h]", float(from_si(1.0, "°/√h", "angle random walk")),
-        "catalogue IMUs", "data-sheet angle random walk at this design's aperture",
-    )  # fmt: skip
-
-
-def _winner_chart(
-    budget: Budget, drawn: DesignMap, key: str, title: str, y_label: str, scale: float, catalogue: str, source: str
-) -> MapChart:
+    drawn = gnss_map(budget)
     confidence, limit = decisive(budget.design, DETRENDED)
-    x, y, phase = drawn.aperture_time, drawn.other * scale, confidence * drawn.phase
+    x, y, phase = drawn.aperture_time, drawn.other, confidence * drawn.phase
     at = "" if confidence == 1 else f" at {confidence:g}σ"
     line = np.full((1, 2), np.nan)
     if limit is not None:
         line = np.exp(contour(np.log(x), np.log(y), np.log(phase), math.log(limit)))
     here = Points(
-        "design", "this design", np.array([drawn.here[0]]), np.array([drawn.here[1] * scale]), ("this design",),
+        "design", "this design", np.array([drawn.here[0]]), np.array([drawn.here[1]]), ("this design",),
         "this design", "cross", "aperture and noise of the design",
     )  # fmt: skip
     return MapChart(
-        key=key,
-        title=title,
+        key="sar-map-gnss",
+        title="Best strategy by aperture and position noise",
         x_label="aperture time [s]",
-        y_label=y_label,
+        y_label="position noise, 1σ [m]",
         value_label=f"detrended phase of the best strategy{at} [°]",
         x=x,
         y=y,
@@ -257,8 +246,11 @@ def _winner_chart(
         values=phase * _DEG,
         names=tuple(NAMES[k] for k in drawn.strategies),
         styles=tuple(f"strategy {k}" for k in drawn.strategies),
-        points=(Points("catalogue", catalogue, drawn.x, drawn.y * scale, drawn.names, "reference", "circle", source),
-                here),
+        points=(
+            Points("catalogue", "catalogue radars", drawn.x, drawn.y, drawn.names, "reference", "circle",
+                   "its aperture [S-3] with this design's GNSS"),
+            here,
+        ),
         contour=Line("limit", "phase limit", line[:, 0], line[:, 1], "limit", "requirement"),
         knowledge=(
             "Formulas at every point [T-15], [T-16], [S-7], [S-1], for the settled filter of each point, this "
@@ -284,6 +276,3 @@ RUN_CHARTS: tuple[Callable[[SarStudy], Chart], ...] = (
     *(partial(responses_chart, keys=keys, title=title, name=f"sar-response-{name}") for keys, title, name in _GROUPS),
 )
 """The typical run."""
-
-WINNER_CHARTS: tuple[Callable[[Budget], MapChart], ...] = (gnss_winner_chart, arw_winner_chart)
-"""Which strategy is best where."""

@@ -22,13 +22,12 @@ from app.subjects.sar.charts import (
     POINT_TITLE,
     RUN_CHARTS,
     STRATEGY_CHARTS,
-    arw_winner_chart,
-    gnss_winner_chart,
     point_picture,
     quadratic_chart,
     residual_chart,
+    to_npz,
+    winner_chart,
 )
-from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.run import SarResult, run_strategies
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, shown_strategies
 from app.subjects.sar.upload import UploadedPicture
@@ -105,7 +104,6 @@ class SarPage(StudyPage[SarResult]):
                 ),
                 ("Parts of the error, impulse response in numbers", lambda: runs.text(self._tables)),
                 ("Quadratic phase before autofocus", lambda: design.text(self._quadratic)),
-                ("Best strategy by angle random walk", lambda: design.chart(arw_winner_chart, 400)),
                 ("Your phase history", lambda: self._upload),
                 ("Exports", lambda: runs.later(self._exports)),
             )
@@ -115,7 +113,7 @@ class SarPage(StudyPage[SarResult]):
             first_screen(
                 self._bar,
                 left=[pn.Column(self._rank_head, self._ranks, sizing_mode="stretch_both")],
-                right=[self._of_design.chart(gnss_winner_chart)],
+                right=[self._of_design.chart(winner_chart)],
                 bottom=pn.Column(self._image_head, self._images),
             ),
             self._details,
@@ -182,15 +180,16 @@ class SarPage(StudyPage[SarResult]):
         def of_strategies(draw: Callable[..., AnyChart]) -> Callable[[SarResult], AnyChart]:
             return lambda result: draw(self._session.budget, self._closed, result.study)
 
-        points, result_of = PicturePanel("Point target", "sar-point"), self._of_result.known
-        self._of_result.add(lambda _: setattr(points, "chart", self._points))
-        draws = [
-            *map(of_strategies, STRATEGY_CHARTS),
-            lambda _: gnss_winner_chart(self._session.budget),
+        files = [
+            download("All of the study (JSON)", "sar-study.json", self._json),
+            download("Point target (NPZ)", "sar-point.npz", self._npz),
         ]
-        return exports(
-            [download("All of the study (JSON)", "sar-study.json", self._json), points.links], draws, result_of
-        )
+        draws = [*map(of_strategies, STRATEGY_CHARTS), lambda _: winner_chart(self._session.budget)]
+        return exports(files, draws, self._of_result.known)
+
+    def _npz(self) -> bytes:
+        assert self._points is not None  # exports come with a result
+        return to_npz(self._points)
 
     # --- the run ----------------------------------------------------------------------------------------
 

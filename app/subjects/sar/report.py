@@ -6,7 +6,7 @@ from app.charts.kinds import Drawing
 from app.document.blocks import Block, Section, Text, chart_block
 from app.document.numbers import degrees
 from app.document.wording import identified
-from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, WINNER_CHARTS, point_picture, scene_picture
+from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, point_picture, scene_picture, winner_chart
 from app.subjects.sar.command import studied
 from app.subjects.sar.run import SarResult
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables
@@ -84,6 +84,6 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
         Section(
             f"{key}-sar-maps",
             "SAR: which strategy is best where",
-            (*drawn(*(draw(budget) for draw in WINNER_CHARTS)), cautions(budget, study)),
+            (*drawn(winner_chart(budget)), cautions(budget, study)),
         ),
     )

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,14 @@ import panel_material_ui as pmui
 import param
 
 from app.charts.kinds import PictureChart
+from app.charts.screen.pictures import picture_gallery
 from app.declared import chosen, declared, required
 from app.document.blocks import Text
 from app.document.pane import html_of
 from app.session import Session
-from app.subjects.sar.charts import uploaded_picture
-from app.subjects.sar.picture_panel import PicturePanel
+from app.subjects.sar.charts import to_npz, uploaded_picture
 from app.subjects.sar.run import SarResult
+from app.ui.downloads import download
 from app.ui.fields import number
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
@@ -61,12 +63,14 @@ class UploadedPicture(View):
             pmui.Select.from_param(self.param.strategy, width=230, **_LOOK),
             pmui.TextInput.from_param(self.param.half_width, width=110, **_LOOK),
         )
-        self._pictures = PicturePanel("Your phase history", "sar-phase-history", pair=True)
-        self._view = pn.Column(html_pane(f"<h3>Your phase history</h3>{html_of(_HELP)}"), self._bar, self._pictures)
+        self._pictures = html_pane("")
+        take = download("Images (NPZ)", "sar-phase-history.npz", lambda: to_npz(self.run.result))
+        self._images = pn.Column(self._pictures, take, visible=False)
+        self._view = pn.Column(html_pane(f"<h3>Your phase history</h3>{html_of(_HELP)}"), self._bar, self._images)
 
     def form(self) -> None:
         """Form the pictures of what is chosen, with the design's error as the last study has it."""
-        self._pictures.chart = None  # of an earlier choice or study
+        self._images.visible = False  # of an earlier choice or study
         self.run.start(self._form)
 
     async def _form(self, run: Run) -> PictureChart:
@@ -87,7 +91,10 @@ class UploadedPicture(View):
 
     @param.depends("run.result", watch=True)
     def _show(self) -> None:
-        self._pictures.chart = self.run.result
+        chart: PictureChart | None = self.run.result
+        if chart is not None:
+            self._pictures.object = f'<h3>{escape(chart.title)}</h3><div class="pair">{picture_gallery(chart)}</div>'
+            self._images.visible = True
 
     @param.depends("file", "strategy", "half_width", watch=True)
     def _form_again(self) -> None:

@@ -9,7 +9,7 @@ from app.charts.region import region_names
 from app.charts.screen.maps import MapFigure
 from app.examples import EXAMPLES, example
 from app.subjects.explore.charts import map_chart
-from app.subjects.sar.charts import arw_winner_chart, gnss_winner_chart
+from app.subjects.sar.charts import winner_chart
 from nav_model.budget import analyse
 from nav_model.explore.margins import ALL
 
@@ -33,9 +33,8 @@ def _along(value, axis, size):
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-@pytest.mark.parametrize("draw", [gnss_winner_chart, arw_winner_chart])
-def test_names_of_regions_on_a_phone(draw, name):
-    chart = draw(analyse(example(name)))
+def test_names_of_regions_on_a_phone(name):
+    chart = winner_chart(analyse(example(name)))
     boxes = []
     for x, y, text in region_names(chart).values():
         lines = text.split("\n")

@@ -12,7 +12,7 @@ from app.charts.kinds import Chart, Line, Points
 from app.charts.screen.figures import DrawnChart, to_bokeh
 from app.charts.screen.timelines import Timelines
 from app.examples import example
-from app.subjects.sar.charts import arw_winner_chart
+from app.subjects.sar.charts import winner_chart
 from nav_model.budget import analyse
 
 _X = np.arange(5.0)
@@ -98,7 +98,7 @@ def test_two_lines_that_change_their_names_keep_their_values():
 
 def test_a_map_that_changes_in_its_middle_is_sent():
     """The printed form of a large array leaves its middle out."""
-    chart = arw_winner_chart(analyse(example("mems_x_band")))
+    chart = winner_chart(analyse(example("mems_x_band")))
     figure, winner = to_bokeh(chart), chart.winner.copy()
     middle = (slice(20, 40),) * 2
     winner[middle] = (winner[middle] + 1) % len(chart.names)
@@ -110,7 +110,7 @@ def test_what_points_come_from_is_text_in_their_hover():
     """A hover's template is HTML, in figures and on grids."""
     named = Points("p", "points", np.array([5.0]), np.array([0.5]), ("here",), "reference", source="<img src=x>")
     plots = [to_bokeh(replace(_chart(), points=(named,)), 300).plot]
-    winners = arw_winner_chart(analyse(example("mems_x_band")))
+    winners = winner_chart(analyse(example("mems_x_band")))
     plots.append(to_bokeh(replace(winners, points=(replace(winners.points[0], source="<img src=x>"),)), 300).plot)
     for plot in plots:
         tooltips = [tool.tooltips for tool in plot.select(type=HoverTool) if "img" in str(tool.tooltips)]

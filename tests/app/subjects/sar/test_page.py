@@ -20,12 +20,10 @@ from app.cli import main
 from app.document.pane import html_of
 from app.serving.server import first_design
 from app.session import Session
-from app.subjects.sar import picture_panel
 from app.subjects.sar import run as sar_run
 from app.subjects.sar import upload as sar_upload
-from app.subjects.sar.charts import gnss_winner_chart, residual_chart, scene_picture
+from app.subjects.sar.charts import residual_chart, scene_picture, winner_chart
 from app.subjects.sar.page import SarPage
-from app.subjects.sar.picture_panel import PicturePanel
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import SarResult, run_strategies
 from app.subjects.sar.tables import answer, error_table
@@ -41,7 +39,7 @@ pytestmark = pytest.mark.long
 
 @pytest.fixture
 def session(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> Session:
-    for part in (sar_run, sar_upload, picture_panel):
+    for part in (sar_run, sar_upload):
         monkeypatch.setattr(part, "run_in_pool", at_once)
     return Session(first_design())
 
@@ -198,7 +196,7 @@ def test_what_cannot_be_run_is_said(sar: SarPage, session: Session) -> None:
 
 
 def test_the_map_has_the_design_the_catalogue_and_the_limit(session: Session) -> None:
-    chart = gnss_winner_chart(session.budget)
+    chart = winner_chart(session.budget)
     assert chart.points[1].x[0] == session.budget.sar.aperture_time
     assert "F-SAR X" in chart.points[0].names
     assert np.isfinite(chart.contour.x).any()
@@ -210,14 +208,14 @@ def test_the_map_has_the_design_the_catalogue_and_the_limit(session: Session) ->
     assert chart.values[row, column] == pytest.approx(np.degrees(limit), rel=0.3)
     assert to_csv(chart).count("\n") == 1 + chart.winner.size + len(chart.points[0].names) + 1
     session.change({"requirements.detrended_phase": None})
-    assert np.isnan(gnss_winner_chart(session.budget).contour.x).all()
+    assert np.isnan(winner_chart(session.budget).contour.x).all()
 
 
 def test_on_a_post_processed_map_the_contour_is_where_the_smoother_meets_the_limit(session: Session) -> None:
     design = session.design.replace(
         {"processing.mode": "post-processed", "radar.slant_range": 2e4}
     )  # it hardly turns
-    chart = gnss_winner_chart(analyse(design))
+    chart = winner_chart(analyse(design))
     drawn = np.flatnonzero(np.isfinite(chart.contour.x))
     for place in drawn[[5, len(drawn) // 2, -5]]:
         noise = float(chart.contour.y[place])
@@ -245,21 +243,21 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     assert "&lt;b&gt;.npz: not a readable NPZ" in opened("<b>.npz", b"junk")
     assert opened("<b>.npz", _point_file()) == ""
     assert opened("point.npz", _point_file()) == ""
-    pictures = upload._pictures
-    assert pictures._pictures.object.count("<figure") == 2
-    assert "without navigation error" in pictures._pictures.object
-    assert pictures._view.visible
+    images = upload._images
+    assert upload._pictures.object.count("<figure") == 2
+    assert "without navigation error" in upload._pictures.object
+    assert images.visible
     finding = session.findings["sar"]
-    (images,) = (part for part in sections(finding, "d") if part.title == "SAR: images")
-    assert [block.chart.key for block in images.blocks] == ["sar-point", "sar-scene", "sar-phase-history"]
-    assert "point.npz" in to_svg(images.blocks[-1].chart)
+    (section,) = (part for part in sections(finding, "d") if part.title == "SAR: images")
+    assert [block.chart.key for block in section.blocks] == ["sar-point", "sar-scene", "sar-phase-history"]
+    assert "point.npz" in to_svg(section.blocks[-1].chart)
     assert "wide&#x27; is not a number from 1 to 5000" in form(half_width="wide")
-    assert not pictures._view.visible
+    assert not images.visible
     form(half_width="60")
-    assert pictures._view.visible
+    assert images.visible
     when_done(sar.begin, sar.run, upload.run)
-    assert pictures._view.visible  # formed with the new study's error
-    assert session.findings["sar"].uploaded is pictures.chart
+    assert images.visible  # formed with the new study's error
+    assert session.findings["sar"].uploaded is upload.run.result
     upload._refused("larger than 34 MB")
     assert "Not formed. larger than 34 MB" in upload._bar.state.object
     upload._on_disk.delete()
@@ -314,29 +312,16 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
     assert "stale" in tables.object
 
 
-def content(link: Any) -> io.BytesIO:
-    """What a person gets who presses the link."""
-    return asyncio.run(link.callback())
-
-
 def test_pictures_and_study_are_taken_away(sar: SarPage) -> None:
     run(sar)
-    points = sar._result.points
-    point, scene = PicturePanel("p", "p"), PicturePanel("s", "s")
-    point.chart = sar._points
-    budget, rows = sar._result.study.budget, [row for row, key in enumerate(NAMES) if key != "3"]
-    scene.chart = scene_picture(budget, scene_pictures(budget, sar._result.study.typical))
-    npz, csv, _ = (content(link) for link in point.links)
-    with np.load(npz) as packed:
+    points, budget = sar._result.points, sar._result.study.budget
+    rows = [row for row, key in enumerate(NAMES) if key != "3"]
+    scene = scene_picture(budget, scene_pictures(budget, sar._result.study.typical))
+    with np.load(io.BytesIO(sar._npz())) as packed:
         assert packed["power_db"].shape == (9, 61, 121)
         np.testing.assert_array_equal(packed["power_db"], points.power_db[rows])
         assert packed["names"][0] == "Ideal"
-    table = np.loadtxt(csv, delimiter=",", skiprows=1)
-    assert table.shape == (61 * 121, 2 + 9)
-    row = 17 * 121 + 40
-    assert table[row, :2] == pytest.approx([points.x[40], points.y[17]], rel=1e-4)
-    assert table[row, 4] == pytest.approx(points.power_db[rows[2], 17, 40], rel=1e-4)
-    drawn = content(scene.links[-1]).getvalue().decode("utf-8")
+    drawn = to_svg(scene)
     assert drawn.count("<image") >= 9
     assert "RTS smoother of the aperture" in drawn
     assert "azimuth [m]" in drawn
