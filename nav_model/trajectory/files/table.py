@@ -18,7 +18,8 @@ from nav_model.trajectory.files.recorded import RecordedSegment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 
 _KEYS = vocabulary("flight")
-_USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", "roll", "pitch", "yaw"), ("angle", "°"))}
+_ATTITUDE = ("roll", "pitch", "yaw")
+_USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", *_ATTITUDE), ("angle", "°"))}
 _ABOVE: dict[str, Reference] = {"ellipsoid": "ellipsoid", "sea": "sea", "height": "ellipsoid", "ground": "ground"}
 """What the columns of heights are above, the one that is taken first."""
 _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
@@ -106,7 +107,7 @@ def _recorded(table: NumberTable, heights: Heights) -> RecordedSegment:
         row = beyond[0]
         raise heights.refuse(f"line {lines[row]}: {latitude[row]:g}, {longitude[row]:g} is not a place on the Earth")
     up = values.get("height", np.zeros(len(lines))) + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
-    attitude = [np.degrees(values[key]) for key in ("roll", "pitch", "yaw") if key in values]
+    attitude = [np.degrees(values[key]) for key in _ATTITUDE if key in values]
     heights.note(f"{counted(len(lines), 'recorded row')} of {', '.join(c.header for c in columns.values())}")
     if others:
         heights.note(f"not used: {listed(others)}")
@@ -126,15 +127,13 @@ def _columns(table: NumberTable, heights: Heights) -> tuple[dict[str, _Column], 
         raise heights.refuse(f"columns latitude and longitude are missing; found {listed(header)}")
     if "time" not in columns:
         raise heights.refuse("has no column with the time, such as time_s. Give a path as KML or GPX.")
-    up = next((key for key in _ABOVE if key in columns), "")
-    reference = _ABOVE.get(up, "none")
-    taken = {key: columns[key] for key in ("time", "latitude", "longitude")}
-    if up:
-        taken["height"] = columns[up]
-        if up == "height" and columns[up].header.lower().startswith("osd"):  # DJI's is above the place of take-off
-            reference = "ground"
-    if {"roll", "pitch", "yaw"} <= columns.keys():
-        taken |= {key: columns[key] for key in ("roll", "pitch", "yaw")}
+    up = [key for key in _ABOVE if key in columns][:1]
+    attitude = _ATTITUDE if columns.keys() >= {*_ATTITUDE} else ()
+    keys = ("time", "latitude", "longitude", *up, *attitude)
+    taken = {"height" if key in up else key: columns[key] for key in keys}
+    reference = _ABOVE[up[0]] if up else "none"
+    if up == ["height"] and taken["height"].header.lower().startswith("osd"):  # DJI's is above the place of take-off
+        reference = "ground"
     places = {column.place for column in taken.values()}
     return taken, reference, [cell for place, cell in enumerate(header) if place not in places and cell]
 
