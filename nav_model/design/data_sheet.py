@@ -13,11 +13,12 @@ _WALKS = ("imu.angle_random_walk", "imu.velocity_random_walk")
 _BIASES = ("imu.gyro_bias", "imu.accelerometer_bias")
 # Words of a row's name -> the inputs that it may be, of which the value's unit decides.
 _NAMES = (
-    (re.compile(r"repeatab|turn.?on|over temp|temperature|rate random|acceleration random", re.I), ()),
+    (re.compile(r"temperature|rate random|acceleration random", re.I), ()),
     (re.compile(r"random walk|\b[AV]RW\b|noise", re.I), _WALKS),
     (re.compile(r"bias.*(?:instab|stab)|in.?run", re.I), _BIASES),
     (re.compile(r"(?:output|sampl|update|data)\w*\s+(?:data\s+)?(?:rate|frequency)|\bODR\b", re.I), ("imu.rate",)),
 )
+_OTHER_BIAS = re.compile(r"repeatab|turn.?on|over\b.*\btemp", re.I)
 _START = r"(?:gyro\w*\s+|accel\w*\s+)?(?:ARW|VRW|angle|angular|velocity|bias|in.run|noise|output)\b"
 _BETWEEN = re.compile(rf"[;\n]|[,.]\s*(?=(?!typ|max|rms|one|per|each)[A-Za-z]{{2}})|\s+(?={_START})", re.I)
 _REMARK = re.compile(r"\s*(?:\([^()]*\)|\b(?:at|over|from)\s.*)$")
@@ -77,7 +78,7 @@ def _value_of(row: str) -> tuple[str, Parsed | None, str]:
     reason = ""
     for number in re.finditer(r"[-+±<≤~]?\s*\d[\d.,]*(?:e[-+]?\d+)?", row):
         name, text = row[: number.start()], row[number.start() :]
-        keys = next((inputs for words, inputs in _NAMES if words.search(name)), ())
+        keys = next((inputs for words, inputs in _NAMES if words.search(name) and not _OTHER_BIAS.search(row)), ())
         if keys and _BARE_NUMBER.search(name):  # the columns of least, typical and largest
             return "", None, "several numbers. Keep the one that holds"
         remark = _REMARK.search(text)

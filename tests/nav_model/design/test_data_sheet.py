@@ -56,6 +56,8 @@ def test_rows_are_filled_in_with_the_text_they_came_from(text, values):
         ("Bias instability 0.5 1.0 °/h", "several numbers"),
         ("Bias repeatability 5 °/h", "not known"),
         ("Bias stability over temperature ±10 °/h", "not known"),
+        ("Bias stability ±10 °/h over temperature", "not known"),
+        ("Bias stability 10 °/h turn-on to turn-on", "not known"),
         ("Scale factor error 100 ppm", "not known"),
         ("Range ±450 °/s", "not known"),
         ("Bias instability 0.5", "no unit"),
