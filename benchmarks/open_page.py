@@ -27,7 +27,7 @@ class Tab:
     errors: list[str] = field(default_factory=list)
     heard: Callable[[str], None] | None = None
     _sent: int = 0
-    _told: int = 0
+    _messages: int = 0
     _closing: bool = False
     _waiting: set[str] = field(default_factory=set)
     _answered: asyncio.Future[None] | None = None
@@ -154,8 +154,8 @@ class Tab:
 
     async def tell(self, key: str, **done: Any) -> None:
         """Say what a person does to the row of an input."""
-        self._told += 1
-        entries = [["key", key], ["number", self._told], *map(list, done.items())]
+        self._messages += 1
+        entries = [["key", key], ["number", self._messages], *map(list, done.items())]
         sheet = self.row(key)[0]
         await self.event("data_event", model={"id": sheet}, data={"type": "map", "entries": entries})
 

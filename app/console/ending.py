@@ -52,28 +52,28 @@ def run_to_end(command: Callable[[], int]) -> int:
             sys.stdout.flush()
             return code
     except Stopped as stop:
-        return _told(_WORDS.get(signal.Signals(stop.number), "stopped"), 128 + stop.number)
+        return _report(_WORDS.get(signal.Signals(stop.number), "stopped"), 128 + stop.number)
     except InputError as error:
         return refuse(error)
     except BrokenPipeError:
         return DONE if taken and taken.bytes else SURROUNDINGS
     except OSError as fault:
         where = f"{quoted(fault.filename)}: " if fault.filename else ""
-        return _told(f"{where}{fault.strerror or fault}", SURROUNDINGS)
+        return _report(f"{where}{fault.strerror or fault}", SURROUNDINGS)
     except MemoryError:
-        return _told("this machine has too little free memory", SURROUNDINGS)
+        return _report("this machine has too little free memory", SURROUNDINGS)
     except BrokenExecutor:
-        return _told("something ended a worker process, perhaps a lack of memory", SURROUNDINGS)
+        return _report("something ended a worker process, perhaps a lack of memory", SURROUNDINGS)
     except Exception:  # noqa: BLE001  # the last resort, told in full
         traceback.print_exc()
-        return _told("this is a fault in NavBudget; the lines above show where", OWN_FAULT)
+        return _report("this is a fault in NavBudget; the lines above show where", OWN_FAULT)
     finally:
         _let_go()
 
 
 def refuse(error: InputError) -> int:
     """Print bad input in one line; returns the exit code."""
-    return _told(str(error), BAD_INPUT)
+    return _report(str(error), BAD_INPUT)
 
 
 def one_line(text: str) -> str:
@@ -85,7 +85,7 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
-def _told(text: str, code: int) -> int:
+def _report(text: str, code: int) -> int:
     if text:
         with suppress(OSError, ValueError):
             print(f"navbudget: {one_line(text)}", file=sys.stderr, flush=True)

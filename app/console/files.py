@@ -31,12 +31,12 @@ def whole_file(target: Path) -> Iterator[BinaryIO]:
     if target.is_dir():
         raise InputError("-o", f"{str(target)!r} is a folder; name a file in it")
     if target.exists() and not target.is_file():
-        with _told_of(target), target.open("wb") as device:
+        with _converted(target), target.open("wb") as device:
             yield device
         return
     target = target.resolve()
     draft = target.parent / f".{target.name[:100]}.{secrets.token_hex(6)}.part"
-    with _told_of(target):
+    with _converted(target):
         try:
             with draft.open("xb") as file:
                 yield file
@@ -71,7 +71,7 @@ def spare_what_is_read(options: argparse.Namespace) -> None:
 
 
 @contextmanager
-def _told_of(target: Path) -> Iterator[None]:
+def _converted(target: Path) -> Iterator[None]:
     """Convert faults of writing to the errors of `whole_file`."""
     try:
         yield

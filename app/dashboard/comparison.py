@@ -8,7 +8,7 @@ import panel as pn
 import param
 
 from app.document.wording import shortened
-from app.report.inputs import shown_value
+from app.report.inputs import input_text
 from app.session import Compared, Session
 from app.ui.theme import BASE, PRINT_NOTHING
 from app.upstream.plain_script import PlainScript
@@ -97,4 +97,4 @@ def _before(old: Design, new: Design) -> str:
     if len(changed) != 1:
         return "the previous version"
     ((section, name),) = changed
-    return shortened(f"{INPUTS[section][name].label} {shown_value(old, section, name) or 'not given'}", 100)
+    return shortened(f"{INPUTS[section][name].label} {input_text(old, section, name) or 'not given'}", 100)

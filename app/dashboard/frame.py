@@ -26,7 +26,7 @@ from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_NOTHING, PRINT_PAGE
 from app.ui.tour import Tour
 from app.ui.turns import debounce, defer
 from app.upstream.browser import Repairs
-from app.upstream.neighbours import follow_own_work
+from app.upstream.neighbours import follow_session_work
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.design.link import from_query
@@ -71,8 +71,8 @@ class Frame(pn.viewable.Viewer):
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
         )
-        self._told = html_pane("", margin=(4, 14, 0, 14))
-        self._told.visible = False
+        self._note = html_pane("", margin=(4, 14, 0, 14))
+        self._note.visible = False
         self._lifeline = Lifeline(
             self._come_back, link=session.link, who=str(pn.state.user or ""), margin=0, width=0, height=0
         )
@@ -83,7 +83,7 @@ class Frame(pn.viewable.Viewer):
         self._open_page(first)
         self._tour = Tour(offers=first == 0, margin=0, sizing_mode="stretch_width")
         self._shell = self._make_shell()
-        self._toolbar.bar.param.watch(self._turned, "active")
+        self._toolbar.bar.param.watch(self._turn, "active")
         if pn.state.curdoc:
             fit_to_paper(pn.state.curdoc)
             report_to(self._say)
@@ -161,11 +161,11 @@ class Frame(pn.viewable.Viewer):
         design, address = self.session.design, TABS[self._toolbar.bar.active].address
         display = display_of(self.session.display).of(design)
         page = AS_REQUIRED.of(design) if address == "image" else ONE_SIGMA
-        self._told.visible = display != page and address in _OF_ITS_OWN
-        if self._told.visible:
-            self._told.object = f'<p class="quiet">{_SAID_OTHERWISE.format(page.spread, display.in_words)}</p>'
+        self._note.visible = display != page and address in _OF_ITS_OWN
+        if self._note.visible:
+            self._note.object = f'<p class="quiet">{_SAID_OTHERWISE.format(page.spread, display.in_words)}</p>'
 
-    def _turned(self, event: Any) -> None:
+    def _turn(self, event: Any) -> None:
         """Show the page's empty place at once and fill it in the next turn of the event loop."""
         if leave := getattr(self._pages.get(event.old), "leave", None):
             leave()
@@ -251,7 +251,7 @@ class Frame(pn.viewable.Viewer):
                 pn.Column(
                     self._notice,
                     self._examples,
-                    self._told,
+                    self._note,
                     *self._places,
                     self._tour,
                     Repairs(margin=0, width=0, height=0),
@@ -267,7 +267,7 @@ class Frame(pn.viewable.Viewer):
             theme_config={"light": LIGHT, "dark": DARK},
             stylesheets=[PRINT_PAGE, _SHEET],
         )
-        follow_own_work(page, self.session.param.running)
+        follow_session_work(page, self.session.param.running)
         self._lifeline.dark = dark
         page.param.watch(lambda event: setattr(self._lifeline, "dark", event.new), "dark_theme")
         return page

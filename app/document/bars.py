@@ -71,11 +71,11 @@ class _BarScale:
         self._limit = getattr(chart, f"{kind}_limit")
         lengths = [self._length(bar) for part in (chart, was) if part for bar in part.bars] + [self._limit]
         self._most = _round_up(max((length for length in lengths if math.isfinite(length)), default=0.0))
-        texts = [self._told(bar) for bar in chart.bars if math.isfinite(self._length(bar))]
+        texts = [self._label(bar) for bar in chart.bars if math.isfinite(self._length(bar))]
         room = max([40 + 4 * len(self._unit), *(_width(text) for text in texts)])
         self._room = f'style="padding-right:{room:.0f}px"'  # for the number after the longest bar
 
-    def _told(self, bar: Bar) -> str:
+    def _label(self, bar: Bar) -> str:
         return f"{number(self._length(bar))}{self._unit}"
 
     def _share(self, length: float) -> str:
@@ -85,7 +85,7 @@ class _BarScale:
         length = self._length(bar)
         if not math.isfinite(length):
             return "<td></td>"
-        tip = f"{self._told(bar)} = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
+        tip = f"{self._label(bar)} = {number(self._metres(bar))} mm along the line of sight; {bar.source}"
         over = ' class="over"' if bar.limited and length > self._limit else ""
         outline = f'<b style="width:{self._share(self._length(was))}"></b>' if was else ""
         limit = ""
@@ -103,7 +103,7 @@ class _BarScale:
         return (
             f'<td {self._room} title="{escape(tip)}"><div{over}>'
             f'<i style="width:{self._share(length)}">{self._parts(bar, length)}</i>'
-            f'{outline}{limit}<span class="num" style="left:{self._share(reach)}">{self._told(bar)}</span>'
+            f'{outline}{limit}<span class="num" style="left:{self._share(reach)}">{self._label(bar)}</span>'
             "</div></td>"
         )
 

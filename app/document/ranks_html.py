@@ -29,12 +29,12 @@ def ranks_html(chart: DotChart, best: str = "") -> str:
     )
 
 
-def _shown(dot: Dot) -> float:
+def _value(dot: Dot) -> float:
     return dot.closed if math.isnan(dot.ensemble) else dot.ensemble
 
 
 def _figures(dot: Dot, chart: DotChart) -> str:
-    angle = _shown(dot)
+    angle = _value(dot)
     if math.isnan(angle):
         return f'<td class="quiet" colspan="{1 + chart.has_wholes}">{_COMING}</td>'
     values = [angle, *([dot.whole] if chart.has_wholes else [])]
@@ -45,8 +45,8 @@ def _tip(dot: Dot, chart: DotChart) -> str:
     parts = [] if math.isnan(dot.closed) else [f"formula {number(dot.closed)}°"]
     if not math.isnan(dot.ensemble):
         parts.append(f"runs {number(dot.ensemble)}° rms, 5 to 95 %: {number(dot.low)}° to {number(dot.high)}°")
-    if math.isfinite(_shown(dot)):
-        parts.append(f"{number(chart.millimetres * _shown(dot))} mm along the line of sight")
+    if math.isfinite(_value(dot)):
+        parts.append(f"{number(chart.millimetres * _value(dot))} mm along the line of sight")
     return "; ".join((*parts, dot.source))
 
 

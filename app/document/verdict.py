@@ -47,7 +47,7 @@ def check_words(design: Design, check: Check) -> CheckWords:
     return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
 
 
-def shown_check(design: Design, check: Check, display: Display) -> tuple[str, str, str]:
+def displayed_check(design: Design, check: Check, display: Display) -> tuple[str, str, str]:
     """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it; and
     that spread, as in " at 95 %", empty for what has none. As required, both are those that are compared."""
     pair = "horizontal" in check.on
@@ -138,7 +138,7 @@ def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
-    value, limit, at = shown_check(budget.design, tightest, display.of(budget.design))
+    value, limit, at = displayed_check(budget.design, tightest, display.of(budget.design))
     share = percent(tightest.sensor_share)
     return Answer(
         *_word_and_tone(budget.verdict),

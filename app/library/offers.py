@@ -29,7 +29,7 @@ def keep_offers(library: Library, name: str, content: str) -> None:
         insert(connection, "offers", {"name": name, "kept": now(), "text": content})
 
 
-def kept_files(library: Library) -> list[tuple[str, str]]:
+def library_files(library: Library) -> list[tuple[str, str]]:
     """Name and content of each file, the one that was kept last at the end."""
     with library.read() as connection:
         rows = connection.execute(text("SELECT name, text FROM offers ORDER BY kept, name")).all()

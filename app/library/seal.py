@@ -81,7 +81,7 @@ def _key(*, make: bool) -> Ed25519PrivateKey | None:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
-    path = _path or _own()
+    path = _path or _key_path()
     try:
         if make and _path is None and not path.exists():
             _make(path)
@@ -113,7 +113,7 @@ def _make(path: Path) -> None:
     draft.unlink()
 
 
-def _own() -> Path:
+def _key_path() -> Path:
     from platformdirs import user_data_path
 
     return user_data_path("navbudget", appauthor=False) / "review.key"

@@ -24,7 +24,7 @@ from app.document.display import AS_REQUIRED, ONE_SIGMA, Display
 from app.document.numbers import NONE, percent, show_in
 from app.document.verdict import check_words, verdict_of
 from app.document.wording import labelled, printable, title_of
-from app.report.inputs import shown_value, sourced_value
+from app.report.inputs import input_text, sourced_value
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.figures import figures
@@ -157,10 +157,10 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
         if len({design[f"{section}.{name}"] for design in designs}) > 1
     ]
 
-    differing = own_differences(designs)
+    differing = entry_differences(designs)
 
     def cell(design: int, section: str, name: str) -> CellLike:
-        text = shown_value(designs[design], section, name) or "not given"
+        text = input_text(designs[design], section, name) or "not given"
         sourced = sourced_value(designs[design], section, name)
         return text if sourced is None or sourced.confirmed else Cell(text, sourced.status, "warn")
 
@@ -182,15 +182,15 @@ def _inputs(budgets: Sequence[Budget], labels: Sequence[str], wide: int = _COLUM
     return _in_parts(len(budgets), labels, inputs, wide)
 
 
-def own_differences(designs: Sequence[Design]) -> dict[str, list[str]]:
+def entry_differences(designs: Sequence[Design]) -> dict[str, list[str]]:
     """Contributors, requirements of the user's own and allocation that differ: what each is in every design."""
-    by_design = [_own_words(design) for design in designs]
+    by_design = [_entry_texts(design) for design in designs]
     names = dict.fromkeys(name for words in by_design for name in words)
     texts_of = {name: [words.get(name, "not given") for words in by_design] for name in names}
     return {name: texts for name, texts in texts_of.items() if len(set(texts)) > 1}
 
 
-def _own_words(design: Design) -> dict[str, str]:
+def _entry_texts(design: Design) -> dict[str, str]:
     """Each contributor, limit and the allocation of a design in words."""
     texts_of = {}
     for part in design.contributors:

@@ -66,7 +66,7 @@ def sourced_value(design: Design, section: str, name: str) -> SourcedValue | Non
     return None if name in deviations(design, section) else sheet_of(design, section).get(name)
 
 
-def shown_value(design: Design, section: str, name: str) -> str:
+def input_text(design: Design, section: str, name: str) -> str:
     """An input's value, exact, in the unit it was written in; empty when it is not given."""
     key = f"{section}.{name}"
     declaration, value = INPUTS[section][name], design[key]
@@ -103,7 +103,7 @@ def _row(design: Design, section: str, name: str, aperture_time: float) -> Row:
     declaration = INPUTS[section][name]
     key = f"{section}.{name}"
     label = str(declaration.label)
-    text = shown_value(design, section, name)
+    text = input_text(design, section, name)
     if not text:
         return label, Cell("not given", tone="quiet"), Cell(_absent(key, aperture_time), tone="quiet")
     if key in design.origins:

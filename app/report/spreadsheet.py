@@ -17,8 +17,8 @@ from xlsxwriter.utility import xl_rowcol_to_cell
 
 from app.document.verdict import SAID
 from app.document.wording import printable, title_of
-from app.report.inputs import shown_value
-from app.report.workings import RULE, Traces, contributor_key, own_key, symbol_of
+from app.report.inputs import input_text
+from app.report.workings import RULE, Traces, contributor_key, limit_key, symbol_of
 from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
@@ -153,11 +153,11 @@ class _Sheets:
                         self._compared(sheet, row)
                     row += 1
                 elif getattr(self.design, section).given():
-                    fixed.append((str(declared.label), shown_value(self.design, section, name)))
+                    fixed.append((str(declared.label), input_text(self.design, section, name)))
         for number, limit in enumerate(self.design.limits, 1):
             unit = _Unit.of(limit.unit, limit.dimension)
             doc = f"Your requirement on {figure_in_sentence(limit.on)}"
-            self._entry(sheet, row, own_key(number), limit.name, limit.value, unit, doc)
+            self._entry(sheet, row, limit_key(number), limit.name, limit.value, unit, doc)
             row += 1
         model = row
         for number, entry in enumerate(self.design.contributors, 1):
@@ -340,7 +340,7 @@ class _Sheets:
             on, symbol, follows = name, name, True
         else:
             number, limit_of = next((n, item) for n, item in enumerate(self.design.limits, 1) if item.name == name)
-            unit, limit, given = _Unit.of(limit_of.unit, limit_of.dimension), own_key(number), limit_of.value
+            unit, limit, given = _Unit.of(limit_of.unit, limit_of.dimension), limit_key(number), limit_of.value
             on, symbol, follows = limit_of.on, limit, limit_of.confidence is None
         cells = [f"real_time_{symbol}", f"real_time_{on}"]  # a figure that has a cell already needs no other
         if processing == POST_PROCESSED:

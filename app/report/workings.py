@@ -245,9 +245,9 @@ class Traces:
                 of = self.model.value(limit.on, cast("Any", self._constant(limit.at)))
             elif limit.on in FIGURES:
                 of = (self.plain if limit.on in RESPONSE else self.model).value(limit.on)
-            self._figure(limit.on, of, taken=limit.on in RESPONSE, key=own_key(number), limit=limit.name)
+            self._figure(limit.on, of, taken=limit.on in RESPONSE, key=limit_key(number), limit=limit.name)
             if limit.on in RESPONSE:
-                self.responses |= {f"{prefix}_{own_key(number)}" for prefix in ("real_time", "post_processed")}
+                self.responses |= {f"{prefix}_{limit_key(number)}" for prefix in ("real_time", "post_processed")}
 
     def _image(self) -> None:
         x, model = self.x, self.model
@@ -291,7 +291,7 @@ class Traces:
         """Figures that a smoother changes: no formula has them, but what enters them beside the model follows."""
         self.workings.head("Post-processed: NavBudget's values, with the contributors")
         smoothed = Smoothed(self.plain.x)
-        limits = {limit.name: (own_key(number), limit.on) for number, limit in enumerate(self.design.limits, 1)}
+        limits = {limit.name: (limit_key(number), limit.on) for number, limit in enumerate(self.design.limits, 1)}
         for name in (*REQUIRED, *limits):
             key, on = limits.get(name, (name, name))
             figure = FIGURES.get(on)
@@ -359,7 +359,7 @@ def contributor_key(number: int) -> str:
     return f"contributor_{number}"
 
 
-def own_key(number: int) -> str:
+def limit_key(number: int) -> str:
     """What the cells of a limit of the user's own are called after."""
     return f"own_limit_{number}"
 

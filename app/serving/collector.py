@@ -27,12 +27,12 @@ class Collector:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._heard = self._collected = clock()
+        self._last_activity = self._collected = clock()
         self._closed = 0
 
     def heard(self) -> None:
         """Note activity: a page sent a message, or was requested."""
-        self._heard = self._clock()
+        self._last_activity = self._clock()
 
     def page_closed(self) -> None:
         """A session ended; its objects refer to each other in circles."""
@@ -41,11 +41,11 @@ class Collector:
     def due(self) -> bool:
         """Whether a full collection is due."""
         now = self._clock()
-        idle = self._heard > self._collected or self._closed
+        idle = self._last_activity > self._collected or self._closed
         return bool(
-            (idle and now - self._heard >= _QUIET)
+            (idle and now - self._last_activity >= _QUIET)
             or self._closed >= _MOST_CLOSED
-            or (self._heard > self._collected and now - self._collected >= _LONGEST)
+            or (self._last_activity > self._collected and now - self._collected >= _LONGEST)
         )
 
     def collect(self) -> None:

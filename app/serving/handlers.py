@@ -243,7 +243,7 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
         if self.hung_up():
             return
         await super()._async_open(token)
-        if not self._given_up():
+        if not self._is_gone():
             _addresses[self.connection.session] = str(self.request.remote_ip)
         if self.hung_up():  # while it was made
             self.on_close()
@@ -266,7 +266,7 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
 
     async def _handle(self, message: Any) -> Any:
         _here.heard()
-        if self.hung_up() or self._given_up():
+        if self.hung_up() or self._is_gone():
             return None
         reason = _allowances.setdefault(self.connection.session, Allowance(_here.most_bytes)).against(message)
         if reason:
@@ -282,7 +282,7 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
 
     def shows(self, document: Any) -> bool:
         """Whether this is the connection of a document's page."""
-        return not self.hung_up() and not self._given_up() and self.connection.session.document is document
+        return not self.hung_up() and not self._is_gone() and self.connection.session.document is document
 
     def count_fault(self) -> None:
         """Count a fault of this page; one that goes on causing them is closed."""

@@ -33,16 +33,16 @@ class AnswerStrip(View):
 
     def __init__(self, answer: Answer, *controls: Any) -> None:
         super().__init__()
-        self._text = html_pane(_said(answer, ""), margin=0)
+        self._text = html_pane(_strip_html(answer, ""), margin=0)
         self._view = pn.Row(self._text, *controls, css_classes=[answer.tone], stylesheets=[_SHEET])
 
     def show(self, answer: Answer, note: str = "") -> None:
         """Show another answer. A ``note`` says why it is one of other inputs: the strip is grey then."""
-        self._text.say(_said(answer, note))
+        self._text.say(_strip_html(answer, note))
         self._view.css_classes = ["open" if note else answer.tone]
 
 
-def _said(answer: Answer, note: str) -> str:
+def _strip_html(answer: Answer, note: str) -> str:
     if note:
         answer = replace(answer, sentences=(f"⚠ {note}", *answer.sentences))
     return html_of(answer).replace('class="', 'class="bare ', 1)

@@ -49,7 +49,7 @@ class StudyPage(View, Generic[_T]):
         self._session = session
         self._by_itself = False  # whether the page, not a person, has started the last run
         self._earlier: _T | None = None  # the result when the last run began
-        self._seen: _T | None = None
+        self._drawn: _T | None = None
         self._asked: tuple[str, ...] = ()  # what the run under way follows from
         self._strip = AnswerStrip(self.waiting)
         self._of_result: Follower[_T] = Follower(lambda: self._result, f"<p class='quiet fine'>{self.coming}</p>")
@@ -139,8 +139,8 @@ class StudyPage(View, Generic[_T]):
     def _follow_run(self) -> None:
         with pn.io.hold():
             result = self._result
-            if result is not None and result is not self._seen:
-                self._seen = result
+            if result is not None and result is not self._drawn:
+                self._drawn = result
                 self._receive(result)
             self._write()
 

@@ -175,7 +175,7 @@ class LostConnection(WSHandler):
         if self.connection is None or self.connection._session is not None:
             super().on_close()
 
-    def _given_up(self) -> bool:
+    def _is_gone(self) -> bool:
         """Whether there is no session for a message that came all the same."""
         return self.connection is None or self.connection._session is None
 

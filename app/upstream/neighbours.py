@@ -15,7 +15,7 @@ import param
 from panel.util import edit_readonly
 
 
-def follow_own_work(page: pmui.Page, running: param.Boolean[bool]) -> None:
+def follow_session_work(page: pmui.Page, running: param.Boolean[bool]) -> None:
     """Bind the busy line of a page to a flag of its session: a parameter, as in ``session.param.running``."""
     with edit_readonly(page):
         page.busy = running

@@ -83,14 +83,14 @@ def _init(model: HasProps, **properties: Any) -> None:
     for name, value in properties.items():
         if value is not Undefined and value is not Intrinsic:
             setattr(model, name, value)
-    for descriptor in _kept_defaults(model.__class__):
+    for descriptor in _persistent_defaults(model.__class__):
         if descriptor.name not in properties:
             descriptor._get(model)  # which keeps it
     model._initialized = True
 
 
 @cache
-def _kept_defaults(kind: type[HasProps]) -> tuple[PropertyDescriptor[Any], ...]:
+def _persistent_defaults(kind: type[HasProps]) -> tuple[PropertyDescriptor[Any], ...]:
     """The properties whose default a model has by itself and from the start: models, and containers that hold some.
 
     An empty container is made when it is looked at: for most, never.

@@ -4,20 +4,20 @@ from collections import OrderedDict
 from typing import Any
 
 _MOST = 16
-_kept: OrderedDict[tuple[str, ...], Any] = OrderedDict()
+_results: OrderedDict[tuple[str, ...], Any] = OrderedDict()
 
 
 def keep(result: Any, kind: str, *asked: str, most: int = _MOST) -> None:
     """Keep a result, with the last few of its kind: ``asked`` is its key, all that it depends on, such as design and
     settings. ``most``: how many to keep, fewer of large ones."""
-    _kept.pop((kind, *asked), None)
-    _kept[kind, *asked] = result
-    for key in [key for key in _kept if key[0] == kind][:-most]:
-        del _kept[key]
+    _results.pop((kind, *asked), None)
+    _results[kind, *asked] = result
+    for key in [key for key in _results if key[0] == kind][:-most]:
+        del _results[key]
 
 
 def cached(kind: str, *asked: str) -> Any:
     """The result with the same key; None if there is none."""
-    if (kind, *asked) in _kept:
-        _kept.move_to_end((kind, *asked))
-    return _kept.get((kind, *asked))
+    if (kind, *asked) in _results:
+        _results.move_to_end((kind, *asked))
+    return _results.get((kind, *asked))

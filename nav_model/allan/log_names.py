@@ -123,14 +123,14 @@ def _meaning(text: str) -> Meaning | None:
             return Meaning(rates[0], "xyzpqr".index(axis[1]) % 3, unit) if rates else None
         if meaning is None:
             continue
-        if (sure and meaning.role in SENSORS) or (unit and _known(meaning.role, unit)):
+        if (sure and meaning.role in SENSORS) or (unit and _is_unit(meaning.role, unit)):
             return meaning._replace(unit=unit, convention="")
         if not unit or (sure and meaning.role == "time" and len(name) > 1):  # "Time (UTC)", but not "T (°)"
             return meaning
     return None
 
 
-def _known(role: str, unit: str) -> bool:
+def _is_unit(role: str, unit: str) -> bool:
     if role == "temperature":
         return unit.lower().strip(" °") in ("c", "degc", "deg c", "celsius")
     return unit.lower() in COUNTS or any(size_of_unit(unit, dimension) for dimension, _ in _DIMENSIONS[role])

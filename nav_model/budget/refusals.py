@@ -20,9 +20,9 @@ def refused(design: Design) -> Iterator[None]:
         yield
     except ArithmeticError as error:
         key, *others = filter(design.uses, _TOGETHER)
-        beside = ", ".join(f"{other} {_shown(design, other)}" for other in others)
+        beside = ", ".join(f"{other} {_text(design, other)}" for other in others)
         reason = (
-            f"{_shown(design, key)} is too far from {beside} for double precision ({error}). "
+            f"{_text(design, key)} is too far from {beside} for double precision ({error}). "
             "Bring these values closer together."
         )
         raise InputError(key, reason, design[key]) from error
@@ -34,7 +34,7 @@ _TOGETHER = (
 )  # fmt: skip
 
 
-def _shown(design: Design, key: str) -> str:
+def _text(design: Design, key: str) -> str:
     return quantity(key).show(cast("float", design[key]), 3)
 
 

@@ -52,7 +52,7 @@ class Stepped:
     """
 
     def __init__(self, x: Inputs) -> None:
-        self._seen, self._beside, self.x = _stepped(x)
+        self._weighed, self._beside, self.x = _stepped(x)
         self._fast = tuple(x.fast)
 
     def sized(self, name: str, values: Array) -> tuple[float, Shares]:
@@ -69,16 +69,16 @@ class Stepped:
         FloatingPointError
             If its digits are lost to rounding.
         """
-        table = np.broadcast_to(values, (len(self._beside) + 1, len(self._seen) + bool(self._beside)))
+        table = np.broadcast_to(values, (len(self._beside) + 1, len(self._weighed) + bool(self._beside)))
         size = float(table.real[-1, -1])
-        slopes = np.append(table.imag[-1, : len(self._seen)], table.imag[:-1, -1])
+        slopes = np.append(table.imag[-1, : len(self._weighed)], table.imag[:-1, -1])
         parts = slopes / ((size or 1.0) * _STEP)
         if size and name not in LEVELS and not abs(parts.sum() - 1) < _LOST:
             raise FloatingPointError(f"the shares of {name} add up to {parts.sum():.3g} instead of one")
         parts = np.maximum(parts, 0)
         # A figure of zero, or values so far apart that rounding hides every slope: the shares are unknown.
         known = parts if np.any(parts > 0) else np.ones_like(parts)
-        shares = dict(zip((*self._seen, *self._beside), known.tolist(), strict=True))
+        shares = dict(zip((*self._weighed, *self._beside), known.tolist(), strict=True))
         return size, _normalised({source: shares[source] for source in self._fast} if name in LEVELS else shares)
 
 

@@ -54,7 +54,7 @@ class Rows(Table):
             least, most = _LEAST if self.curve else 0.0, _MOST[dimension]
             if not least <= amount <= most:
                 sayable = math.isfinite(amount) and (amount > 0 or not DIMENSIONS[dimension].decibels)
-                text = _said(amount, dimension) if sayable else f"{amount:g} (SI)"
+                text = _amount_text(amount, dimension) if sayable else f"{amount:g} (SI)"
                 above = "more than zero and " if self.curve else "zero or more and "
                 above = "" if DIMENSIONS[dimension].decibels else above
                 bound = f"It must be {above}at most {format_bound(most, _unit(dimension), dimension, low=False)}."
@@ -92,14 +92,14 @@ class Rows(Table):
 
     def write(self, value: tuple[Row, ...]) -> list[list[str]] | list[dict[str, str]]:
         pairs = [
-            [format_quantity(frequency, "Hz", "frequency"), _said(amount, dimension, None)]
+            [format_quantity(frequency, "Hz", "frequency"), _amount_text(amount, dimension, None)]
             for frequency, amount, dimension in value
         ]
         return pairs if self.curve else [{"frequency": at, "amplitude": amount} for at, amount in pairs]
 
     def show(self, value: tuple[Row, ...], digits: int | None = None) -> str:
         return "; ".join(
-            f"{format_quantity(frequency, 'Hz', 'frequency', digits)} {_said(amount, dimension, digits)}"
+            f"{format_quantity(frequency, 'Hz', 'frequency', digits)} {_amount_text(amount, dimension, digits)}"
             for frequency, amount, dimension in value
         )
 
@@ -108,7 +108,7 @@ class Rows(Table):
         return ";".join(self.show((row,)).replace("Hz ", "Hz:", 1) for row in value)
 
 
-def _said(amount: float, dimension: str, digits: int | None = 6) -> str:
+def _amount_text(amount: float, dimension: str, digits: int | None = 6) -> str:
     return format_quantity(amount, _unit(dimension), dimension, digits)
 
 

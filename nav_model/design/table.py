@@ -149,11 +149,11 @@ class Table(Declared, param.Parameter[Any]):
 
     def show(self, value: Any, digits: int | None = None) -> str:
         """A value as text that `read` takes back; without `digits` to exactly the same value."""
-        return "; ".join(map(", ".join, self._told(self.cells(value, digits, bare=False))))
+        return "; ".join(map(", ".join, self._written(self.cells(value, digits, bare=False))))
 
     def link(self, value: Any) -> str:
         """The same, shorter: numbers in their usual units, without them."""
-        return ";".join(map(",".join, self._told(self.cells(value))))
+        return ";".join(map(",".join, self._written(self.cells(value))))
 
     def cells(self, value: Any, digits: int | None = None, *, bare: bool = True) -> list[list[str]]:
         """Rows of texts, one for each column; `bare`: numbers in their usual units, without them."""
@@ -166,7 +166,7 @@ class Table(Declared, param.Parameter[Any]):
 
         return [[cell_text(*pair) for pair in zip(self.columns.values(), row, strict=True)] for row in value]
 
-    def _told(self, rows: list[list[str]]) -> Iterator[list[str]]:
+    def _written(self, rows: list[list[str]]) -> Iterator[list[str]]:
         """Rows as text has them: what may be left out with its name, and no empty cells at the end."""
         for row in rows:
             named = list(zip(self.columns.items(), row, strict=True))

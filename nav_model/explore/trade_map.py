@@ -166,13 +166,13 @@ def _points(design: Design, x_key: str, y_key: str, result: str, limit: float) -
     if not known:
         return ()
     keys = {f"imu.{name}" for entry in known for name in entry.values} & set(VARIABLES)
-    columns = {key: np.array([_own(entry, key, design) for entry in known]) for key in keys}
+    columns = {key: np.array([_entry_value(entry, key, design) for entry in known]) for key in keys}
     values = np.broadcast_to(_value(design, columns, result), len(known))
     return tuple(
         MapPoint(
             entry.name,
-            _own(entry, x_key, design),
-            _own(entry, y_key, design),
+            _entry_value(entry, x_key, design),
+            _entry_value(entry, y_key, design),
             float(value),
             None if np.isnan(limit) else bool(value <= limit),
         )
@@ -180,7 +180,7 @@ def _points(design: Design, x_key: str, y_key: str, result: str, limit: float) -
     )
 
 
-def _own(entry: Entry, key: str, design: Design) -> float:
+def _entry_value(entry: Entry, key: str, design: Design) -> float:
     item = entry.values.get(key.removeprefix("imu.")) if key.startswith("imu.") else None
     return item.value if item else _here(design, key)
 

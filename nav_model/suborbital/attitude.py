@@ -26,11 +26,11 @@ Estimate = tuple[Array, Array]
 def information(body: Array, weight: Array) -> Array:
     """sum (I - b b^T), (..., 3, 3): inverse covariance of least squares in units of 1/sigma²."""
     count = np.sum(weight > 0.0, axis=-1)[..., None, None]
-    seen = _seen(body, weight)
+    seen = _of_stars(body, weight)
     return np.asarray(count * np.eye(3) - np.swapaxes(seen, -1, -2) @ seen)
 
 
-def _seen(directions: Array, weight: Array) -> Array:
+def _of_stars(directions: Array, weight: Array) -> Array:
     """Directions of the stars there are, zeros for the others."""
     return np.where(weight[..., None] > 0.0, directions, 0.0)
 
@@ -70,9 +70,9 @@ def triad(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
 
 def n_vector(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
     """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation."""
-    seen = _seen(b, w)
+    seen = _of_stars(b, w)
     inverse = np.linalg.inv(np.swapaxes(seen, -1, -2) @ seen)
-    raw = np.swapaxes(_seen(r, w), -1, -2) @ seen @ inverse
+    raw = np.swapaxes(_of_stars(r, w), -1, -2) @ seen @ inverse
     lever = seen @ inverse
     cross = skew(lever)
     tangent = np.eye(3) - b[..., :, None] * b[..., None, :]
@@ -117,7 +117,7 @@ def solvable(method: str, body: Array, weight: Array) -> np.ndarray:
     enough = np.sum(w > 0.0, axis=-1) >= (3 if method == "N-vector" else 2)
     if method != "N-vector":
         return np.asarray(apart & enough)
-    seen = _seen(b, w)
+    seen = _of_stars(b, w)
     spanned = np.linalg.eigvalsh(np.swapaxes(seen, -1, -2) @ seen)[..., 0] >= COLLINEAR
     return np.asarray(apart & enough & spanned)
 

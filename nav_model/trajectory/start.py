@@ -63,10 +63,10 @@ def settled_start(study: SimulationSpec, states: States, start: TruthStates) -> 
         before = now
     p = 0.5 * (p + p.T)
     p[_YAW, _YAW] = states.believed[_YAW, _YAW]
-    return _begun_with(states, p)
+    return _started_with(states, p)
 
 
-def _begun_with(states: States, covariance: FloatArray) -> States:
+def _started_with(states: States, covariance: FloatArray) -> States:
     """The same states, of which the filter begins with a covariance (m, m), and so do the errors that it knows.
 
     Each column of its Cholesky factor, biases before attitude, velocity and position, goes to its state's source.
@@ -78,12 +78,12 @@ def _begun_with(states: States, covariance: FloatArray) -> States:
     correlation = covariance[np.ix_(order, order)] / np.outer(scale, scale)
     factor = np.zeros((m, m))
     factor[order] = scale[:, None] * np.linalg.cholesky(correlation + 1e-12 * np.eye(m))
-    known_as, columns, owners = _known_as(states), [], []
+    filter_states, columns, owners = _filter_states(states), [], []
     parts: dict[int, list[tuple[int, int, float]]] = {}
     for column, owner in zip(states.initial.T, states.owner.tolist(), strict=True):
         state = int(np.flatnonzero(column)[-1])  # that of the error itself, after what it does to the filter's
-        if state < BIASES or state in known_as:
-            parts.setdefault(known_as.get(state, state), []).append((owner, state, float(column[state])))
+        if state < BIASES or state in filter_states:
+            parts.setdefault(filter_states.get(state, state), []).append((owner, state, float(column[state])))
         else:  # what the filter does not know is as large as before, and nothing has come of it yet
             columns.append(column)
             owners.append(owner)
@@ -99,7 +99,7 @@ def _begun_with(states: States, covariance: FloatArray) -> States:
     return replace(states, initial=np.array(columns).T, owner=np.array(owners, dtype=np.int64), believed=covariance)
 
 
-def _known_as(states: States) -> Mapping[int, int]:
+def _filter_states(states: States) -> Mapping[int, int]:
     """State of an error that the filter knows -> the filter's state for it."""
     places = {SLOW_GNSS: states.inertial} if states.estimated > states.inertial else {}
     if states.inertial > BIASES:

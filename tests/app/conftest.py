@@ -37,7 +37,7 @@ def _data_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
 @pytest.fixture
 def nothing_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """No result that a server still has."""
-    monkeypatch.setattr(result_cache, "_kept", OrderedDict())
+    monkeypatch.setattr(result_cache, "_results", OrderedDict())
 
 
 @pytest.fixture(scope="session")

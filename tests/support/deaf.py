@@ -12,22 +12,22 @@ class Deaf:
     def __init__(self, page: Page) -> None:
         self.deaf = False
         self._page = page
-        self._kept: list[tuple[WebSocketRoute, str | bytes]] = []
+        self._messages: list[tuple[WebSocketRoute, str | bytes]] = []
         page.route_web_socket(re.compile("/ws"), self._join)
 
     def _join(self, socket: WebSocketRoute) -> None:
         server = socket.connect_to_server()
-        server.on_message(functools.partial(self._heard, socket))
+        server.on_message(functools.partial(self._receive, socket))
 
-    def _heard(self, socket: WebSocketRoute, message: str | bytes) -> None:
+    def _receive(self, socket: WebSocketRoute, message: str | bytes) -> None:
         if self.deaf:
-            self._kept.append((socket, message))
+            self._messages.append((socket, message))
         else:
             socket.send(message)
 
     def hear(self) -> None:
         """Hear what was said meanwhile, in order."""
         self.deaf = False
-        for socket, message in self._kept:
+        for socket, message in self._messages:
             socket.send(message)
-        self._kept.clear()
+        self._messages.clear()

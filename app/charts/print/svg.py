@@ -153,7 +153,7 @@ def _curves(axes: Any, chart: Chart) -> None:
             log_axis(axis)
 
 
-def _begun(label: str) -> str:
+def _beginning(label: str) -> str:
     """As much of a bar's label as leaves room for the bars."""
     first, *more = textwrap.wrap(label, _Y_LABEL_LENGTH)
     return f"{first} …" if more else first
@@ -178,7 +178,7 @@ def _bars(axes: Any, chart: BarChart) -> None:
         if not math.isnan(limit):
             text = f"limit on {label}, at {spread_of(chart.x_label)}"
             axes.axvline(limit, label=text, **pen(STYLES["limit"], dash))
-    axes.set_yticks(list(rows), [_begun(bar.label) for bar in bars])
+    axes.set_yticks(list(rows), [_beginning(bar.label) for bar in bars])
     axes.set_ylim(len(bars) - 0.5, -0.5)  # a last row without a second bar stays whole
     axes.set_xlim(left=0)
     axes.tick_params(axis="y", length=0)

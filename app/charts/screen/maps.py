@@ -96,11 +96,11 @@ def _points(chart: TradeMapChart, room: tuple[float, float, float]) -> dict[str,
         "unit": [point.name for point in chart.points],
         "marker": ["x" if point.met is False else "circle" for point in chart.points],
         **_labels(chart, *room),
-        "said": [_said(chart, point) for point in chart.points],
+        "said": [_margin_text(chart, point) for point in chart.points],
     }
 
 
-def _said(chart: TradeMapChart, point: MapPoint) -> str:
+def _margin_text(chart: TradeMapChart, point: MapPoint) -> str:
     """Text on whether a unit passes, and its margin."""
     if point.met is None:
         return "no limit is given"

@@ -74,7 +74,7 @@ class ContributorsView(View):
         self._boxes = [pmui.TextInput(max_length=50, **_BOX | {"width": 330}) for _ in range(2)]
         make = pmui.Button(label="Add", variant="outlined", margin=(10, 10))
         make.on_click(lambda _: self._make())
-        self._made_said = html_pane("")
+        self._added_note = html_pane("")
         self._made.param.watch(lambda _: self._ask(), "value")
         self._ask()
         ready = pn.FlexBox(self._made, *self._boxes, make, margin=(6, 0, 0, 0), stylesheets=[PRINT_NOTHING])
@@ -98,7 +98,7 @@ class ContributorsView(View):
         self._release.on_click(lambda _: self.session.change({}, entries=released(self.session.design)))
         sheets = pn.Column(self._frozen, self._release, stylesheets=[PRINT_NOTHING])
         self._view = pn.Column(
-            self._contributors, ready, self._made_said, html_pane(html_of(Text(CONTRIBUTORS_ENTER))), self._limits,
+            self._contributors, ready, self._added_note, html_pane(html_of(Text(CONTRIBUTORS_ENTER))), self._limits,
             choices, self._entries, self._outcome, sheets,
         )  # fmt: skip
 
@@ -150,7 +150,7 @@ class ContributorsView(View):
                 box.param.update(label=asked.label, helper_text=f"for example {asked.example}", value="")
             box.visible = asked is not None
         text = f"{made.formula}, enters {figure_in_sentence(made.enters)} [P-16]."
-        self._made_said.say(html_of(Text(text[:1].upper() + text[1:])))
+        self._added_note.say(html_of(Text(text[:1].upper() + text[1:])))
 
     def _make(self) -> None:
         """Add the ready-made contributor."""
@@ -162,7 +162,7 @@ class ContributorsView(View):
         except InputError as error:
             refused = error
         if refused:
-            self._made_said.say(f"<p role='alert'>{escape(str(refused))}</p>")
+            self._added_note.say(f"<p role='alert'>{escape(str(refused))}</p>")
         else:
             self._ask()
 

@@ -3,7 +3,7 @@
 from app.document.blocks import KeyFigure, KeyFigures
 from app.document.display import AS_REQUIRED, Display
 from app.document.numbers import show
-from app.document.verdict import check_words, shown_check
+from app.document.verdict import check_words, displayed_check
 from app.document.wording import MOMENTS
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
@@ -44,8 +44,8 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
         return KeyFigure(figure.label, value, detail, f"{spread}, no limit" if spread != "1σ" else "", amount=amount)
 
     def limited(check: Check, detail: str) -> KeyFigure:
-        value, *_ = shown_check(budget.design, check, display)
-        limit = _limit_said(budget, check, display)
+        value, *_ = displayed_check(budget.design, check, display)
+        limit = _limit_text(budget, check, display)
         return KeyFigure(check.label, value, detail, limit, check.met, check.sigma, 1 - check.margin)
 
     others = tuple(
@@ -99,10 +99,10 @@ def _width(budget: Budget, display: Display, units: dict[str, float | None]) -> 
     return KeyFigure(label, display.plain(width, "length", like=units.get(label)), detail, amount=width)
 
 
-def _limit_said(budget: Budget, check: Check, display: Display) -> str:
+def _limit_text(budget: Budget, check: Check, display: Display) -> str:
     """A limit, with its spread unless that is 1σ or chosen, which is told above the charts; after an outage, a
     smoothed budget's is of real time."""
-    _, limit, at = shown_check(budget.design, check, display)
+    _, limit, at = displayed_check(budget.design, check, display)
     if at != " at 1σ" and display.required:
         limit += at
     outage = check.on in FIGURES and FIGURES[check.on].kind == "outage"

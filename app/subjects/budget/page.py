@@ -110,7 +110,7 @@ class BudgetPage(View):
             ),
         )
         self._tell_soon = debounce(self._tell)
-        self._shown = session.display
+        self._drawn_display = session.display
         self._feed(budget)
         self._tell()
         # The answer is on the screen while the figures, most of the browser's work, are still drawn.
@@ -131,8 +131,8 @@ class BudgetPage(View):
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        if self.session.compared is not self._compared or self._shown != self.session.display:
-            self._shown = self.session.display
+        if self.session.compared is not self._compared or self._drawn_display != self.session.display:
+            self._drawn_display = self.session.display
             self._hold()
         self._strip.show(verdict_strip(budget, self._display), _invalid(self.session.invalid))
         self._offer_modes(both=False)
@@ -157,7 +157,7 @@ class BudgetPage(View):
     @param.depends("session.compared", watch=True)
     def _compare(self) -> None:
         """Show the comparison; skipped if the budget changes at the same time, which shows it anyway."""
-        if self.session.budget is self._shown_budget and self.session.compared is not self._compared:
+        if self.session.budget is self._displayed_budget and self.session.compared is not self._compared:
             with pn.io.hold():
                 self.show(self.session.budget)
 
@@ -170,7 +170,7 @@ class BudgetPage(View):
 
     def _feed(self, budget: Budget) -> None:
         """Update tiles and bars; unchanged text is not sent."""
-        self._shown_budget = budget
+        self._displayed_budget = budget
         figures, bars = self._was
         self._tiles.say(tiles_html(key_figures(budget, self._display, figures), figures))
         self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), bars))
@@ -209,10 +209,10 @@ class BudgetPage(View):
     async def _solve(self) -> None:
         """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
         budget = self.session.budget
-        found_ways = await run_in_pool(ways, budget.design)
+        closing_ways = await run_in_pool(ways, budget.design)
         if budget is self.session.budget:
-            self._ways, self._ways_of = found_ways, budget
-            self._table.html = html_of(ways_block(budget, found_ways))
+            self._ways, self._ways_of = closing_ways, budget
+            self._table.html = html_of(ways_block(budget, closing_ways))
 
     def _take(self, text: str) -> None:
         way = next((way for way in self._ways if way.text == text), None)

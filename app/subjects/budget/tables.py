@@ -103,13 +103,13 @@ def steady_table(budget: Budget, key: str, display: Display = ONE_SIGMA) -> Tabl
         return label if display == ONE_SIGMA else f"{label}, {spread}", *texts, f"{source}, {percent(share)}"
 
     cycle = ", ".join(dict.fromkeys(steady_marks(budget.design)))
-    moments_said = f"Average between fixes {cycle}", "Before a fix [T-8]", "After a fix [T-8]"
+    moments_text = f"Average between fixes {cycle}", "Before a fix [T-8]", "After a fix [T-8]"
     closed = sources["steady_state.position_sigma_m.horizontal"]
     prior = sources["steady_state.discrete.prior"]
     return table(
         f"{key}-steady-table",
         f"Errors in real time while fixes come in, {display.spread}",
-        (("Error", 1.5), *numbers(*moments_said), ("Largest share [T-18]", 1.2)),
+        (("Error", 1.5), *numbers(*moments_text), ("Largest share [T-18]", 1.2)),
         map(row, STEADY),
         f"Average between fixes: {closed.method}, {closed.note}. Before and after a fix: {prior.method}. "
         f"Gyro dominance κ = {number(steady.gyro_dominance)} [T-6]; λ Δt = {number(steady.lambda_dt)} [T-8].",

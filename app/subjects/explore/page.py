@@ -17,7 +17,7 @@ from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.search import SearchPanel
 from app.subjects.explore.solved import SolvedPanel
 from app.subjects.explore.sweep import SweepPanel
-from app.subjects.explore.tables import biases_said
+from app.subjects.explore.tables import biases_text
 from app.subjects.explore.uncertainty import UncertaintyPanel
 from app.ui.answer_strip import AnswerStrip
 from app.ui.first_screen import screen_of_views
@@ -49,7 +49,7 @@ class ExplorePage(View):
         self._settings = StudySettings(session, "explore", self, ("asked",), lambda: self.go_to(self.asked))
         self.views = NamedViews("Question", {name: partial(self._ask, name) for name in QUESTIONS})
         self.views.chosen = self.asked
-        self.views.param.watch(self._turned, "chosen")
+        self.views.param.watch(self._turn, "chosen")
         self.show(session.budget)
         self._view = screen_of_views(self._strip, self.views)
 
@@ -68,7 +68,7 @@ class ExplorePage(View):
         self.question.show(budget)
         self._tell()
 
-    def _turned(self, event: Any) -> None:
+    def _turn(self, event: Any) -> None:
         """Clear the answer to the last question while this one is computed, as a map takes seconds."""
         self.asked, location = event.new, pn.state.location
         if location and "-" in str(location.hash):  # the name of the last question, which would come back
@@ -80,7 +80,7 @@ class ExplorePage(View):
         answer, verdict = self.question.answer, self.session.budget.verdict
         basis: tuple[str, ...] = ()
         if verdict.checks and self.question.of_design:
-            assumed = biases_said(self.session.design, self.question.biases)
+            assumed = biases_text(self.session.design, self.question.biases)
             basis = (f"{assumed}, {SAID[verdict.processing]}.", *judged_elsewhere(verdict))
         self._strip.show(replace(answer, sentences=(*answer.sentences, *basis)))
 

@@ -13,7 +13,7 @@ import param
 from app.declared import chosen, required
 from app.document.blocks import Answer
 from app.document.pane import html_of
-from app.library.offers import keep_offers, kept_files, remove_offers
+from app.library.offers import keep_offers, library_files, remove_offers
 from app.library.place import library
 from app.session import Session
 from app.subjects.explore.console import candidate
@@ -68,9 +68,9 @@ class SearchPanel(Question):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
-        self._own: Offers = {kind: {} for kind in KINDS}
+        self._added: Offers = {kind: {} for kind in KINDS}
         self._opened_file = ("", "")
-        self._keep = pmui.Button(label="Save to library", variant="text", disabled=True, on_click=self._kept)
+        self._keep = pmui.Button(label="Save to library", variant="text", disabled=True, on_click=self._keep_file)
         self._of_library = pmui.Select(
             label="File in the library", visible=False, width=180, margin=(8, 8), size="small"
         )
@@ -82,7 +82,7 @@ class SearchPanel(Question):
         )
         self._ranking = Ranking()
         self._in_worker = False
-        self._said = html_pane("", margin=(0, 14))
+        self._message = html_pane("", margin=(0, 14))
         self._notes = html_pane("", margin=(0, 14))
         self._table = SortableTable(self._take, margin=(0, 14), stylesheets=[WHOLE])
         self._file = upload(
@@ -114,13 +114,13 @@ class SearchPanel(Question):
             align_items="center",
         )
         content = pn.Column(
-            self._said, self._table, self._notes, html_pane(source_note(_KNOWLEDGE), margin=(4, 14)),
+            self._message, self._table, self._notes, html_pane(source_note(_KNOWLEDGE), margin=(4, 14)),
             sizing_mode="stretch_both", styles={"overflow": "auto"},
         )  # fmt: skip
         return first_screen(tools, left=[content], height="100%")
 
     def _entries(self, kind: Kind) -> Mapping[str, Entry]:
-        return {**catalogue(kind), **self._own[kind]}
+        return {**catalogue(kind), **self._added[kind]}
 
     def show(self, budget: Budget) -> None:
         """Judge every unit or pair again; many of them in a worker."""
@@ -185,7 +185,7 @@ class SearchPanel(Question):
             return
         changes = dict(row.changes)
         for kind, name in zip(KINDS, (row.imu, row.gnss), strict=True):
-            if name in self._own[kind]:  # a unit of the user's own is no preset of the product
+            if name in self._added[kind]:  # a unit of the user's own is no preset of the product
                 changes[f"{kind}.preset"] = None
         problem = self.session.change(changes, row.written)
         what = row.imu if self.own else row.pair
@@ -205,17 +205,17 @@ class SearchPanel(Question):
 
     def _add(self, offers: Offers, *notes: str) -> None:
         """Rank these units, too, and say so; one of the same name takes the place of the one before."""
-        brought = {kind: {**self._own[kind], **offers[kind]} for kind in KINDS}
+        brought = {kind: {**self._added[kind], **offers[kind]} for kind in KINDS}
         check_pairs(*(len(catalogue(kind)) + len(brought[kind]) for kind in KINDS))
         one_currency(entry for entries in brought.values() for entry in entries.values())
-        replaced = [name for kind in KINDS for name in offers[kind] if name in self._own[kind]]
-        self._own = brought
+        replaced = [name for kind in KINDS for name in offers[kind] if name in self._added[kind]]
+        self._added = brought
         self.show(self.session.budget)
         names = [name for entries in offers.values() for name in entries]
         again = f"Replaced: {_listed(replaced)}." if replaced else ""
         self._say(" ".join(filter(None, (f"Added {_listed(names)}.", again, named_apart(names), *notes))))
 
-    async def _kept(self, _: Any) -> None:
+    async def _keep_file(self, _: Any) -> None:
         """Keep the file opened last in the library."""
         name, text = self._opened_file
         try:
@@ -227,7 +227,7 @@ class SearchPanel(Question):
     async def _load(self, _: Any) -> None:
         """Rank what the library holds."""
         try:
-            files = await asyncio.to_thread(lambda: kept_files(library()))
+            files = await asyncio.to_thread(lambda: library_files(library()))
             self._list(files)
             offers, damaged, repeated = await run_in_pool(merged_offers, files)
             lost = f"Left out because damaged: {_listed(damaged)}. Remove these files, or save them again."
@@ -244,7 +244,7 @@ class SearchPanel(Question):
         name = str(self._of_library.value)
         try:
             await asyncio.to_thread(lambda: remove_offers(library(), name))
-            self._list(await asyncio.to_thread(lambda: kept_files(library())))
+            self._list(await asyncio.to_thread(lambda: library_files(library())))
             self._say(f"{name} was removed from the library. Its units stay on this page until it is loaded again.")
         except InputError as error:
             self._say(f"Not removed. {error}", wrong=True)
@@ -256,7 +256,7 @@ class SearchPanel(Question):
 
     def _say(self, text: str, *, wrong: bool = False) -> None:
         kind = 'role="alert" class="tone bad"' if wrong else 'role="status"'
-        self._said.object = f"<p {kind}>{escape(text)}</p>"
+        self._message.object = f"<p {kind}>{escape(text)}</p>"
 
     def _csv(self) -> str:
         return csv_of(candidate(row, offers=True) for row in self._ranking.rows)

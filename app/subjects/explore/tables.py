@@ -120,7 +120,7 @@ def map_answer(chart: TradeMapChart, here: float) -> Answer:
     return Answer(result, "open", ("No limit is set: the map compares with this design.", hint))
 
 
-def biases_said(design: Design, biases: Biases = "design") -> str:
+def biases_text(design: Design, biases: Biases = "design") -> str:
     """The residual biases that an answer assumes."""
     if biases == "in-run":
         return "Residual biases: each data sheet's in-run biases"

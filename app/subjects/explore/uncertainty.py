@@ -99,11 +99,11 @@ class UncertaintyPanel(Question):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
-        self.rows = RowEditor(_FIELDS, self._told, caption="Ranges")
+        self.rows = RowEditor(_FIELDS, self._take, caption="Ranges")
         self._settings = StudySettings(session, "uncertainty", self, ("ranges",), lambda: self._set(self._texts()))
         self._recall()
-        self._found = Follower[UncertainVerdict](lambda: self.run.result)
-        self._table = self._found.text(lambda verdict: html_of(uncertain_table(verdict)), (4, 14))
+        self._verdict = Follower[UncertainVerdict](lambda: self.run.result)
+        self._table = self._verdict.text(lambda verdict: html_of(uncertain_table(verdict)), (4, 14))
 
     def __panel__(self) -> pn.Column:
         example = pmui.Button(
@@ -115,7 +115,7 @@ class UncertaintyPanel(Question):
         return first_screen(
             left=[pn.Column(pn.FlexBox(example), self.rows, **scrolls)],
             right=[
-                self._found.later(lambda: self._found.chart(margin_chart), **fills),
+                self._verdict.later(lambda: self._verdict.chart(margin_chart), **fills),
                 pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls),
             ],
             height="100%",
@@ -152,7 +152,7 @@ class UncertaintyPanel(Question):
         self._recall()
         self._ask()
 
-    def _told(self, rows: Rows) -> InputError | None:
+    def _take(self, rows: Rows) -> InputError | None:
         """Take what the rows say; a distribution just chosen begins with the design's value."""
         design, texts = self.session.design, {}
         for key, row in zip(_INPUTS, rows, strict=True):
@@ -201,4 +201,4 @@ class UncertaintyPanel(Question):
             answer = uncertain_answer(self.run.result)
             self.answer = answer if self.ranges else replace(answer, sentences=(_EXAMPLE, *answer.sentences))
             with pn.io.hold():
-                self._found.follow()
+                self._verdict.follow()

@@ -49,14 +49,14 @@ class Desk(param.Parameterized):
 
     def __init__(self, session: Session) -> None:
         user = pn.state.user
-        self._known = user if user and user != "guest" else ""
-        super().__init__(session=session, author=self._known or recalled(_NAME_COOKIE))
-        self.memory = Remembered(_NAME_COOKIE, "" if self._known else self.param.author)
+        self._login = user if user and user != "guest" else ""
+        super().__init__(session=session, author=self._login or recalled(_NAME_COOKIE))
+        self.memory = Remembered(_NAME_COOKIE, "" if self._login else self.param.author)
         self.name_field = pmui.TextInput.from_param(
             self.param.author,
             label="Your name",
             description="",
-            disabled=bool(self._known),
+            disabled=bool(self._login),
             max_length=100,
             width=260,
             **{**LOOK, "margin": (14, 10, 4, 10)},
@@ -75,7 +75,7 @@ class Desk(param.Parameterized):
 
         Never the field's value where there is a login: a browser can change a field that is shown disabled.
         """
-        return self._known or self.author or ""
+        return self._login or self.author or ""
 
     def say(self, message: str, *, wrong: bool = False) -> None:
         """Show a message; screen readers read it aloud."""

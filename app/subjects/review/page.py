@@ -52,7 +52,7 @@ class ReviewPage(View):
         self._strip = AnswerStrip(self._library.answer, self._desk.name_field)
         for part in self._parts:
             part.param.watch(lambda _: self._tell(), "answer")
-        self._switch.param.watch(self._turned, "value")
+        self._switch.param.watch(self._turn, "value")
         self._view = pn.Column(self._strip, self._desk.notice, self._switch, self._place, self._desk.memory)
         pn.state.execute(self._library.refresh)
         self._follow_link()
@@ -77,7 +77,7 @@ class ReviewPage(View):
         """Another page is turned to."""
         self._room.follow(wanted=False)
 
-    async def _turned(self, _: param.parameterized.Event) -> None:
+    async def _turn(self, _: param.parameterized.Event) -> None:
         """A turn brings what others have written meanwhile; what was said about another part goes."""
         self._place.objects = [self._parts[self._switch.value]]
         self._tell()

@@ -9,7 +9,7 @@ from app.document.verdict import check_words, met_cell
 from app.document.wording import printable, shortened
 from app.library.reviews import Comment, Decision, Review
 from app.library.texts import counted, moment
-from app.report.comparison import own_differences
+from app.report.comparison import entry_differences
 from nav_model.budget import Budget
 from nav_model.budget.verdict import Check
 from nav_model.design.declaration import in_sentence
@@ -31,7 +31,7 @@ def owner_tables(review: Review) -> tuple[Block, ...]:
     """Who answers for which part of each requirement, and what of that is not the same in every design."""
     budgets = [revision.budget() for revision in review.revisions]
     labels = [f"D{item.place}" for item in review.items]
-    differing = own_differences([budget.design for budget in budgets])
+    differing = entry_differences([budget.design for budget in budgets])
     same = Text("Contributors, requirements of your own and allocation are the same in every design.")
     heads = ("Entry", 1), *((label, 1) for label in labels)
     changed = table("review-changed", "What differs between the designs", heads,

@@ -85,10 +85,10 @@ class ReviewRoom(View):
             *desk.report_buttons("review", "Review report", self._report, visible=False),
         ]
         self._sign_button = button("Sign off", self._ask_to_sign, variant="contained", visible=False)
-        self._seen = 0  # the version that the person was asked to sign
+        self._version = 0  # the version that the person was asked to sign
         self._to_sign, self._yes = html_pane("", margin=(0, 10)), button("", self._sign, variant="contained")
         self._confirm = pn.FlexBox(
-            self._to_sign, self._yes, button("Not yet", self._unasked), align_items="center", visible=False
+            self._to_sign, self._yes, button("Not yet", self._withdraw), align_items="center", visible=False
         )
         self._talk = pn.FlexBox(
             self._design, self._subject, self._comment, button("Add comment", self._say),
@@ -260,7 +260,7 @@ class ReviewRoom(View):
         review, who = self.review, self.desk.who
         if review is None:
             return
-        self._seen = review.version
+        self._version = review.version
         if not who or review.open_points() or not review.intact:
             await self._sign()  # which says what is missing
             return
@@ -276,11 +276,11 @@ class ReviewRoom(View):
         self._yes.label = f"Sign as {who} (outcome: {ending(review)[1]})"
         self._confirm.visible = True
 
-    async def _unasked(self) -> None:
+    async def _withdraw(self) -> None:
         self._confirm.visible = False
 
     async def _sign(self) -> None:
-        if await self._change(lambda library, review, author: sign(library, review, author, self._seen)):
+        if await self._change(lambda library, review, author: sign(library, review, author, self._version)):
             self.desk.say("Signed off and sealed; this review never changes again.")
 
     # --- report -------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import numpy as np
 from app.charts.kinds import Array, Chart, Dot, DotChart, Line, MapChart, PictureChart, Points
 from app.charts.region import contour
 from app.document.numbers import degrees, number, percent, signed_decibels
-from app.subjects.sar.tables import FORMULAS, judged_along, kind_of, shown_strategies
+from app.subjects.sar.tables import FORMULAS, judged_along, kind_of, strategies_of
 from nav_model.aperture.geometry import metres_to_phase, phase_to_metres
 from nav_model.aperture.impulse_response import aperture_of_phase, response_curve
 from nav_model.budget import Budget
@@ -32,7 +32,7 @@ _COUNT = {4: "four", 5: "five"}
 def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Line-of-sight error over the aperture of the typical run, what the autofocus removes removed."""
     rows = [STRATEGY_KEYS.index(key) for key in keys]
-    curves = _shown(study, study.typical[rows], rows)
+    curves = _candidate_curves(study, study.typical[rows], rows)
     return Chart(
         key=name,
         title=f"Error history, {title}",
@@ -67,16 +67,16 @@ def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: st
         y_label="power over the error-free peak [dB]",
         lines=tuple(
             Line(key, NAMES[key], metres, np.maximum(values, -60.0), f"strategy {key}", "aperture integral")
-            for key, values in zip(keys_shown, _shown(study, power, rows), strict=True)
+            for key, values in zip(keys_shown, _candidate_curves(study, power, rows), strict=True)
         ),
         y_range=(-45.0, 2.0),
         knowledge=f"{_typical(study)} Azimuth, {sar.window} window; the table has medians and bands of all runs.",
     )
 
 
-def _shown(study: SarStudy, curves: Array, rows: Sequence[int]) -> Array:
+def _candidate_curves(study: SarStudy, curves: Array, rows: Sequence[int]) -> Array:
     """Curves of the strategies in some rows, NaN where one is not shown: a figure's lines stay the same."""
-    candidates = np.array([row in dict(shown_strategies(study.budget)) for row in rows])
+    candidates = np.array([row in dict(strategies_of(study.budget)) for row in rows])
     return np.where(candidates[:, None], curves, np.nan)
 
 
@@ -125,7 +125,7 @@ def _dot_chart(
     label = f"{x_label} [°]" if confidence == 1 else f"{x_label} at {confidence:g}σ [°]"
     to_degrees = confidence * _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
     dots = []
-    for row, strategy in shown_strategies(budget)[1:]:
+    for row, strategy in strategies_of(budget)[1:]:
         form, known = closed.get(strategy.key), wholes.get(strategy.key)
         ensemble = low = high = math.nan
         whole = math.nan if known is None else to_degrees * known
@@ -204,7 +204,7 @@ def _picture(budget: Budget, pictures: Pictures, key: str, title: str, over: str
         if pictures.bandwidth_cut
         else ", set equal to the azimuth resolution"
     )
-    rows = [row for row, _ in shown_strategies(budget)]
+    rows = [row for row, _ in strategies_of(budget)]
     power_db = pictures.power_db[rows]
     return PictureChart(
         key=key,

@@ -29,7 +29,7 @@ from app.subjects.sar.charts import (
     winner_chart,
 )
 from app.subjects.sar.run import SarResult, run_strategies
-from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, shown_strategies
+from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, strategies_of
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
@@ -222,7 +222,7 @@ def _blank(budget: Budget) -> str:
     """Empty frames, named, in the places of the images."""
     figures = "".join(
         f'<figure class="pic"><div class="blank"></div><figcaption><b>{escape(name)}</b><br>…</figcaption></figure>'
-        for name in (strategy.name for _, strategy in shown_strategies(budget))
+        for name in (strategy.name for _, strategy in strategies_of(budget))
     )
     caption = "Azimuth by range, all images on one scale; they appear after the runs."
     return f'<div class="scale"><span class="quiet">{caption}</span></div><div class="pics row">{figures}</div>'

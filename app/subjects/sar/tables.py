@@ -38,7 +38,7 @@ _SIDE_LOBES = (
 )
 
 
-def shown_strategies(budget: Budget) -> list[tuple[int, Strategy]]:
+def strategies_of(budget: Budget) -> list[tuple[int, Strategy]]:
     """Row in a study and strategy; without an outage before the aperture, INS after outage is INS from filter."""
     outage = budget.design.coast.before_aperture > 0
     return [(row, strategy) for row, strategy in enumerate(STRATEGIES) if outage or strategy.key != "3"]
@@ -122,7 +122,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
     part; all at the confidence of the limit."""
     rows = []
     confidence, _ = decisive(budget.design, DETRENDED)
-    for index, strategy in shown_strategies(budget):
+    for index, strategy in strategies_of(budget):
         form, whole = closed.detrended.get(strategy.key), closed.whole.get(strategy.key)
         cells = [NONE, NONE] if form is None else [_number(confidence * scale * form) for scale in _scales(budget)]
         wholes = [NONE if whole is None else _degrees(confidence * whole, budget)]
@@ -260,7 +260,7 @@ def _by_strategy(
         key,
         caption,
         (("Strategy", 1.5), *numbers(*titles, width=1)),
-        ((strategy.name, *row(index)) for index, strategy in shown_strategies(study.budget)),
+        ((strategy.name, *row(index)) for index, strategy in strategies_of(study.budget)),
         note,
     )
 

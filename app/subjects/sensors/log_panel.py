@@ -109,7 +109,7 @@ class LogPanel(pn.viewable.Viewer):
         self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14), styles=_IN_SIGHT)
         self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self._fields())
         self.bar.start.disabled = True
-        self._said = html_pane(_TITLE + _HELP, margin=(10, 14, 0, 14))
+        self._heading = html_pane(_TITLE + _HELP, margin=(10, 14, 0, 14))
         self.static = StaticResult(session, self._adopt)
         self.moving = MotionResult(session, self._adopt)
         if pn.state.curdoc:
@@ -122,7 +122,7 @@ class LogPanel(pn.viewable.Viewer):
                 yield self.counts[key]
 
     def __panel__(self) -> pn.Column:
-        return pn.Column(paper(self._said, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
+        return pn.Column(paper(self._heading, self.bar), self.message, self.static, self.moving, styles=FULL_HEIGHT)
 
     # --- taking a log in ----------------------------------------------------------------------------------
 
@@ -211,7 +211,7 @@ class LogPanel(pn.viewable.Viewer):
     # --- what it says, and what of it goes into the design ------------------------------------------------
 
     def _show(self, study: Study) -> None:
-        self._said.object = _TITLE  # the plots matter more now
+        self._heading.object = _TITLE  # the plots matter more now
         if isinstance(study, MotionAnalysis):
             self.moving.show(study)
         else:

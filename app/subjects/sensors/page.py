@@ -39,7 +39,7 @@ class SensorsPage(View):
         self.log = LogPanel(session)
         self.sheet = DataSheetBox(session)
         self.tables = {kind: SortableTable(margin=(0, 14), stylesheets=[WHOLE]) for kind in _KINDS}
-        self._shown: dict[Kind, str | None] = {}
+        self._chosen: dict[Kind, str | None] = {}
         self._mark()
 
         self._strip = AnswerStrip(origin_answer(session.design))
@@ -70,8 +70,8 @@ class SensorsPage(View):
         """Mark the entries of the catalogue that the design has; a table is made again only when that changes."""
         for kind, table in self.tables.items():
             chosen = preset_of(self.session.design, kind) or ""
-            if self._shown.get(kind) != chosen:
-                self._shown[kind] = chosen
+            if self._chosen.get(kind) != chosen:
+                self._chosen[kind] = chosen
                 table.html = html_of(catalogue_table(kind, chosen))
 
 

@@ -29,7 +29,7 @@ from app.subjects.simulation.charts import (
 from app.subjects.simulation.controls import StudyControls
 from app.subjects.simulation.files import FILES
 from app.subjects.simulation.run import Flown, fly, same_subject
-from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table, verdict
+from app.subjects.simulation.tables import conditions_list, departures, run_table, sigma_table, verdict
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
 from app.ui.fields import number, whole_number
@@ -117,9 +117,9 @@ class SimulatePage(StudyPage[Flown]):
                     ("Advanced: sensor errors, receiver, filter tuning", lambda: self._more),
                     (
                         "Where formula and simulation differ, and why",
-                        lambda: details.text(_told(departures, conditions_told)),
+                        lambda: details.text(_html(departures, conditions_list)),
                     ),
-                    ("Sigmas: simulated, filter, formula", lambda: details.text(_told(sigma_table))),
+                    ("Sigmas: simulated, filter, formula", lambda: details.text(_html(sigma_table))),
                     ("Simulation set-up", self._flown),
                     ("Outage growth and spread of the runs", self._spread),
                     ("Exports", lambda: details.later(self._exports)),
@@ -188,7 +188,7 @@ class SimulatePage(StudyPage[Flown]):
     def _flown(self) -> pn.Column:
         details = self._of_result
         charts = details.charts(_of_study(path_chart), _of_study(designed_attitude_chart), height=300)
-        return pn.Column(details.text(_told(run_table)), charts)
+        return pn.Column(details.text(_html(run_table)), charts)
 
     def _spread(self) -> pn.Column:
         axis = pmui.RadioButtonGroup.from_param(self.param.axis, margin=(4, 10))
@@ -293,7 +293,7 @@ class SimulatePage(StudyPage[Flown]):
             self.length = f"{math.floor(10 * flight.duration) / 10:.1f}"
 
 
-def _told(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[Flown], str]:
+def _html(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[Flown], str]:
     """Blocks of a study as HTML."""
     return lambda flown: html_of(*(block(flown.study, "page") for block in tell))
 

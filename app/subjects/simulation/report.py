@@ -5,7 +5,7 @@ import argparse
 from app.document.blocks import Section, chart_block
 from app.document.wording import identified
 from app.subjects.simulation.charts import CHARTS, outage_chart
-from app.subjects.simulation.tables import conditions_told, departures, run_table, sigma_table, verdict
+from app.subjects.simulation.tables import conditions_list, departures, run_table, sigma_table, verdict
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
 from nav_model.simulation.design_study import SimulationStudy
@@ -58,7 +58,7 @@ def another_design(study: SimulationStudy, design: Design) -> str:
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
     """What was run and found, then the charts."""
     drawn = (draw for draw in CHARTS if study.result.spec.outages or draw is not outage_chart)
-    tables = (tell(study, key) for tell in (run_table, sigma_table, departures, conditions_told))
+    tables = (tell(study, key) for tell in (run_table, sigma_table, departures, conditions_list))
     return (
         Section(f"{key}-simulation", "Simulation: do the formulas hold?", (verdict(study), *tables), REFERENCES),
         Section(

@@ -46,7 +46,7 @@ def verdict(study: SimulationStudy) -> Answer:
     return Answer(word, tone, tuple(sentences))
 
 
-def conditions_told(study: SimulationStudy, _: str) -> Bullets:
+def conditions_list(study: SimulationStudy, _: str) -> Bullets:
     """How the simulation differs from what the formulas assume."""
     return Bullets(study.conditions, "How the simulation differs from the formulas' assumptions")
 

@@ -28,7 +28,7 @@ class CameraNoisePanel(pn.viewable.Viewer):
 
     def __init__(self, session: Session) -> None:
         super().__init__(run=session.new_run())
-        self._said = html_pane("", margin=0)
+        self._message = html_pane("", margin=0)
         self._swept: Follower[tuple[CameraNoise, float]] = Follower(lambda: self.run.result)
         self._place = self._swept.later(
             lambda: self._swept.chart(lambda sweep: camera_noise_chart(*sweep)),
@@ -37,14 +37,14 @@ class CameraNoisePanel(pn.viewable.Viewer):
         self._settings: Settings | None = None
 
     def __panel__(self) -> pn.Column:
-        return first_screen(self._said, left=[self._place], height="100%")
+        return first_screen(self._message, left=[self._place], height="100%")
 
     def show(self, page: Content) -> None:
         """Sweep for its settings, unless that was done."""
         settings = page.settings
         if settings is not self._settings:
             self._settings = settings
-            self._said.object = progress_html(Progress("Sweeping the centroid noise: 13 values"))
+            self._message.object = progress_html(Progress("Sweeping the centroid noise: 13 values"))
 
             async def sweep(_: Run) -> tuple[CameraNoise, float]:
                 swept = await run_in_pool(sweep_camera_noise, page.study, settings, NOISES)
@@ -57,7 +57,7 @@ class CameraNoisePanel(pn.viewable.Viewer):
         if self.run.running:
             return
         if self.run.message:
-            self._said.object = f"<p role='alert'>{escape(self.run.message)}</p>"
+            self._message.object = f"<p role='alert'>{escape(self.run.message)}</p>"
         elif self.run.result is not None:
-            self._said.object = html_of(camera_noise_answer(*self.run.result))
+            self._message.object = html_of(camera_noise_answer(*self.run.result))
             self._swept.follow()

@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     if options.save is not None:
         with under("--save"), whole_file(options.save) as file:
             file.write(format_study(settings, flown).encode("utf-8"))
-    with told_progress() as progress:
+    with study_progress() as progress:
         survey = run_survey(settings, flown, progress=progress)
         answer = survey_json(survey)
         answer["design"] = None if design is None else design.name
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 @contextmanager
-def told_progress(of: str = "") -> Iterator[Callable[[float, str], None]]:
+def study_progress(of: str = "") -> Iterator[Callable[[float, str], None]]:
     """What a study tells of its progress, on standard error after ``of``."""
     with show_progress() as show:
         yield lambda share, what: show(f"{of}{what}", share)

@@ -125,8 +125,8 @@ class InputPanel(View):
             label="Reset to reference flight", visible=self.param.trajectory.rx.is_not(None),
             on_click=lambda _: self.param.update(trajectory=None), **_LOOK,
         )  # fmt: skip
-        self._file_said = html_pane(_FILE_HELP, margin=(0, 12))
-        return pn.Column(pn.FlexBox(self.trajectory_file, reset, margin=(4, 4, 0, 4)), self._file_said)
+        self._file_note = html_pane(_FILE_HELP, margin=(0, 12))
+        return pn.Column(pn.FlexBox(self.trajectory_file, reset, margin=(4, 4, 0, 4)), self._file_note)
 
     # --- what a person does ------------------------------------------------------------------------------
 
@@ -168,7 +168,7 @@ class InputPanel(View):
         self.trajectory = flown
 
     @param.depends("trajectory", watch=True)
-    def _say_flown(self) -> None:
+    def _describe_flight(self) -> None:
         flown = self.trajectory
         flight = f"Flown: {flown[0]}. Links do not include it; save the study to share it." if flown else ""
-        self._file_said.object = html_of(Text(flight)) if flight else _FILE_HELP
+        self._file_note.object = html_of(Text(flight)) if flight else _FILE_HELP

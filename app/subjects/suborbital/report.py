@@ -11,7 +11,7 @@ from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.charts import attitude, errors, flight, sensors
 from app.subjects.suborbital.charts.content import Content
-from app.subjects.suborbital.console import told_progress
+from app.subjects.suborbital.console import study_progress
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
 from nav_model.suborbital.input_table import GROUPS
@@ -34,7 +34,7 @@ def study(design: Design, options: argparse.Namespace) -> Content:
         For a key of the design or a seed that the study cannot take.
     """
     settings = read_changes(from_design(DEFAULTS, design), {"seed": str(options.seed)}, "command line")
-    with told_progress("suborbital: ") as progress:
+    with study_progress("suborbital: ") as progress:
         survey = run_survey(settings, progress=progress)
     return Content(survey, survey.study, settings, "all")
 

@@ -201,12 +201,12 @@ def star_table(page: Content) -> TableBlock:
                 strict=True,
             )
         ),
-        _attitude_said(frame),
+        _attitude_text(frame),
         _PIXEL_DIGITS,
     )  # fmt: skip
 
 
-def _attitude_said(frame: StarFrame) -> str:
+def _attitude_text(frame: StarFrame) -> str:
     if frame.error_rad is None or frame.sigma_rad is None:
         return f"Frame not used: {frame.reason}. {frame.source}."
     error, sigma = (

@@ -27,7 +27,7 @@ class PlanFields:
         self._session, self._changed = session, changed
         self._boxes: dict[str, pmui.TextInput] = {}
         self._tables: dict[str, RowEditor] = {}
-        self._told: dict[str, str] = {}
+        self._texts: dict[str, str] = {}
         self._refused: dict[str, InputError] = {}
 
     def box(self, name: str, **look: Any) -> pmui.TextInput:
@@ -39,7 +39,7 @@ class PlanFields:
         self._show(name)
 
         def typed(event: Any) -> None:
-            if event.new != self._told[name] or name in self._refused:
+            if event.new != self._texts[name] or name in self._refused:
                 self._take(name, event.new)
 
         box.param.watch(typed, "value")
@@ -77,8 +77,8 @@ class PlanFields:
     def _show(self, name: str) -> None:
         design, key = self._session.design, f"trajectory.{name}"
         text = entered(design, key)
-        if text != self._told.get(name):
-            self._told[name] = text
+        if text != self._texts.get(name):
+            self._texts[name] = text
             self._refused.pop(name, None)
             if name in self._boxes:
                 self._boxes[name].value = text

@@ -32,7 +32,7 @@ def _chart(first: float = 1.0, run: int = 7) -> Chart:
     )
 
 
-def _heard(figure: DrawnChart) -> list[Any]:
+def _events(figure: DrawnChart) -> list[Any]:
     """Every change of the figure, and that no line is without its column while it is made."""
     document, events = Document(), []
     document.add_root(figure.plot)
@@ -52,7 +52,7 @@ def _drawn(figure: DrawnChart) -> list[Any]:
 
 def test_only_what_changed_is_sent():
     figure = to_bokeh(_chart(), 300)
-    events = _heard(figure)
+    events = _events(figure)
     figure.feed(_chart(first=2.0))
     (event,) = events
     assert isinstance(event, ColumnDataChangedEvent)
@@ -64,7 +64,7 @@ def test_only_what_changed_is_sent():
 
 def test_a_line_follows_its_name():
     figure = to_bokeh(_chart(), 300)
-    events = _heard(figure)
+    events = _events(figure)
     chart = _chart(run=12)
     figure.feed(chart)
     assert events

@@ -31,13 +31,13 @@ def test_pages_that_stay_at_one_sigma_say_so():
     session = Session(first_design())
     frame = Frame(session)
     session.display = "95.si"
-    assert not frame._told.visible  # the Budget page follows
+    assert not frame._note.visible  # the Budget page follows
     frame._go_to("explore")
-    assert frame._told.visible
-    assert "This page shows 1σ" in frame._told.object
-    assert "95 %, SI units" in frame._told.object
+    assert frame._note.visible
+    assert "This page shows 1σ" in frame._note.object
+    assert "95 %, SI units" in frame._note.object
     session.display = ""
-    assert not frame._told.visible
+    assert not frame._note.visible
 
 
 def test_what_comes_back_from_a_page_loaded_again_is_taken_whole_or_not_at_all():

@@ -8,7 +8,7 @@ import pytest
 from app.document.allocation import entry_texts
 from app.document.closing import value_ways, ways_table
 from app.document.display import SPREADS, Display
-from app.document.verdict import check_words, shown_check, verdict_of, verdicts_in_short
+from app.document.verdict import check_words, displayed_check, verdict_of, verdicts_in_short
 from nav_model.base.units import parse_quantity
 from nav_model.budget import Budget, analyse
 from nav_model.budget.allocation import allocate
@@ -59,7 +59,7 @@ def test_what_sources_may_take_adds_up_to_the_limit_less_its_reserve(failing: Bu
 def test_value_and_limit_keep_their_ratio_however_they_are_shown(mems: Budget, spread: str, units: str) -> None:
     display = Display(spread, units).of(mems.design)
     for check in mems.verdict.checks:
-        *texts, at = shown_check(mems.design, check, display)
+        *texts, at = displayed_check(mems.design, check, display)
         plain = (text.replace("\N{NO-BREAK SPACE}", " ") for text in texts)
         value, limit = (parse_quantity(text, check.dimension).value for text in plain)
         assert value / limit == pytest.approx(check.value / check.limit, rel=1e-2), check.name

@@ -3,7 +3,7 @@
 import pytest
 from sqlalchemy import text
 
-from app.library.offers import keep_offers, kept_files, remove_offers
+from app.library.offers import keep_offers, library_files, remove_offers
 from app.library.store import Library
 from nav_model.base.errors import InputError
 from nav_model.design.offers import merged_offers
@@ -21,13 +21,16 @@ def _file(unit: str = "Unit", price: str = "10 EUR") -> str:
 
 
 def test_a_file_is_kept_and_one_of_the_same_name_replaces_it(library: Library) -> None:
-    assert kept_files(library) == []
+    assert library_files(library) == []
     for price in ("10 EUR", "20 EUR"):
         keep_offers(library, "spring.toml", _file(price=price))
     keep_offers(library, "other.toml", _file("Other", "30 EUR"))
-    assert kept_files(library) == [("spring.toml", _file(price="20 EUR")), ("other.toml", _file("Other", "30 EUR"))]
+    assert library_files(library) == [
+        ("spring.toml", _file(price="20 EUR")),
+        ("other.toml", _file("Other", "30 EUR")),
+    ]
     remove_offers(library, "spring.toml")
-    assert [name for name, _ in kept_files(library)] == ["other.toml"]
+    assert [name for name, _ in library_files(library)] == ["other.toml"]
 
 
 def test_offers_merge_by_name_and_damaged_files_are_named(library: Library) -> None:
@@ -35,7 +38,7 @@ def test_offers_merge_by_name_and_damaged_files_are_named(library: Library) -> N
         keep_offers(library, name, _file(unit, price))
     with library.write() as connection:
         connection.execute(text("UPDATE offers SET text = x'ff' WHERE name = 'c'"))
-    offers, damaged, repeated = merged_offers(kept_files(library))
+    offers, damaged, repeated = merged_offers(library_files(library))
     prices = {name: entry.offer["price"].value for name, entry in offers["imu"].items()}
     assert (prices, damaged, repeated) == ({"Unit": 20.0}, ("c",), ("Unit",))
 
@@ -44,7 +47,7 @@ def test_offers_merge_by_name_and_damaged_files_are_named(library: Library) -> N
 def test_what_is_no_file_of_offers_is_not_kept(library: Library, content: str) -> None:
     with pytest.raises(InputError):
         keep_offers(library, "bad.toml", content)
-    assert not kept_files(library)
+    assert not library_files(library)
 
 
 def test_all_files_together_have_a_bound_and_a_refusal_loses_nothing(library: Library) -> None:
@@ -56,5 +59,5 @@ def test_all_files_together_have_a_bound_and_a_refusal_loses_nothing(library: Li
     keep_offers(library, "large.toml", padded + "#" * 50_000)  # in its own place
     with pytest.raises(InputError, match="remove one first"):
         keep_offers(library, "large.toml", padded + "#" * 150_000)
-    sizes = {name: len(content) for name, content in kept_files(library)}
+    sizes = {name: len(content) for name, content in library_files(library)}
     assert sizes["large.toml"] == len(padded) + 50_000

@@ -37,7 +37,7 @@ def in_place() -> Iterator[None]:
     _as_shipped()
 
 
-def _told(model: Model) -> dict[str, Any]:
+def _content(model: Model) -> dict[str, Any]:
     """A model in words, without the numbers of models."""
 
     def plain(part: Any) -> Any:
@@ -54,7 +54,7 @@ def test_every_model_is_told_and_searched_as_before() -> None:
 
     def content(kind: type[Model]) -> Any:
         model = kind()
-        return _told(model), sorted(type(each).__name__ for each in model.references())
+        return _content(model), sorted(type(each).__name__ for each in model.references())
 
     compared = 0
     for kind in list(Model.model_class_reverse_map.values()):
@@ -83,7 +83,7 @@ def _page() -> Document:
 
 def test_a_page_is_told_and_searched_as_before() -> None:
     def plain(document: Document) -> tuple[Any, Any]:
-        return [_told(root) for root in document.roots], sorted(type(model).__name__ for model in document.models)
+        return [_content(root) for root in document.roots], sorted(type(model).__name__ for model in document.models)
 
     ours = plain(_page())
     _as_shipped()
@@ -95,8 +95,8 @@ def test_what_is_put_into_an_empty_container_later_is_told() -> None:
     div.tags.append("mark")
     source = ColumnDataSource()
     source.data["x"] = [1]
-    assert _told(div)["attributes"]["tags"] == ["mark"]
-    assert "x" in str(_told(source)["attributes"]["data"])
+    assert _content(div)["attributes"]["tags"] == ["mark"]
+    assert "x" in str(_content(source)["attributes"]["data"])
     axis = LinearAxis()
     document = Document()
     plot = figure()

@@ -8,7 +8,7 @@ import panel_material_ui as pmui
 import param
 import pytest
 
-from app.upstream.neighbours import follow_own_work, leave_collecting
+from app.upstream.neighbours import follow_session_work, leave_collecting
 
 pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
 
@@ -24,7 +24,7 @@ def _followers() -> int:
 
 def test_it_follows_one_session_and_no_more() -> None:
     before, page, session = _followers(), pmui.Page(), _Session()
-    follow_own_work(page, session.param.running)
+    follow_session_work(page, session.param.running)
     assert _followers() == before
     session.running = True
     assert page.busy

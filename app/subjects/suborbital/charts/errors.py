@@ -80,7 +80,7 @@ def growth_chart(page: Content) -> Chart:
     decoupled = study.channels_m[k, :, channel]
     closed = page.closed_form_m[:, channel]
     holds, fails, agreement = _split(x, decoupled, truth)
-    closed_holds, closed_fails, closed_said = _split(x, closed, truth)
+    closed_holds, closed_fails, closed_text = _split(x, closed, truth)
     slope = _slope(study, ins) if channel == 2 else np.full(len(x), np.nan)
     slow = ", ".join(
         f"{show(float(height_e_folding_time(h)), 'time')} at {show_in(h, 'km', 'length', given=True)}"
@@ -105,7 +105,7 @@ def growth_chart(page: Content) -> Chart:
         y_log=True,
         y_range=_log_range(ins, aided, np.abs(decoupled)),
         knowledge=f"{page.how}. The decoupled channel [B-5], whose local frame does not rotate, {agreement}. The "
-        f"formula [B-6], with one height and constant forcing (means of the powered flight), {closed_said}.{why}",
+        f"formula [B-6], with one height and constant forcing (means of the powered flight), {closed_text}.{why}",
     )
 
 

@@ -149,7 +149,7 @@ def test_a_ready_made_contributor_asks_for_what_the_design_does_not_have(part: C
     assert [(box.label, box.visible) for box in part._boxes] == [("Jitter, 1σ", True), ("Acceleration, rms", True)]
     part._boxes[0].value = "1 ms"
     part._make()
-    assert "role='alert'>Acceleration, rms: " in part._made_said.object
+    assert "role='alert'>Acceleration, rms: " in part._added_note.object
     assert part.session.design == _DESIGN
     part._made.value = "time tag, offset"
     assert [box.visible for box in part._boxes] == [True, False]

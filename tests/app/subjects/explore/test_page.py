@@ -14,7 +14,7 @@ from waiting import soon
 
 import app.subjects.explore.search as search_panel
 from app.document.wording import entered
-from app.library.offers import kept_files
+from app.library.offers import library_files
 from app.library.store import Library
 from app.serving.server import first_design
 from app.session import Session
@@ -76,7 +76,7 @@ def _search(explore: ExplorePage) -> Any:
 def _open(explore: ExplorePage, content: bytes) -> str:
     search = _search(explore)
     when_done(lambda: search._opened("own.toml", content), search.run)
-    return str(search._said.object)
+    return str(search._message.object)
 
 
 def test_only_the_question_in_view_is_made_and_worked_out(explore: ExplorePage) -> None:
@@ -140,7 +140,7 @@ def test_own_units_and_receivers_are_judged_and_adopted(explore: ExplorePage) ->
     assert design.gnss.interval == 0.2
     assert design.gnss.vertical_position_noise is None
     assert design.unit("gnss.position_noise") == "cm"
-    assert "You can undo" in search._said.object
+    assert "You can undo" in search._message.object
     search.session.undo()
     assert search.session.design == first_design()
 
@@ -285,16 +285,16 @@ def test_the_librarys_files_are_ranked_kept_and_removed(
 
     def press(what: Any) -> str:
         when_done(lambda: what(None), search.run)
-        return str(search._said.object)
+        return str(search._message.object)
 
     assert "The library holds no offers yet" in press(search._load)
     for name, content in (("a.toml", _many(1, 0)), ("b.toml", _many(2, 0))):
         when_done(lambda name=name, content=content: search._opened(name, content.encode()), search.run)
-        assert f"{name} is saved in the library" in press(search._kept)
+        assert f"{name} is saved in the library" in press(search._keep_file)
     assert "In several files; the one saved last counts: Unit 0." in press(search._load)
     assert (search._of_library.options, search._of_library.value) == (["a.toml", "b.toml"], "b.toml")
     assert "b.toml was removed" in press(search._removed)
-    assert kept_files(place) == [("a.toml", _many(1, 0))]
+    assert library_files(place) == [("a.toml", _many(1, 0))]
     assert search._of_library.options == ["a.toml"]
 
 

@@ -334,7 +334,7 @@ def test_why_a_sweep_of_camera_noise_ended_is_text() -> None:
     panel._settings = DEFAULTS
     panel.run.param.update(running=True)
     panel.run.param.update(running=False, message="<b>no & such</b>")
-    assert panel._said.object == "<p role='alert'>&lt;b&gt;no &amp; such&lt;/b&gt;</p>"
+    assert panel._message.object == "<p role='alert'>&lt;b&gt;no &amp; such&lt;/b&gt;</p>"
 
 
 def test_camera_noise_exceeds_that_of_the_imu_where_the_curves_cross() -> None:
