@@ -304,11 +304,6 @@ def _varied(design: Design, changes: tuple[tuple[tuple[str, Value], ...], ...]) 
     return design
 
 
-def sweep_sigma(columns: Mapping[str, Column], figure: str) -> Array:
-    """One sigma of a figure [SI] for every row; of a percentage, that itself."""
-    return np.asarray(columns[FIGURES[figure].column], float)
-
-
 def sweep_ratios(columns: Mapping[str, Column]) -> Array:
     """The worst requirement of every row, as a multiple of its limit; ValueError without any requirement."""
     return worst(

@@ -1,11 +1,10 @@
 """The charts of the page Close it: ranking of inputs, and a map of two inputs."""
 
 import math
-from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from app.charts.kinds import LEVELS, Array, Band, Chart, LimitLine, Line, RankBar, RankChart, TradeMapChart
+from app.charts.kinds import LEVELS, Array, Band, Chart, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.budget.figures import figures
@@ -15,11 +14,9 @@ from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import quantity
-from nav_model.explore.margins import ALL, label_of, limits
+from nav_model.explore.margins import ALL, label_of
 from nav_model.explore.rank import InputSensitivity, rank, sentence, silent
-from nav_model.explore.sweep import Column, sweep_ratios, sweep_sigma
-from nav_model.explore.sweep_plan import SweepPlan
-from nav_model.explore.trade_map import TradeMap, is_log, place, trade_map
+from nav_model.explore.trade_map import is_log, place, trade_map
 from nav_model.explore.uncertainty import UncertainVerdict
 
 _SHOWN = 12  # bars of a ranking
@@ -66,73 +63,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
         f"{len(trade.x)} × {len(trade.y)} designs through the formulas of the budget. An IMU of the catalogue is "
         f"judged with all values of its data sheet (● passes, ✕ fails), not by the colour under it.{outside}"
     )
-    return chart_of(design, trade, "map", knowledge, is_log(x_key), is_log(y_key))
-
-
-def sweep_chart(
-    design: Design, plan: SweepPlan, columns: Mapping[str, Column], keys: Sequence[str]
-) -> Chart | TradeMapChart:
-    """What a sweep found over one or two of its numeric inputs: the best of its other inputs at each place.
-
-    The result is the worst requirement, or the first figure where the design has no requirement.
-    """
-    axes = [axis.key for axis in plan.axes]
-    lengths = [len(axis.values) for axis in plan.axes]
-    result = ALL if limits(design) else plan.results[0]
-    ratio = sweep_ratios(columns) if result == ALL else decisive(design, result)[0] * sweep_sigma(columns, result)
-    others = tuple(i for i, key in enumerate(axes) if key not in keys)
-    best = np.min(ratio.reshape(lengths), axis=others)
-    values = [np.array(plan.axes[axes.index(key)].values, float) for key in keys]
-    spaced = [_even_log(axis) for axis in values]
-    of_rest = " Each point shows the best of the other inputs." if others else ""
-    knowledge = f"The sweep's {plan.rows} designs through the formulas of the budget.{of_rest}"
-    if len(keys) == 2:
-        z = best.T if axes.index(keys[0]) < axes.index(keys[1]) else best
-        limit = 1.0 if result == ALL else math.nan
-        trade = TradeMap(keys[0], keys[1], result, values[0], values[1], z, limit, ())
-        return chart_of(design, trade, "sweep-map", knowledge, *spaced)
-    factor, label = _scale(design, keys[0])
-    name = _WORST if result == ALL else label_of(result)
-    x = values[0] / factor
-    line = Line("best", name, x, best, "horizontal", "formulas of the budget")
-    limit_line = (LimitLine("limit", "limit", float(x[0]), float(x[-1]), 1.0),) if result == ALL else ()
-    return Chart(
-        key="sweep-curve",
-        title=f"{name} over {label.partition(' [')[0].lower()}",
-        x_label=label,
-        y_label="multiple of its limit [1]" if result == ALL else f"{name} [SI]",
-        lines=(line,),
-        limits=limit_line,
-        knowledge=knowledge,
-        x_log=spaced[0],
-        y_log=True,
-    )
-
-
-def margin_chart(verdict: UncertainVerdict) -> Chart:
-    """Histogram of the tightest margin over uncertain designs."""
-    edges, shares = verdict.histogram
-    x, y = 100 * np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
-    kinds = (("does not close", x <= 0), ("closes", x >= 0))
-    return Chart(
-        key="margins",
-        title="Tightest margin over the designs",
-        x_label="tightest margin [%]",
-        y_label="designs in a bin [%]",
-        lines=(Line("limit", "limit", np.zeros(2), np.array([0.0, np.max(y)]), "limit"),),
-        bands=tuple(Band(name, name, x[part], 0 * x[part], y[part], name) for name, part in kinds),
-        knowledge="Half a per cent of the designs at either end is left out.",
-    )
-
-
-def _even_log(values: Array) -> bool:
-    """Whether a range is even in its logarithm."""
-    return bool(values[0] > 0 and np.allclose(np.diff(np.log(values)), np.log(values[1] / values[0])))
-
-
-def chart_of(design: Design, trade: TradeMap, key: str, knowledge: str, x_log: bool, y_log: bool) -> TradeMapChart:
-    """A map as it is drawn: over the limit or this design's value, in the units the design is shown in."""
-    result = trade.result
+    x_log, y_log = is_log(x_key), is_log(y_key)
     limited = not math.isnan(trade.limit)
     reference = "the limit" if limited else "this design's value"
     level = trade.limit
@@ -143,7 +74,7 @@ def chart_of(design: Design, trade: TradeMap, key: str, knowledge: str, x_log: b
     x, y = trade.x / x_factor, trade.y / y_factor
     here = place(design, trade)
     return TradeMapChart(
-        key=key,
+        key="map",
         title=f"{_WORST if result == ALL else label_of(result)}: multiple of {reference}",
         x_label=x_label,
         y_label=y_label,
@@ -161,6 +92,22 @@ def chart_of(design: Design, trade: TradeMap, key: str, knowledge: str, x_log: b
         knowledge=knowledge,
         trade=trade,
         level=level,
+    )
+
+
+def margin_chart(verdict: UncertainVerdict) -> Chart:
+    """Histogram of the tightest margin over uncertain designs."""
+    edges, shares = verdict.histogram
+    x, y = 100 * np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
+    kinds = (("does not close", x <= 0), ("closes", x >= 0))
+    return Chart(
+        key="margins",
+        title="Tightest margin over the designs",
+        x_label="tightest margin [%]",
+        y_label="designs in a bin [%]",
+        lines=(Line("limit", "limit", np.zeros(2), np.array([0.0, np.max(y)]), "limit"),),
+        bands=tuple(Band(name, name, x[part], 0 * x[part], y[part], name) for name, part in kinds),
+        knowledge="Half a per cent of the designs at either end is left out.",
     )
 
 

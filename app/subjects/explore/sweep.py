@@ -1,33 +1,27 @@
-"""Sweeps on the page Close it: grids of designs, run in a separate process, as a table, a map and files."""
+"""Sweeps on the page Close it: grids of designs, run in a separate process, as a table and files."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import TradeMapChart
-from app.charts.screen.figures import to_bokeh
-from app.charts.screen.maps import MapFigure
 from app.declared import required
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.wording import box_text
 from app.session import Session
-from app.subjects.explore.charts import sweep_chart
 from app.subjects.explore.question import Question
-from app.subjects.explore.sweep_inputs import NONE, SweepRow, sweep_file
+from app.subjects.explore.sweep_inputs import EXAMPLE, FIELDS, chosen_rows, sweep_file, usual_row
 from app.subjects.explore.tables import sweep_answer, sweep_table
-from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download, run_download
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
+from app.ui.row_editor import RowEditor, Rows
 from app.ui.run_bar import RunBar
 from app.ui.sortable_table import WHOLE, SortableTable
-from app.ui.theme import ON_A_PHONE
 from app.work.cancellable import run_alone
 from app.work.pool import run_in_pool
 from app.work.run import Run
@@ -40,7 +34,6 @@ from nav_model.explore.sweep_plan import SweepPlan, parse_plan
 MOST_DESIGNS = 200_000
 """Of one sweep on the page: some 40 MB, and a minute where they are post-processed. The command takes more."""
 _COMING = "<p class='quiet'>The designs, those that just pass first, appear here with the first sweep.</p>"
-_COMING_MAP = "<p class='quiet'>A map of the worst requirement over the first two inputs appears here.</p>"
 _ELSEWHERE = "Use fewer points, or download the sweep file and run “navbudget sweep FILE -o OUT.csv”."
 
 
@@ -53,7 +46,7 @@ class Swept:
 
 
 class SweepPanel(Question):
-    """What to vary, and how many designs that is; then table and map."""
+    """What to vary, and how many designs that is; then the table."""
 
     of_design = False  # a sweep may be of an earlier one; its table says the processing
 
@@ -63,12 +56,11 @@ class SweepPanel(Question):
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run(), files=session.new_run())
         self._plan: SweepPlan | None = None
-        self.rows = [self._row(key) for key in ("imu.angle_random_walk", "gnss.position_noise", NONE, NONE)]
+        self.inputs = RowEditor(FIELDS, self._vary, noun="input", caption="Inputs to vary", ordered=True)
+        self.inputs.rows = [usual_row(key, session.design) for key in EXAMPLE]
         self._count = html_pane("", margin=(4, 10))
         self.bar = RunBar(self.run, self.start, "Run sweep")
         self._table = SortableTable(self._take, html=_COMING, margin=(0, 12), stylesheets=[WHOLE])
-        self._head = html_pane(_COMING_MAP, margin=(6, 10, 0, 10))
-        self._place = pn.Column(sizing_mode="stretch_both", stylesheets=[ON_A_PHONE])
 
     def __panel__(self) -> pn.Column:
         def taken(label: str, name: str, write: Any) -> pmui.FileDownload:
@@ -80,28 +72,27 @@ class SweepPanel(Question):
             file.disabled = self.run.param.result.rx.is_(None)
             return file
 
-        scrolls = {"sizing_mode": "stretch_both", "styles": {"overflow": "auto"}}
         setup = pn.Column(
-            self.bar,
-            self._count,
-            *self.rows,
+            self.inputs,
             pn.FlexBox(
+                self.bar,
+                self._count,
                 taken("Table: CSV", "sweep.csv", to_csv),
                 taken("Table: Parquet", "sweep.parquet", to_parquet),
-                download("Sweep file (TOML)", "sweep.toml", lambda: sweep_file(self.session.design, self.rows)),
+                download("Sweep file (TOML)", "sweep.toml", self._file),
+                align_items="center",
             ),
-            **scrolls,
         )
-        return first_screen(
-            left=[setup, pn.Column(self._table, **scrolls)],
-            right=[pn.Column(self._head, self._place, sizing_mode="stretch_both")],
-            height="100%",
-        )
+        table = pn.Column(self._table, sizing_mode="stretch_both", styles={"overflow": "auto"})
+        return first_screen(setup, left=[table], height="100%")
 
-    def _row(self, key: str) -> SweepRow:
-        row = SweepRow(key, lambda: self.session.design)
-        row.param.watch(lambda _: self._read(), "changed")
-        return row
+    def _vary(self, rows: Rows) -> None:
+        """Vary what the rows say; an input just chosen begins with its usual range."""
+        self.inputs.rows = chosen_rows(rows, self.inputs.rows, self.session.design)
+        self._read()
+
+    def _file(self) -> str:
+        return sweep_file(self.session.design, self.inputs.rows)
 
     def show(self, budget: Budget) -> None:
         """Follow the design: the sweep is of the current design."""
@@ -111,7 +102,7 @@ class SweepPanel(Question):
         """Work out what the rows ask for."""
         self._plan = None
         try:
-            plan = parse_plan(sweep_file(self.session.design, self.rows).encode())
+            plan = parse_plan(self._file().encode())
         except InputError as error:
             self._say(str(labelled(error)), alert=True)
         else:
@@ -144,19 +135,7 @@ class SweepPanel(Question):
         swept: Swept | None = self.run.result
         if swept is not None:
             self._table.html = html_of(sweep_table(swept.plan, swept.columns))
-            keys = [axis.key for axis in swept.plan.axes if _is_range(axis.values)][:2]
-            if keys:
-                self._draw(swept, keys)
             self._answer()
-
-    def _draw(self, swept: Swept, keys: list[str]) -> None:
-        chart = sweep_chart(swept.plan.design, swept.plan, swept.columns, keys)
-        if isinstance(chart, TradeMapChart):
-            plot = MapFigure(chart, narrow=self.session.narrow).plot
-        else:
-            plot = to_bokeh(chart, None).plot
-        self._place.objects = [pn.pane.Bokeh(plot, sizing_mode="stretch_both")]
-        self._head.object = head_html(chart.title, chart.knowledge, described(chart))
 
     def _answer(self) -> None:
         swept: Swept | None = self.run.result
@@ -180,7 +159,3 @@ class SweepPanel(Question):
             problem = self.session.change(changes)
             if problem:
                 self._say(str(problem), alert=True)
-
-
-def _is_range(values: tuple[Any, ...]) -> bool:
-    return len(set(values)) > 1 and all(isinstance(value, float) and np.isfinite(value) for value in values)

@@ -1,16 +1,13 @@
-"""Inputs of a sweep: a row for each, and the equivalent sweep file."""
+"""What a sweep on the page varies: a row for each input, and the equivalent sweep file."""
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-import panel as pn
-import panel_material_ui as pmui
-import param
 import tomli_w
 
 from app.document.wording import box_text
-from app.ui.view import View
+from app.ui.row_editor import Field, Rows
 from nav_model.budget.inputs import VARIABLES
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
@@ -22,7 +19,6 @@ from nav_model.design.several import with_unit
 from nav_model.explore.margins import usual_range
 from nav_model.explore.trade_map import is_log
 
-NONE = "none"
 _TITLES = {part.section: part.title for part in PARTS}
 _CHOICES = tuple(
     f"{section}.{name}"
@@ -30,6 +26,9 @@ _CHOICES = tuple(
     for name, declared in inputs.items()
     if isinstance(declared, Choice) and section not in ("requirements", "trajectory")
 )
+_BETWEEN = "; "  # names of a row
+EXAMPLE = ("imu.angle_random_walk", "gnss.position_noise")
+"""The inputs of an empty page."""
 
 
 def input_labels() -> dict[str, str]:
@@ -40,84 +39,58 @@ def input_labels() -> dict[str, str]:
 def _all_labels() -> dict[str, str]:
     choices = {f"{_TITLES[key.partition('.')[0]]}: {declaration_of(key).label}": key for key in _CHOICES}
     presets = {f"{_TITLES[key.partition('.')[0]]}: catalogue": key for key in PRESET_KEYS}
-    return {NONE: NONE, **input_labels(), **choices, **presets}
+    return {**input_labels(), **choices, **presets}
 
 
-class SweepRow(View):
-    """One input: its range, or the names it takes."""
-
-    changed = param.Event(doc="Something was chosen or typed.")
-
-    def __init__(self, key: str, design: Callable[[], Design]) -> None:
-        super().__init__()
-        self._design = design
-        look: dict[str, Any] = {"size": "small", "margin": (9, 2, 0, 4)}
-        self.input = pmui.Select(label="Input", options=_LABELS, value=key, width=320, **look)
-        self.low = pmui.TextInput(label="From", width=96, **look)
-        self.high = pmui.TextInput(label="To", width=90, **look)
-        self.points = pmui.TextInput(label="Points", value="20", width=64, **look)
-        self.spacing = pmui.Select(label="Spacing", options=["log", "linear"], width=92, **look)
-        self.names = pmui.MultiChoice(label="Values", options=[], width=350, visible=False, margin=(9, 2, 0, 4))
-        self._fill()
-        self.input.param.watch(lambda _: self._fill(), "value")
-        for box in (self.low, self.high, self.points, self.spacing, self.names):
-            box.param.watch(lambda _: self.param.trigger("changed"), "value")
-        span = pn.FlexBox(self.low, self.high, self.points, self.spacing)  # stays together, beside or below the name
-        self._view = pn.FlexBox(self.input, span, self.names)
-
-    @property
-    def key(self) -> str:
-        """Dotted key of the input, or `NONE`."""
-        return str(self.input.value)
-
-    @property
-    def numeric(self) -> bool:
-        """Whether the input runs through a range."""
-        return self.key in VARIABLES
-
-    def _fill(self) -> None:
-        """The usual range of an input, or all its names."""
-        key = self.key
-        for box in (self.low, self.high, self.points, self.spacing):
-            box.visible = self.numeric
-        self.names.visible = key != NONE and not self.numeric
-        with param.parameterized.discard_events(self):
-            if self.numeric:
-                for box, value in zip((self.low, self.high), usual_range(key), strict=True):
-                    box.value = box_text(self._design(), key, value, 3)
-                self.spacing.value = "log" if is_log(key) and usual_range(key)[0] > 0 else "linear"
-            elif key != NONE:
-                names = _names(key)
-                self.names.param.update(options=names, value=names)
-        self.param.trigger("changed")
-
-    def spec(self) -> Any:
-        """What a sweep file says of this input."""
-        if not self.numeric:
-            return list(self.names.value)
-        unit = self._design().unit(self.key)
-        low, high = (with_unit(box.value.strip(), unit) for box in (self.low, self.high))
-        points = self.points.value.strip()
-        return {
-            "from": low,
-            "to": high,
-            "points": int(points) if points.isdecimal() else points,
-            "spacing": self.spacing.value,
-        }
+FIELDS = (
+    Field("input", "Input", choices=tuple((key, label) for label, key in _all_labels().items()), needed=True),
+    Field("from", "From, or names: A; B"),
+    Field("to", "To"),
+    Field("points", "Points"),
+    Field("spacing", "Spacing", choices=(("", "none"), ("log", "log"), ("linear", "linear"))),
+)
 
 
-def _names(key: str) -> list[str]:
+def usual_row(key: str, design: Design) -> dict[str, str]:
+    """The row of an input that was just chosen: its usual range, or all its names."""
+    if key not in VARIABLES:
+        return {"input": key, "from": _BETWEEN.join(_names(key))}
+    low, high = (box_text(design, key, value, 3) for value in usual_range(key))
+    spacing = "log" if is_log(key) and usual_range(key)[0] > 0 else "linear"
+    return {"input": key, "from": low, "to": high, "points": "20", "spacing": spacing}
+
+
+def chosen_rows(rows: Rows, before: Rows, design: Design) -> Rows:
+    """Rows with those filled in whose input was just chosen."""
+    known = [row["input"] for row in before] if len(before) == len(rows) else [row["input"] for row in rows]
+    return [
+        row if row.get("from") and row["input"] == key else usual_row(row["input"], design)
+        for row, key in zip(rows, known, strict=True)
+    ]
+
+
+def _names(key: str) -> dict[str, Any]:
+    """What an input that is no number may be, by its text."""
     if key in PRESET_KEYS:
-        return list(catalogue(kind_of(key.partition(".")[0])))
+        return {name: name for name in catalogue(kind_of(key.partition(".")[0]))}
     declared = declaration_of(key)
     assert isinstance(declared, Choice)
-    return list(declared.objects)
+    return {str(name): name for name in declared.objects}
 
 
-def sweep_file(design: Design, rows: Sequence[SweepRow]) -> str:
+def _spec(row: Mapping[str, str], design: Design) -> Any:
+    """What a sweep file says of an input."""
+    key = row["input"]
+    if key not in VARIABLES:
+        names = _names(key)
+        return [names.get(name.strip(), name.strip()) for name in row["from"].split(_BETWEEN.strip())]
+    low, high = (with_unit(row.get(end, "").strip(), design.unit(key)) for end in ("from", "to"))
+    points = row.get("points", "").strip()
+    points_spec = int(points) if points.isdecimal() else points
+    return {"from": low, "to": high, "points": points_spec, "spacing": row.get("spacing", "linear")}
+
+
+def sweep_file(design: Design, rows: Sequence[Mapping[str, str]]) -> str:
     """The sweep file of what the rows vary, as `navbudget sweep` takes it."""
-    vary = {row.key: row.spec() for row in rows if row.key != NONE}
+    vary = {row["input"]: _spec(row, design) for row in rows}
     return tomli_w.dumps({"design": tomllib.loads(format_design(design)), "vary": vary})
-
-
-_LABELS = _all_labels()

@@ -22,7 +22,6 @@ from app.subjects.explore.page import ExplorePage
 from app.subjects.explore.ranking import ranked
 from app.subjects.explore.search import EXAMPLE
 from app.subjects.explore.sweep import SweepPanel
-from app.subjects.explore.sweep_inputs import NONE
 from app.subjects.explore.uncertainty import range_of, row_of
 from nav_model import read_design
 from nav_model.budget import analyse
@@ -408,9 +407,8 @@ def test_the_strip_says_the_residual_biases_and_how_many_would_pass_without(expl
 
 
 def _rows(sweep: SweepPanel, *specs: tuple[str, str, str, str]) -> None:
-    for row, (key, low, high, points) in zip(sweep.rows, specs, strict=False):
-        row.input.value = key
-        row.low.value, row.high.value, row.points.value = low, high, points
+    keys = ("input", "from", "to", "points")
+    sweep.inputs.put([{**dict(zip(keys, spec, strict=True)), "spacing": "log"} for spec in specs])
 
 
 async def test_a_sweep_runs_and_says_what_the_budget_says(explore: ExplorePage) -> None:
@@ -455,9 +453,10 @@ async def test_a_sweep_too_large_for_the_page_is_not_started(explore: ExplorePag
 
 async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> None:
     sweep: SweepPanel = _ask(explore, "Sweep")
-    sweep.rows[0].input.value = "imu.preset"
-    sweep.rows[0].names.value = ["LN-200", "STIM300"]
-    sweep.rows[1].input.value = NONE
+    first, second = sweep.inputs.rows
+    sweep.inputs.put([{**first, "input": "imu.preset"}, second])  # just chosen: all of them
+    assert f"{20 * len(catalogue('imu'))} designs" in sweep._count.object
+    sweep.inputs.put([{"input": "imu.preset", "from": "LN-200; STIM300"}])
     await sweep.start()
     columns = sweep.run.result.columns
     for name, ratio in zip(columns["imu.preset"], sweep_ratios(columns), strict=True):
