@@ -115,7 +115,7 @@ def test_a_sweep_is_run_taken_away_and_nothing_axe_minds(visit: Visit, accessibl
     for question in ("Probability", "What would close it", "Sweep"):
         page.get_by_role("button", name=question, exact=True).click()
         if question == "Probability":
-            page.get_by_role("button", name="Assume").click()
+            page.get_by_role("button", name="Every noise typical").click()
             expect(page.get_by_role("status").first).to_contain_text("Probability of closing:")
         accessible(page, question, every=True)
     page.get_by_role("button", name="theme").click()
