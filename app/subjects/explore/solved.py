@@ -13,11 +13,10 @@ from app.document.pane import html_of, prose
 from app.session import Session
 from app.subjects.explore.charts import rank_chart
 from app.subjects.explore.question import NO_LIMIT, Question
-from app.subjects.explore.tables import answer, each_table, solved_blocks
+from app.subjects.explore.tables import answer, solved_blocks
 from app.ui.chart_pane import head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
-from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
 from app.ui.theme import NARROW
@@ -38,16 +37,14 @@ class SolvedPanel(Question):
         super().__init__(session=session, figure=limited if limited in RANKED else RANKED[0])
         self._ways: tuple[Way, ...] = ()
         self._table = SortableTable(self._take, margin=(0, 12))
-        self._each = html_pane("")
         self._head, self._ranking = html_pane("", margin=(6, 10, 0, 10)), html_pane("", margin=(0, 10, 6, 10))
         self._ranking.sizing_mode = "stretch_both"
 
     def __panel__(self) -> pn.Column:
-        folded = Folded([("Each requirement alone", lambda: self._each)])
         chooser = pmui.Select.from_param(self.param.figure, sizing_mode="stretch_width", margin=(8, 12, 0, 12))
         csv = download("Ranking: CSV", "ranking.csv", lambda: to_csv(rank_chart(self.session.design, self.figure)))
         return first_screen(
-            left=[pn.Column(self._table, folded, sizing_mode="stretch_both", styles={"overflow": "auto"})],
+            left=[pn.Column(self._table, sizing_mode="stretch_both", styles={"overflow": "auto"})],
             right=[
                 pn.Column(
                     self._head, chooser, self._ranking, csv,
@@ -60,16 +57,14 @@ class SolvedPanel(Question):
     def show(self, budget: Budget) -> None:
         """Solve and rank again."""
         self._rank()
-        self._ways, html, each = (), "", ""
+        self._ways, html = (), ""
         self.answer = NO_LIMIT
         if budget.verdict.checks:
             solutions = solve(budget.design, verify=False)
             self._ways = value_ways(budget.design, solutions)
             self.answer = answer(budget, solutions, self._ways)
             html = html_of(*solved_blocks(budget, solutions, self._ways))
-            each = html_of(each_table(budget.design, solutions))
         self._table.html = html
-        self._each.say(each)
 
     def _take(self, text: str) -> None:
         """Apply the largest value of the chosen input to the design."""

@@ -27,10 +27,6 @@ from nav_model.explore.sweep_plan import SweepPlan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
 _SURE = 0.95  # probability from which a verdict counts as sure
-_EACH = (
-    "Solved with the other inputs fixed, rounded down to three digits. “Any”: every value the input may take meets "
-    "the limit. “None”: no realistic value does. Larger values that meet a limit again are not listed."
-)
 
 
 def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Answer:
@@ -94,20 +90,6 @@ def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequenc
     helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
     if helpless:
         yield Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}.")
-
-
-def each_table(design: Design, solutions: tuple[Solution, ...]) -> TableBlock:
-    """Every input solved for each requirement alone."""
-    return table(
-        "solved-each",
-        "Largest allowed value for each requirement alone",
-        ("Input", *numbers(*(label_of(solved.requirement) for solved in solutions[0].each))),
-        (
-            (str(declaration_of(solution.key).label), *(_value(design, solved) for solved in solution.each))
-            for solution in solutions
-        ),
-        _EACH,
-    )
 
 
 def map_answer(chart: TradeMapChart, here: float) -> Answer:

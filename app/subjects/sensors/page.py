@@ -1,4 +1,4 @@
-"""The Sensors page: origins of the design's noise values, log analysis, and the catalogue, one view at a time."""
+"""The Sensors page: log analysis and the catalogue, one view at a time, under the origins of the design's noise."""
 
 from typing import Any
 
@@ -10,10 +10,9 @@ from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.data_sheet import DataSheetBox
 from app.subjects.sensors.log_panel import LogPanel, paper
-from app.subjects.sensors.tables import origin_answer, origin_table
+from app.subjects.sensors.tables import origin_answer
 from app.ui.answer_strip import AnswerStrip
 from app.ui.first_screen import screen_of_views
-from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.view import View
@@ -35,7 +34,6 @@ class SensorsPage(View):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
-        self._origins = html_pane(html_of(origin_table(session.design)), margin=(4, 14))
         self.log = LogPanel(session)
         self.sheet = DataSheetBox(session)
         self.tables = {kind: SortableTable(margin=(0, 14), stylesheets=[WHOLE]) for kind in _KINDS}
@@ -46,7 +44,7 @@ class SensorsPage(View):
         self._views = NamedViews(
             "What to see",
             {
-                "My log": lambda: _scrolled(self.log, paper(self._origins)),
+                "My log": lambda: _scrolled(self.log),
                 "IMUs": lambda: _scrolled(paper(self.sheet), self.tables["imu"]),
                 "Radars": lambda: _scrolled(self.tables["radar"]),
             },
@@ -61,7 +59,6 @@ class SensorsPage(View):
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
         self._strip.show(origin_answer(budget.design))
-        self._origins.object = html_of(origin_table(budget.design))
         self.log.moving.follow()
         self.log.static.follow()
         self._mark()

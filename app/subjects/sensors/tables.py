@@ -27,24 +27,14 @@ _TRIADS = {"gyro": "Gyros", "accelerometer": "Accelerometers"}
 
 
 def origin_answer(design: Design) -> Answer:
-    """Where the random walks come from, in a line."""
+    """Where the noise comes from, in a line: a log, the catalogue, or typed."""
     sentences = []
-    for key in WALK_KEYS.values():
+    for key in (*WALK_KEYS.values(), VIBRATION_KEY):
         label, value, source = _origin_row(design, key)
         mark = f" {source.mark}" if source.tone == "warn" else ""
         origin = source.text.partition(":")[0]
         sentences.append(f"{label} {value}: {origin}{mark}.")
     return Answer("Sensor noise", "open", tuple(sentences))
-
-
-def origin_table(design: Design) -> TableBlock:
-    """Origins of the design's noise values: a log, the catalogue, or typed."""
-    return table(
-        "noise-origins",
-        "Where the design's noise comes from",
-        ("Input", *numbers("Value"), "Source"),
-        (_origin_row(design, key) for key in (*WALK_KEYS.values(), VIBRATION_KEY)),
-    )
 
 
 def _origin_row(design: Design, key: str) -> tuple[str, str, Cell]:

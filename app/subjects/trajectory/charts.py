@@ -11,6 +11,9 @@ import numpy as np
 from app.charts.kinds import Array, Band, Chart, LimitLine, Line, Points, Span, without_fixes
 from app.subjects.trajectory.figures import FIGURES, limits_along
 from app.subjects.trajectory.run import Followed
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.units import from_si
+from nav_model.design.figures import figure_in_sentence
 
 if TYPE_CHECKING:
     from nav_model.simulation.result import SimulationResult
@@ -38,7 +41,10 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
 
     flown: simulated runs, laid over the curves where they are of the same flight.
     """
-    figure = FIGURES[name]
+    figure, label = FIGURES[name], figure_in_sentence(name)
+    unit = DIMENSIONS[figure.dimension].default_unit
+    scale, spread = from_si(1.0, unit, figure.dimension), "1σ" if figure.scaled else "90 %"
+    axis = f"{label.rpartition(' ')[2]}, {spread} [{unit}]"  # which has room for its last word
     time = np.array([0.0, 300.0]) if followed is None else followed.result.time_s
     nothing = np.full(len(time), np.nan)
     spans = without_fixes(() if followed is None else followed.result.spec.study.outages) + _line_spans(followed)
@@ -73,12 +79,12 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
         return [line for which, styles in names for line in pair(which, which, f"{which}_{kind}", 1.0, styles)]
 
     limits = () if followed is None else limits_along(followed.result, name)
-    drawn = tuple(LimitLine("limit", "limit", start, stop, figure.scale * level) for start, stop, level in limits)
+    drawn = tuple(LimitLine("limit", "limit", start, stop, scale * level) for start, stop, level in limits)
     attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
-    chosen = pair("figure", figure.in_sentence, "figure", figure.scale, ("exact", "horizontal refined"))
+    chosen = pair("figure", label, "figure", scale, ("exact", "horizontal refined"))
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
     return (
-        chart("figure", figure.label, figure.axis, chosen, drawn, judged_how(followed, name)),
+        chart("figure", figure.label, axis, chosen, drawn, judged_how(followed, name)),
         chart("position", "Position", "position, 1σ [m]", level_and_up("position")),
         chart("velocity", "Velocity", "velocity, 1σ [m/s]", level_and_up("velocity")),
         chart("attitude", "Attitude", "attitude, 1σ [°]", attitude),
@@ -166,7 +172,7 @@ def _swath(followed: Followed) -> Iterator[tuple[str, Array, Array]]:
 
 def shares_chart(followed: Followed, name: str) -> Chart:
     """Shares of the figure's variance by source, stacked; the smaller sources together."""
-    result, figure = followed.result, FIGURES[name]
+    result = followed.result
     rows = result.chosen.shares[name]
     known = rows[:, np.isfinite(rows).all(axis=0)]
     order = np.argsort(-known.mean(axis=1)) if known.size else np.arange(len(rows))
@@ -177,7 +183,7 @@ def shares_chart(followed: Followed, name: str) -> Chart:
     lows = np.vstack([np.zeros(len(result.time_s)), tops[:-1]])
     return Chart(
         key="trajectory-shares",
-        title=f"Shares of {figure.in_sentence}",
+        title=f"Shares of {figure_in_sentence(name)}",
         x_label=_TIME,
         y_label="share [%]",
         lines=(),

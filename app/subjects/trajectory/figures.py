@@ -1,15 +1,11 @@
-"""The figures along a flight: their names on the page, units, and the shares that explain them."""
+"""The figures along a flight: their values in words, their limits, and the one to show first."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app.document.numbers import show
-from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.units import from_si
-from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import FIGURES as DECLARED
 from nav_model.design.figures import IN_FLIGHT
 
@@ -17,51 +13,18 @@ if TYPE_CHECKING:
     from nav_model.trajectory.result import TrajectoryResult
 
 
-@dataclass(frozen=True)
-class FlightFigure:
-    """A figure that a requirement of the design may limit, by its name in a result. dimension: of `show`."""
-
-    name: str
-    label: str
-    dimension: str
-    spread: str
-
-    def show(self, value: float, *, given: bool = False, like: float | None = None) -> str:
-        """A value with its unit; `given` as a person gave it, ``like`` in the unit of this one."""
-        return show(value, self.dimension, given=given, like=like)
-
-    @property
-    def in_sentence(self) -> str:
-        """Its name within a sentence."""
-        return in_sentence(self.label)
-
-    @property
-    def axis(self) -> str:
-        """Label of an axis, which has room for its last word."""
-        return f"{self.in_sentence.rpartition(' ')[2]}, {self.spread} [{DIMENSIONS[self.dimension].default_unit}]"
-
-    @property
-    def scale(self) -> float:
-        """From SI to the axis's unit."""
-        return from_si(1.0, DIMENSIONS[self.dimension].default_unit, self.dimension)
+FIGURES = {name: DECLARED[name] for name in IN_FLIGHT}
+"""Figures that a requirement of the design may limit along a flight."""
 
 
-FIGURES = {
-    name: FlightFigure(
-        name, DECLARED[name].label, DECLARED[name].dimension, "1σ" if DECLARED[name].scaled else "90 %"
-    )
-    for name in IN_FLIGHT
-}
-
-
-def limit_of(result: TrajectoryResult, name: str) -> float:
-    """The limit on one sigma of a figure that holds unless a line has its own; NaN where there is none."""
-    return dict(result.spec.most).get(name, math.nan)
+def show_value(name: str, value: float, *, given: bool = False, like: float | None = None) -> str:
+    """A value of a figure with its unit; `given` as a person gave it, ``like`` in the unit of this one."""
+    return show(value, FIGURES[name].dimension, given=given, like=like)
 
 
 def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, float, float], ...]:
     """Start, stop [s] and level of every limit on one sigma of a figure: one, unless a line has its own."""
-    everywhere = limit_of(result, name)
+    everywhere = dict(result.spec.most).get(name, math.nan)
     limits = [(line.start_s, line.stop_s, line.limits[name]) for line in result.lines if name in line.limits]
     if all(level == everywhere for _, _, level in limits):
         limits = [(float(result.time_s[0]), float(result.time_s[-1]), everywhere)]

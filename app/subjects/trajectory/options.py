@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from app.document.blocks import Answer, Cell, Row, TableBlock, numbers, table
 from app.document.numbers import NONE, percent
-from app.subjects.trajectory.figures import FIGURES
+from app.subjects.trajectory.figures import FIGURES, show_value
 from nav_model.base.units import time_in_words
 from nav_model.design.declaration import in_sentence
+from nav_model.design.figures import figure_in_sentence
 from nav_model.design.trajectory import lines_in_words
 
 _SAME, _NOTHING = 0.005, "the same"
@@ -46,18 +47,18 @@ def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> TableB
                 Cell(option_label(option), value=option.name),
                 Cell(sign, tone=tone),
                 FIGURES[decides].label,
-                NONE if math.isinf(value.worst) else FIGURES[decides].show(value.worst),
-                FIGURES[decides].show(value.limit, given=True),
+                NONE if math.isinf(value.worst) else show_value(decides, value.worst),
+                show_value(decides, value.limit, given=True),
                 change,
                 _longer(option.costs_s),
                 _note(option, buys=not option.useless and change != _NOTHING),
             )
         )
-    figure, planned = FIGURES[name], answer.figures[name]
-    worst = "no value" if math.isinf(planned.worst) else figure.show(planned.worst)
+    planned = answer.figures[name].worst
+    worst = "no value" if math.isinf(planned) else show_value(name, planned)
     return table(
         key,
-        f"Options for {lines_in_words(answer.lines)}; as planned {figure.in_sentence} is {worst} at worst",
+        f"Options for {lines_in_words(answer.lines)}; as planned {figure_in_sentence(name)} is {worst} at worst",
         (
             ("Option", 1.6),
             "Limits",

@@ -9,7 +9,7 @@ import numpy as np
 from app.document.blocks import Answer, Cell, Row, TableBlock, numbers, table
 from app.document.numbers import NONE, percent
 from app.document.verdict import SAID
-from app.subjects.trajectory.figures import FIGURES
+from app.subjects.trajectory.figures import FIGURES, show_value
 from app.subjects.trajectory.run import Followed
 from nav_model.design.figures import figure_in_sentence
 
@@ -26,9 +26,11 @@ def verdict(followed: Followed, name: str) -> Answer:
     processing = result.spec.processing
     elsewhere = _elsewhere(result)
     if not any(line.limits for line in result.lines):
-        figure, values = FIGURES[name], result.chosen.figures[name]
+        values = result.chosen.figures[name]
         values = values[np.isfinite(values)]
-        first = f"{figure.label} is at most {figure.show(values.max())}, {processing}." if values.size else ""
+        first = (
+            f"{FIGURES[name].label} is at most {show_value(name, values.max())}, {processing}." if values.size else ""
+        )
         none = "No requirement of the design limits a figure of the flight."
         return Answer("No limit", "open" if result.closes else "bad", (first, none, *elsewhere))
     failing = [line for line in result.lines if not line.closes]
@@ -63,7 +65,7 @@ def failure(line: LineResult) -> str:
     """Why a line fails: no image of it can be taken, or a figure passes its limit: when, by what, and at worst."""
     if line.reason:
         return f"{line.name} {line.reason}"
-    worst = FIGURES[line.fails_by].show(line.worst[line.fails_by])
+    worst = show_value(line.fails_by, line.worst[line.fails_by])
     return f"{line.name} fails: {line.because}; {worst} at worst"
 
 
@@ -82,8 +84,8 @@ def line_list(followed: Followed, name: str) -> TableBlock:
         why = line.reason or line.because
         texts = (
             f"{why[:1].upper()}{why[1:]}" or figure.label,
-            NONE if worst is None else figure.show(worst, like=limit),
-            NONE if limit is None else figure.show(limit, given=True),
+            NONE if worst is None else show_value(figure.name, worst, like=limit),
+            NONE if limit is None else show_value(figure.name, limit, given=True),
         )
         rows.append((label, Cell(sign, tone=tone), *texts, *([length or NONE] if any(lengths) else [])))
     return table(
@@ -125,11 +127,11 @@ def line_table(followed: Followed, name: str) -> TableBlock:
             limited: tuple[str | Cell, ...] = (NONE, NONE)
             if within is not None:
                 sign, tone = ("✗", "bad") if figure.name in line.failing else ("✓", "good")
-                limit = figure.show(line.limits[figure.name], given=True)
+                limit = show_value(figure.name, line.limits[figure.name], given=True)
                 limited = limit, Cell(percent(within), sign, tone)
             values = (part.get(figure.name) for part in (line.first, line.mean, line.worst))
             like = line.limits.get(figure.name)
-            texts = (NONE if value is None else figure.show(value, like=like) for value in values)
+            texts = (NONE if value is None else show_value(figure.name, value, like=like) for value in values)
             rows.append((figure.label, *texts, *limited))
     return table(
         "trajectory-lines",

@@ -1,4 +1,4 @@
-"""Contributors on the Budget page: the tables that are filled in, the report, and the comparison of designs."""
+"""Contributors on the Allocate page: the tables that are filled in, the report, and the comparison of designs."""
 
 import math
 import re
@@ -9,7 +9,7 @@ import pytest
 from app.document.html import to_html
 from app.report.content import report_of
 from app.session import Session
-from app.subjects.budget.contributors import ContributorsView
+from app.subjects.budget.allocate import AllocatePage
 from nav_model import Design, analyse
 from nav_model.budget.allocation import allocate
 from nav_model.design.contributors import read_contributors
@@ -22,15 +22,14 @@ _DESIGN = Design({"requirements.detrended_phase": 0.4, "requirements.tilt": 0.01
 
 
 @pytest.fixture
-def part() -> ContributorsView:
+def part() -> AllocatePage:
     session = Session(_DESIGN)
-    part = ContributorsView(session)
+    part = AllocatePage(session)
     session.param.watch(lambda event: part.show(event.new), "budget")
-    part.show(session.budget)
     return part
 
 
-def test_what_is_entered_becomes_part_of_the_design_and_can_be_undone(part: ContributorsView) -> None:
+def test_what_is_entered_becomes_part_of_the_design_and_can_be_undone(part: AllocatePage) -> None:
     session, before = part.session, part.session.budget
     part._contributors.put([_ROW | {"source": " "}])
     (contributor,) = session.design.contributors
@@ -58,7 +57,7 @@ def test_what_is_entered_becomes_part_of_the_design_and_can_be_undone(part: Cont
         ([_ROW | {"allowance": "much"}], "lever <arm>, Allowance"),
     ],
 )
-def test_what_is_wrong_is_said_and_leaves_the_design(part: ContributorsView, rows: Any, named: str) -> None:
+def test_what_is_wrong_is_said_and_leaves_the_design(part: AllocatePage, rows: Any, named: str) -> None:
     part._contributors.put(rows)
     assert part.session.design == _DESIGN
     assert part._contributors.refused.startswith(f"{named}: ")
@@ -70,7 +69,7 @@ def test_what_is_wrong_is_said_and_leaves_the_design(part: ContributorsView, row
     assert part.session.design.contributors
 
 
-def test_the_allocation_follows_split_reserve_and_locks(part: ContributorsView) -> None:
+def test_the_allocation_follows_split_reserve_and_locks(part: AllocatePage) -> None:
     part._requirement.value = "tilt"
     part._reserve.value = "30 %"
     part._split.value = "equal"
@@ -101,7 +100,7 @@ def test_the_allocation_follows_split_reserve_and_locks(part: ContributorsView) 
     assert not part._entries.refused
 
 
-def test_frozen_values_stay_with_a_changed_plan_and_are_released_by_a_button(part: ContributorsView) -> None:
+def test_frozen_values_stay_with_a_changed_plan_and_are_released_by_a_button(part: AllocatePage) -> None:
     session = part.session
     assert not part._release.visible
     session.change({}, entries=frozen(session.design, "2026-11-26"))
@@ -144,7 +143,7 @@ def test_a_comparison_lists_contributors_that_differ() -> None:
     assert "The designs have the same inputs." not in html
 
 
-def test_a_ready_made_contributor_asks_for_what_the_design_does_not_have(part: ContributorsView) -> None:
+def test_a_ready_made_contributor_asks_for_what_the_design_does_not_have(part: AllocatePage) -> None:
     part._made.value = "time tag, jitter"
     assert [(box.label, box.visible) for box in part._boxes] == [("Jitter, 1σ", True), ("Acceleration, rms", True)]
     part._boxes[0].value = "1 ms"

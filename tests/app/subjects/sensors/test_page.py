@@ -18,7 +18,7 @@ from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.charts import axis_chart, triad_chart
 from app.subjects.sensors.page import SensorsPage
-from app.subjects.sensors.tables import coefficient_tables, origin_table
+from app.subjects.sensors.tables import coefficient_tables, origin_answer
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_names import scale_of
 from nav_model.allan.static_log import analyse_log
@@ -62,7 +62,7 @@ def test_a_log_at_rest_is_shown_and_taken_over(sensors: SensorsPage):
     assert session.design.imu.velocity_random_walk == pytest.approx(VELOCITY_WALK, rel=0.03)
     assert session.budget["quadratic_phase", "real time"].sigma != before["quadratic_phase", "real time"].sigma
     sensors.show(session.budget)
-    assert "from static log bench.csv" in sensors._origins.object
+    assert "from static log bench.csv" in sensors._strip._text.object
     session.undo()
     assert session.design == before.design
 
@@ -142,8 +142,12 @@ def test_catalogue_marks_what_is_not_confirmed():
 
 def test_origin_says_catalogue_hand_or_log():
     design = first_design()
-    assert "catalogue, STIM300" in html_of(origin_table(design))
-    assert "set by hand" in html_of(origin_table(design.replace({"imu.angle_random_walk": 1e-5})))
+    by_hand = design.replace({"imu.angle_random_walk": 1e-5, "imu.vibration_factor": 2.0})
+    walk, _, factor = origin_answer(design).sentences
+    assert (walk.rpartition(": ")[2], factor.partition(": ")[2]) == (
+        "catalogue, STIM300 ⚠ secondary source.", "bench value; a log in motion gives a better one.",
+    )  # fmt: skip
+    assert [text.rpartition(": ")[2] for text in origin_answer(by_hand).sentences[::2]] == ["set by hand."] * 2
 
 
 def test_charts_carry_confidence_and_fit():
