@@ -1,12 +1,17 @@
 """Design reports: their content (`content`, `inputs`, `comparison`, `studies`), drawn by `app.document`."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from app.document.blocks import Chapter, Report, Section
 from nav_model.base.errors import InputError
-from nav_model.budget import Budget
+
+if TYPE_CHECKING:
+    from app.document.blocks import Chapter, Report, Section
+    from nav_model.budget import Budget
 
 SPREADSHEET = ".xlsx"
 

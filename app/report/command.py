@@ -7,12 +7,9 @@ from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
-from app.document.display import display_of
-from app.document.wording import chapter_key, design_labels
 from app.report import SPREADSHEET, document_bytes, kind_of, report_bytes
 from app.subjects import STUDIES
 from nav_model.base.errors import InputError
-from nav_model.budget import analyse
 
 
 def add_to(commands: Any) -> None:
@@ -40,7 +37,10 @@ def add_to(commands: Any) -> None:
 
 def _report(options: argparse.Namespace) -> int:
     """Write the report; progress of its studies on standard error."""
+    from app.document.display import display_of
+    from app.document.wording import chapter_key, design_labels
     from app.report.studies import study_sections
+    from nav_model.budget import analyse
 
     display_of(options.show)  # refused now, not after the studies
     paths = paths_of(options)

@@ -44,11 +44,18 @@ def test_results_are_utf8_whatever_the_terminal_says():
     assert _process("check", MEMS, PYTHONIOENCODING="ascii", PYTHONUTF8="0").returncode == 1
 
 
-def test_evaluate_imports_neither_screens_nor_scipy():
+SCREENS = {"panel", "bokeh", "matplotlib", "scipy", "numba", "typst", "panel_material_ui", "IPython"}
+
+
+@pytest.mark.parametrize(
+    ("command", "modules"),
+    [(["evaluate", MEMS], SCREENS), (["presets", "imu"], SCREENS | {"nav_model.budget", "app.document"})],
+)
+def test_a_command_loads_what_it_needs(command, modules):
     code = (
         "import sys\nfrom app.cli import main\n"
-        f"assert main(['evaluate', {MEMS!r}]) == 0\n"
-        "names = {'panel', 'bokeh', 'matplotlib', 'scipy', 'numba', 'typst', 'panel_material_ui', 'IPython'}\n"
+        f"assert main({command!r}) == 0\n"
+        f"names = {modules!r}\n"
         "print(sorted(names & set(sys.modules)), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

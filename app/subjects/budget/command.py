@@ -1,27 +1,23 @@
 """The commands `evaluate`, `check`, `allocate` and `presets`: a design's budget, its verdict, what each source may
 take, the catalogue."""
 
+from __future__ import annotations
+
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.ending import one_line, refuse
-from app.document.numbers import margin_in_sentence
-from app.document.sicd import sicd_xml
-from app.document.verdict import SAID, check_words
 from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
-from nav_model.budget import Budget, analyse
-from nav_model.budget.allocation import allocate, check_of
-from nav_model.budget.json import allocation_json, to_json
-from nav_model.budget.provenance import cautions
-from nav_model.budget.sicd import error_statistics
 from nav_model.design.catalogue import catalogue
 from nav_model.design.figures import FIGURES, figure_in_sentence, label_of
 from nav_model.design.other_filters import FILTERS, noise_for
 from nav_model.design.user_entries import SPLITS, Allotment, read_allocation
-from nav_model.explore.vendor_table import COLUMNS, vendor_table, with_unit
+
+if TYPE_CHECKING:
+    from nav_model.budget import Budget
 
 
 def add_to(commands: Any) -> None:
@@ -78,6 +74,9 @@ def add_to(commands: Any) -> None:
 
 
 def _evaluate(options: argparse.Namespace) -> int:
+    from nav_model.budget import analyse
+    from nav_model.budget.json import to_json
+
     (path,) = paths_of(options)
     design = read_design(path, options.changes)
     try:
@@ -85,6 +84,9 @@ def _evaluate(options: argparse.Namespace) -> int:
     except InputError as error:
         raise (error.under("--times") if error.key == "times" else error) from error
     if options.sicd:
+        from app.document.sicd import sicd_xml
+        from nav_model.budget.sicd import error_statistics
+
         sys.stdout.write(sicd_xml(error_statistics(design)).decode())
         return 0
     return put_json(lambda: to_json(budget))
@@ -100,6 +102,8 @@ def _times(text: str | None) -> list[float] | None:
 
 
 def _check(options: argparse.Namespace) -> int:
+    from nav_model.budget import analyse
+
     worst = 0
     for path in paths_of(options):
         try:
@@ -119,6 +123,10 @@ def check_lines(path: str, budget: Budget) -> list[str]:
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
+    from app.document.numbers import margin_in_sentence
+    from app.document.verdict import SAID, check_words
+    from nav_model.budget.provenance import cautions
+
     verdict, tightest = budget.verdict, budget.verdict.tightest
     lines = [
         f"  NOT JUDGED {label_of(name)}: only along a flight, by navbudget trajectory" for name in verdict.elsewhere
@@ -147,6 +155,10 @@ def check_lines(path: str, budget: Budget) -> list[str]:
 
 
 def _allocate(options: argparse.Namespace) -> int:
+    from nav_model.budget import analyse
+    from nav_model.budget.allocation import allocate, check_of
+    from nav_model.budget.json import allocation_json
+
     (path,) = paths_of(options)
     budget = analyse(read_design(path, options.changes))
     try:
@@ -179,6 +191,8 @@ _OF_TABLE = "IMU and receiver alone, without the design's contributors; 1 sigma 
 
 
 def _table(options: argparse.Namespace) -> int:
+    from nav_model.explore.vendor_table import COLUMNS, vendor_table, with_unit
+
     (path,) = paths_of(options)
     design = read_design(path, options.changes)
     if options.imu is not None:
