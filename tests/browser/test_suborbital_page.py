@@ -58,7 +58,7 @@ def test_first_answer_slider_exact_run_stars_file_and_phone(
         page.get_by_role("button", name="Study (JSON)").click()
     assert json.loads(Path(str(waiting.value.path())).read_bytes())["exact"] is True
 
-    page.get_by_role("button", name="Sensors", exact=True).click()
+    page.get_by_role("button", name="Noise", exact=True).click()
     page.get_by_role("button", name="Camera noise", exact=True).click()
     expect(page.get_by_role("heading", name="Final position error from noise")).to_be_visible()
     accessible(page, "camera noise")

@@ -9,7 +9,7 @@ from app.charts.kinds import Chart
 from app.document.blocks import Block, Row, Section, TableBlock, Text, chart_block, table
 from app.subjects.suborbital import tables
 from app.subjects.suborbital.answer import answer
-from app.subjects.suborbital.charts import attitude, errors, flight, sensors
+from app.subjects.suborbital.charts import attitude, errors, flight
 from app.subjects.suborbital.charts.content import Content
 from app.subjects.suborbital.console import study_progress
 from nav_model.design import Design
@@ -20,7 +20,6 @@ from nav_model.suborbital.summary import explain
 from nav_model.suborbital.survey import run_survey
 
 _ERRORS = tuple(partial(draw, channel=c) for c in (2, 1, 0) for draw in (errors.source_chart, errors.aided_chart))
-_SENSORS = tuple(partial(sensors.sensor_chart, sensor=s, axis=axis) for s in (0, 1) for axis in range(3))
 _FLIGHT = (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart, flight.gravity_chart)
 REFERENCES = (f"{WORKS['van Leeuwen 2007']} The camera's stars.",)
 
@@ -70,11 +69,10 @@ def sections(page: Content, key: str) -> tuple[Section, ...]:
         ),
         section("errors", "errors by source, with and without star tracker",
                 *drawn(*_ERRORS, errors.growth_chart), table(tables.source_table), table(tables.gap_table)),
-        section("sensors", "errors of the sensors", *drawn(*_SENSORS)),
         section("attitude", "attitude and stars",
                 *drawn(attitude.inertial_attitude_chart, attitude.navigation_attitude_chart),
                 table(tables.method_table),
-                *drawn(attitude.star_chart, attitude.star_count_chart)),
+                *drawn(attitude.star_chart)),
         section("flight", "trajectory and gravity", *drawn(*_FLIGHT), table(tables.gravity_table)),
         section("inputs", "inputs of the study", _inputs(page.settings, prefix)),
     )  # fmt: skip

@@ -11,6 +11,7 @@ from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content, calle
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.star_camera import StarFrame
 from nav_model.suborbital.summary import PAPER_FINAL_M
+from nav_model.suborbital.survey import Survey
 
 Entry = str | float | None
 """A text, a number in the unit of its column's head, or nothing."""
@@ -201,7 +202,7 @@ def star_table(page: Content) -> TableBlock:
                 strict=True,
             )
         ),
-        _attitude_text(frame),
+        f"{_attitude_text(frame)} {_stars_of(page.survey)}",
         _PIXEL_DIGITS,
     )  # fmt: skip
 
@@ -215,4 +216,16 @@ def _attitude_text(frame: StarFrame) -> str:
     return (
         f"Attitude error about body x, y, boresight: {error} arcsec; predicted 1σ {sigma} arcsec [B-9]. "
         f"{frame.source}."
+    )
+
+
+def _stars_of(survey: Survey) -> str:
+    """The star frames of the whole flight in a sentence."""
+    frames, settings = survey.star_frames, survey.settings
+    mean = sum(frame.stars_in_field for frame in frames) / len(frames)
+    refused = sum(not frame.used for frame in frames)
+    return (
+        f"Along the flight: mean {number(mean)} of {len(settings.sky())} stars at Hp ≤ "
+        f"{number(settings['sky.magnitude_limit'], given=True)} in the field; {refused} of {len(frames)} frames "
+        f"rejected (fewer than {settings.camera().least_stars} stars, or roll too uncertain)."
     )

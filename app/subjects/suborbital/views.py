@@ -14,7 +14,7 @@ from app.charts.kinds import Chart
 from app.declared import chosen, declared, optional
 from app.document.blocks import TableBlock
 from app.document.pane import html_of
-from app.subjects.suborbital.charts import attitude, errors, flight, sensors
+from app.subjects.suborbital.charts import attitude, errors, flight
 from app.subjects.suborbital.charts.content import CHANNELS, SUM, Content
 from app.subjects.suborbital.tables import (
     gap_table,
@@ -70,12 +70,10 @@ VIEWS: tuple[Charts, ...] = (
     Charts("Vertical-channel instability", (errors.growth_chart,), chooses=("case", "channel")),
     Charts("Error sources", tables=(source_table, gap_table)),
     Charts("Published values", tables=tuple(map(_paper, range(4)))),
-    Charts("Sensor errors", tuple(_of(partial(sensors.sensor_chart, sensor=sensor)) for sensor in (0, 1)),
-         chooses=("axis",)),
-    Charts("White noise", (_of(sensors.noise_chart),), chooses=("channel",)),
+    Charts("White noise", (_of(errors.noise_chart),), chooses=("channel",)),
     Charts("Attitude errors", (attitude.inertial_attitude_chart, attitude.navigation_attitude_chart), (method_table,),
          ("case",)),
-    Charts("Stars", (attitude.star_chart, attitude.star_count_chart), (star_table,), ("moment",)),
+    Charts("Stars", (attitude.star_chart,), (star_table,), ("moment",)),
     Charts("Flight path", (flight.map_chart, flight.height_chart, flight.force_chart, flight.rate_chart)),
     Charts("Gravity", (flight.gravity_chart,), (gravity_table,)),
 )  # fmt: skip
@@ -85,7 +83,7 @@ CAMERA_NOISE, INPUTS = "Camera noise", "Inputs"
 _GROUPS = {
     "Position": ("Errors", "Vertical-channel instability"),
     "Sources": ("Error sources", "Published values"),
-    "Sensors": ("Sensor errors", "White noise", CAMERA_NOISE),
+    "Noise": ("White noise", CAMERA_NOISE),
     "Attitude": ("Attitude errors", "Stars"),
     "Flight": ("Flight path", "Gravity"),
     INPUTS: (INPUTS,),
@@ -172,14 +170,7 @@ class StudyViews(View):
     def _chooser(self, name: str) -> Any:
         if name == "moment":
             return pmui.IntSlider.from_param(self.param.moment, width=260, margin=(4, 16))
-        parameter = self.param["channel" if name == "axis" else name]
-        options = {"x": 0, "y": 1, "z": 2} if name == "axis" else None
-        look: dict[str, Any] = {"width": 215, "margin": (8, 6, 0, 6), "size": "small"}
-        if options is None:
-            return pmui.Select.from_param(parameter, **look)
-        axis = pmui.Select(label="Axis", options=options, value=self.channel, **look)
-        axis.link(self, value="channel", bidirectional=True)
-        return axis
+        return pmui.Select.from_param(self.param[name], width=215, margin=(8, 6, 0, 6), size="small")
 
 
 def _table(parts: Follower[Content], build: Callable[[Content], TableBlock]) -> SortableTable:

@@ -32,8 +32,6 @@ TOGETHER = {
     "margins": ("limit", "closes", "does not close"),
     "suborbital sources": ("accelerometers", "gyros", "initial position and velocity", "initial attitude",
                            "everything"),
-    "accelerometer errors": ("accelerometer bias", "accelerometer instability", "everything"),
-    "gyro errors": ("gyro bias", "gyro instability", "everything"),
     "suborbital channel": ("INS alone", "INS with tracker", "decoupled, holds", "decoupled, fails",
                            "formula, holds", "formula, fails", "reference"),
     "suborbital axes": ("axis x", "axis y", "axis z", "axis x, tracker", "axis y, tracker", "axis z, tracker"),

@@ -9,7 +9,6 @@ from app.document.numbers import number, show, show_in
 from app.subjects.suborbital.charts.content import TIME, Content, boost, called
 from nav_model.base.constants import ARCSECOND
 from nav_model.suborbital.navigation_errors import NavigationErrors
-from nav_model.suborbital.survey import STAR_FRAME_SPACING_S
 
 
 def _attitude(page: Content, key: str, title: str, field: str, axes: tuple[str, str, str], note: str) -> Chart:
@@ -88,28 +87,3 @@ def star_chart(page: Content) -> Chart:
         knowledge=f"{frame.source}. Frame {verdict}; {frame.stars_in_field} stars in the field, boresight "
         f"{number(ra)} h, {number(dec)}° on the flight's inertial axes; {lens}.",
     )  # fmt: skip
-
-
-def star_count_chart(page: Content) -> Chart:
-    """Stars in the field along the flight."""
-    frames = page.survey.star_frames
-    x = np.array([frame.time_s for frame in frames])
-    field = np.array([float(frame.stars_in_field) for frame in frames])
-    used = np.array([float(len(frame.identifier)) if frame.used else math.nan for frame in frames])
-    settings = page.survey.settings
-    refused = int(np.sum(np.isnan(used)))
-    return Chart(
-        key="star-count",
-        title="Stars in the field",
-        x_label=TIME,
-        y_label="stars [count]",
-        lines=(
-            Line("field", "in the field", x, field, "axis x", "selection by cone, then square [B-8]"),
-            Line("used", "taken for the attitude", x, used, "axis y", "brightest, frames through the gate"),
-        ),
-        y_range=(0.0, float(np.max(field)) * 1.1 + 1.0),
-        knowledge=f"Every {number(STAR_FRAME_SPACING_S, given=True)} s; {len(settings.sky())} stars at Hp ≤ "
-        f"{number(settings['sky.magnitude_limit'], given=True)}, mean {number(np.mean(field))} in the field; "
-        f"{refused} of {len(frames)} frames rejected (fewer than {settings.camera().least_stars} "
-        "stars, or roll too uncertain).",
-    )

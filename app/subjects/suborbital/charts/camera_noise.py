@@ -23,7 +23,7 @@ def camera_noise_chart(swept: CameraNoise, now_rad: float) -> Chart:
         lines=(
             Line("alone", "INS alone", x, np.full(len(x), swept.alone_m), "INS alone", "covariance of [B-4]"),
             Line("total", "INS with tracker", x, swept.total_m, "INS with tracker", "covariance of [B-4], [B-9]"),
-            Line("camera", "from the camera", x, swept.camera_m, "gyro bias", "covariance of [B-9]"),
+            Line("camera", "from the camera", x, swept.camera_m, "gyros", "covariance of [B-9]"),
             Line("imu", "from the IMU", x, imu, "reference", "covariance of [B-4]"),
         ),
         points=(

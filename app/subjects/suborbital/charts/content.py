@@ -6,7 +6,6 @@ from functools import cached_property
 from app.charts.kinds import Array, Span
 from app.document.numbers import show_in
 from nav_model.suborbital.channels import closed_form_errors
-from nav_model.suborbital.sensor_history import SensorHistory, sensor_history
 from nav_model.suborbital.settings import Settings
 from nav_model.suborbital.star_camera import StarFrame
 from nav_model.suborbital.study import Gap, Study, matrix_gap
@@ -14,8 +13,6 @@ from nav_model.suborbital.survey import Survey
 
 CHANNELS = ("north", "east", "height")
 TRACK_CHANNELS = ("down-range", "cross-range", "height")
-SENSORS = ("accelerometer", "gyro")
-SENSOR_CLASSES = ("bias", "instability", "total")
 SHOWN_SOURCES = {
     "accelerometer total": "accelerometers",
     "gyro total": "gyros",
@@ -69,13 +66,6 @@ class Content:
     def axis(self, channel: int) -> str:
         """Name of a channel in the axes looked at."""
         return (TRACK_CHANNELS if self.along_track else CHANNELS)[channel]
-
-    @cached_property
-    def sensor_errors(self) -> SensorHistory:
-        """Sensor errors along the flight of the classes `SENSOR_CLASSES`, accelerometers then gyros."""
-        study = self.study
-        cases = [study.case(f"{sensor} {kind}") for sensor in SENSORS for kind in SENSOR_CLASSES]
-        return sensor_history(study.flight, study.parameters[cases], study.inputs.errors, study.every)
 
     @cached_property
     def closed_form_m(self) -> Array:

@@ -71,6 +71,25 @@ def _noise(page: Content, aided: bool, channel: int) -> Array:
     return spread.position_sigma_m[:, channel]
 
 
+def noise_chart(page: Content, channel: int) -> Chart:
+    """Sigma of white noise in one channel."""
+    study = page.study
+    spreads = (("INS alone", study.pure_noise), ("INS with tracker", study.aided_noise))
+    return Chart(
+        key=f"white-noise-{CHANNELS[channel]}",
+        title=f"White noise, {CHANNELS[channel]}",
+        x_label=TIME,
+        y_label=f"{CHANNELS[channel]} error, 1σ [m]",
+        lines=tuple(
+            Line(name, name, study.pure.time_s, spread.position_sigma_m[:, channel], name, "covariance of [B-4]")
+            for name, spread in spreads
+        ),
+        spans=boost(study),
+        knowledge="Covariance of [B-4] under white noise [B-1]. The command flies it as a Monte Carlo: `navbudget "
+        "suborbital --noise-runs`.",
+    )
+
+
 def growth_chart(page: Content) -> Chart:
     """Size of the error of one case in one channel on a log scale, against the decoupled channel [B-5]."""
     study, channel = page.study, page.channel

@@ -17,7 +17,7 @@ from app.session import Session
 from app.subjects.suborbital import studies
 from app.subjects.suborbital.answer import answer
 from app.subjects.suborbital.camera import CameraNoisePanel
-from app.subjects.suborbital.charts import attitude, errors, sensors
+from app.subjects.suborbital.charts import attitude, errors
 from app.subjects.suborbital.charts.camera_noise import camera_noise_answer
 from app.subjects.suborbital.charts.content import Content
 from app.subjects.suborbital.page import SuborbitalPage
@@ -268,24 +268,14 @@ def test_a_frame_interval_between_steps_is_refused_and_its_slider_keeps_to_the_s
 
 def test_white_noise_follows_the_inputs_and_the_study_is_taken_away(here: SuborbitalPage) -> None:
     page = here.study.page
-    before = [line.y[-1] for line in sensors.noise_chart(page, 2).lines]
+    before = [line.y[-1] for line in errors.noise_chart(page, 2).lines]
     document = json.loads(here._json())
     assert document["exact"]
     assert document["final_m"]["all"]["up"] == pytest.approx(27319.33, abs=5.0)  # as the command has it
     for key in ("gyros.white_noise", "accelerometers.white_noise"):
         here.inputs.put(key, 2 * page.settings[key])
-    after = [line.y[-1] for line in sensors.noise_chart(here.study.page, 2).lines]
+    after = [line.y[-1] for line in errors.noise_chart(here.study.page, 2).lines]
     assert after == pytest.approx([2 * sigma for sigma in before], rel=1e-9)
-
-
-def test_sensor_errors_are_drawn_per_axis_and_class(survey: Survey) -> None:
-    page = Content(survey, survey.study, survey.settings)
-    lines = {line.key: line for line in sensors.sensor_chart(page, 1, 1).lines}
-    assert list(lines) == ["bias", "instability", "total"]
-    np.testing.assert_allclose(lines["bias"].y + lines["instability"].y, lines["total"].y)
-    # Before the pitch programme the y gyro senses little: bias 4 °/h and 1e-4 of the rates the others sense.
-    assert lines["bias"].y[0] == pytest.approx(4.0, abs=0.05)
-    assert sensors.sensor_chart(page, 0, 0).y_label == "specific force error [mg]"
 
 
 def test_horizontal_errors_are_also_shown_along_and_across_the_track(survey: Survey) -> None:
