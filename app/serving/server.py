@@ -41,7 +41,7 @@ from app.ui.defaults import set_defaults
 from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
 from app.upstream.late_session import page_of, sheets_from_here, visitor
-from app.upstream.rendering import check_given_values, skip_event_copies
+from app.upstream.rendering import check_given_values
 from app.upstream.requests import ask_first, let_nobody_new_in, listen_on, read_any_address, trust_proxies_only
 from app.work import pool as workers
 from nav_model.base.errors import InputError
@@ -141,7 +141,6 @@ def serve_on(
     keep_first_changes()
     read_any_address()
     check_given_values()
-    skip_event_copies()
     trust_proxies_only()
     for name in COMPONENTS:
         import_module(name)

@@ -1,7 +1,4 @@
-"""What a page's parts cost the server to make, to render and to change.
-
-A component is rendered from the parameters of its class, each looked at once; copies of parameters that are there, as
-where one component has bounds of its own, remain in force.
+"""What a page's parts cost the server to make and to change.
 
 Only the properties that a model was given are processed when it is created, searched for models, and serialized.
 Unset properties have their default, which the browser knows too; and no default that all models of a kind share holds
@@ -24,53 +21,6 @@ from bokeh.core.property.descriptors import PropertyDescriptor
 from bokeh.core.property.singletons import Intrinsic, Undefined
 from bokeh.core.property.wrappers import PropertyValueContainer
 from bokeh.model import Model
-from panel.custom import ReactiveESM
-from panel.reactive import Syncable
-from panel.viewable import is_viewable_param
-
-_shipped_properties = ReactiveESM._get_properties
-
-
-@cache
-def _children(kind: type[ReactiveESM]) -> tuple[str, ...]:
-    """The parameters that hold other components."""
-    hidden = kind._property_mapping
-    return tuple(
-        name for name in kind.param if is_viewable_param(kind.param[name]) and hidden.get(name, "") is not None
-    )
-
-
-def _get_children(
-    component: ReactiveESM, _: Any, document: Any, root: Any, parent: Any, comm: Any
-) -> tuple[dict[str, Any], list[Any]]:
-    made: dict[str, Any] = {}
-    models: list[Any] = []
-    for name in _children(component.__class__):
-        made[name], old = component._get_child_model(getattr(component, name), document, root, parent, comm)
-        models += old
-    return made, models
-
-
-def _get_properties(component: ReactiveESM, document: Any) -> dict[str, Any]:
-    private = type(component)._param__private
-    private.disable_instance_params = True
-    try:
-        return _shipped_properties(component, document)
-    finally:
-        private.disable_instance_params = False
-
-
-def _init_params(component: Syncable) -> dict[str, Any]:
-    values = {name: getattr(component, name) for name in component._synced_params}
-    return {name: value for name, value in values.items() if value is not None}
-
-
-def skip_event_copies() -> None:
-    """Install the override; the server calls it once, before it serves."""
-    ReactiveESM._get_properties = _get_properties
-    ReactiveESM._get_children = _get_children
-    Syncable._init_params = _init_params
-
 
 _shipped_query = HasProps.query_properties_with_values
 
