@@ -1,34 +1,29 @@
-"""A chart on a page: title, figure, source and method, and downloads of its data."""
+"""A chart on a page: title, figure, source and method."""
 
 from collections.abc import Callable
 from html import escape
 from typing import Generic, TypeVar
 
 import panel as pn
-import panel_material_ui as pmui
 
-from app.charts.kinds import AnyChart, Chart, Plotted, TradeMapChart, to_csv
+from app.charts.kinds import AnyChart, Chart, Plotted, TradeMapChart
 from app.charts.legend import legend_html
-from app.charts.print.svg import to_svg
 from app.charts.screen.figures import to_bokeh
 from app.charts.words import in_words
 from app.document.pane import prose
-from app.ui.downloads import download
 from app.ui.html_pane import html_pane
-from app.ui.theme import FRAME, ON_A_PHONE, PRINT_NOTHING, PRINT_WHOLE
+from app.ui.theme import FRAME, ON_A_PHONE, PRINT_WHOLE
 from app.ui.turns import debounce
-from app.work.pool import run_in_pool
 
 _T = TypeVar("_T")
 
 
 class ChartPane(Generic[_T]):
-    """One chart on a page, drawn by a function of any input: title, figure, source and method, and downloads of its
-    data.
+    """One chart on a page, drawn by a function of any input: title, figure, source and method.
 
     With a height of None it fills its place (`app.ui.first_screen`): title, legend and a button for source and method
-    share one line, and the page offers the data elsewhere (`download_buttons`). Its texts are updated when a slider
-    stops; ``moving``, if given, describes the part that follows at once.
+    share one line. Its texts are updated when a slider stops; ``moving``, if given, describes the part that follows
+    at once.
     """
 
     def __init__(
@@ -48,20 +43,11 @@ class ChartPane(Generic[_T]):
         phone = [ON_A_PHONE] if self._fills else []
         figure = pn.Column(pn.pane.Bokeh(self.figure.plot, sizing_mode=sizing), sizing_mode=sizing, stylesheets=phone)
         if self._fills:
-            self._tell_soon = debounce(lambda: self._tell(describe(current())))
-            self._takes: list[pmui.FileDownload] = []
+            self._tell_soon = debounce(lambda: self._title.say(self._heading(describe(current()))))
             self.view = pn.Column(self._title, figure, sizing_mode=sizing, stylesheets=[PRINT_WHOLE])
             return
         self._know = html_pane(_know(chart))
-        self._takes = download_buttons(describe, current)
-        self.view = pn.Column(
-            self._title,
-            figure,
-            self._know,
-            pn.FlexBox(*self._takes, stylesheets=[PRINT_NOTHING]),
-            styles=FRAME,
-            stylesheets=[PRINT_WHOLE],
-        )
+        self.view = pn.Column(self._title, figure, self._know, styles=FRAME, stylesheets=[PRINT_WHOLE])
 
     def show(self, data: _T) -> None:
         """Update the figure."""
@@ -70,30 +56,14 @@ class ChartPane(Generic[_T]):
         if self._fills:
             self._tell_soon()
         else:
-            self._tell(chart)
+            self._title.say(self._heading(chart))
             self._know.say(_know(chart))
-
-    def _tell(self, chart: Plotted) -> None:
-        self._title.say(self._heading(chart))
-        for take, label in zip(self._takes, _labels(chart), strict=False):
-            take.label = label
 
     def _heading(self, chart: Plotted) -> str:
         if self._fills:
             beside = f'<span class="quiet fine">{escape(chart.aside)}</span>' if isinstance(chart, Chart) else ""
             return head_html(chart.title, chart.knowledge, beside, legend_html(chart), described(chart))
         return f"<h3>{escape(chart.title)}</h3>"
-
-
-def download_buttons(describe: Callable[[_T], AnyChart], current: Callable[[], _T]) -> list[pmui.FileDownload]:
-    """Buttons that take a chart's data away (CSV), or the chart as it prints (SVG)."""
-    chart = describe(current())
-    csv_label, svg_label = _labels(chart)
-    return [
-        download(csv_label, f"{chart.key}.csv", lambda: to_csv(describe(current()))),
-        # Drawn in a worker: the plotting library would hold up every slider.
-        download(svg_label, f"{chart.key}.svg", lambda: run_in_pool(to_svg, describe(current()))),
-    ]
 
 
 def head_html(title: str, knowledge: str, *more: str) -> str:
@@ -104,10 +74,6 @@ def head_html(title: str, knowledge: str, *more: str) -> str:
         f'<div class="head"><h3>{escape(title)}</h3>{"".join(more)}'
         f'<details class="how">{how}<div>{prose(knowledge)}</div></details></div>'
     )
-
-
-def _labels(chart: AnyChart) -> tuple[str, str]:
-    return f"{chart.title}: CSV", f"{chart.title}: SVG"
 
 
 def _know(chart: Plotted) -> str:

@@ -8,6 +8,8 @@ import panel_material_ui as pmui
 
 from app.ui.view import View
 
+_SHEET = "@media print { .MuiAccordion-root:not(.Mui-expanded) { display: none; } }"
+
 
 class Folded(View):
     """Titled parts that unfold.
@@ -34,6 +36,7 @@ class Folded(View):
             title_variant="body2",
             sizing_mode="stretch_width",
             margin=(8, 10),
+            stylesheets=[_SHEET],
         )
         self._view.param.watch(self._opened, "active")
 

@@ -1,23 +1,19 @@
 """The page of a study: one run, its settings in the link, its result, and a strip that says what it is of."""
 
 import asyncio
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, ClassVar, Generic, TypeVar
 
 import panel as pn
 import param
 
-from app.charts.kinds import AnyChart
 from app.declared import required
 from app.document.blocks import Answer
 from app.session import Session
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import download_buttons
 from app.ui.follower import Follower
 from app.ui.run_bar import RunBar
 from app.ui.study_settings import StudySettings
-from app.ui.theme import PRINT_NOTHING
 from app.ui.view import View
 from app.work.result_cache import cached, keep
 from app.work.run import Run
@@ -185,12 +181,3 @@ class StudyPage(View, Generic[_T]):
 
     def _refuse(self, why: object) -> None:
         self._say(f"Not used. {why}")
-
-
-def exports(
-    files: list[pn.viewable.Viewable], draws: list[Callable[[_T], AnyChart]], current: Callable[[], _T]
-) -> pn.FlexBox:
-    """Downloads of a result: files, then every chart's data (CSV) and drawing (SVG)."""
-    return pn.FlexBox(
-        *files, *(take for draw in draws for take in download_buttons(draw, current)), stylesheets=[PRINT_NOTHING]
-    )

@@ -5,7 +5,7 @@
 - `flown_engine`, `flown_smoother`: the same strategies on full runs of the simulator;
 - `design_case`, `design_study`, `study`, `decomposition`: a design as a case, and its study;
 - `design_map`, `winners`: the best strategy over aperture time and GNSS noise;
-- `line_of_sight`, `image`, `back_projection`, `scene`, `pictures`: from errors to phase and to images.
+- `line_of_sight`, `image`, `back_projection`, `pictures`: from errors to phase and to images.
 
 Geometry, phase budget and impulse response of one aperture are in `nav_model.aperture`.
 """

@@ -1,4 +1,4 @@
-"""Images: a point target under a phase history, small scenes, and real phase histories by back-projection.
+"""Images: a point target under a phase history, and real phase histories by back-projection.
 
 Phase histories are frequency-domain, range-referenced samples s = sum a exp(-j 4 pi f (R - r0) / c), the form
 of the public AFRL collections. Back-projection is exact in geometry and takes any track; the kernel here is
@@ -15,7 +15,6 @@ from nav_model.aperture.window import Window, weights_of
 from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.base.npz_arrays import read_npz_arrays
-from nav_model.sar.line_of_sight import ApertureGeometry, ranges_to_target
 
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20
@@ -95,24 +94,6 @@ def read_phase_history(name: str, data: bytes) -> PhaseHistory:
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
-
-
-def simulate_phase_history(
-    geometry: ApertureGeometry, time: ArrayLike, frequency: ArrayLike, targets: ArrayLike, amplitudes: ArrayLike = 1.0
-) -> PhaseHistory:
-    """Phase history of point targets (m, 3) [m] about the scene centre, seen from a straight aperture.
-
-    Axes x along track, y away from the track, z down, origin at the scene centre; pulses at ``time`` (P,).
-    """
-    targets = np.atleast_2d(np.asarray(targets, float))
-    frequency = np.asarray(frequency, float)
-    position = -ranges_to_target(geometry, time)
-    reference = np.linalg.norm(position, axis=1)
-    samples = np.zeros((len(frequency), len(position)), complex)
-    for target, amplitude in zip(targets, np.broadcast_to(amplitudes, len(targets)), strict=True):
-        beyond = np.linalg.norm(target - position, axis=1) - reference
-        samples += amplitude * np.exp(-4j * np.pi / SPEED_OF_LIGHT * np.outer(frequency, beyond))
-    return PhaseHistory(samples, frequency, position, reference)
 
 
 def back_project(

@@ -1,4 +1,4 @@
-"""Pictures with the navigation errors of a study: a point, a few targets, a real phase history."""
+"""Pictures with the navigation errors of a study: a point, a real phase history."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,10 @@ from numpy.typing import ArrayLike
 from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
 from nav_model.budget import Budget
-from nav_model.sar.design_case import design_case
 from nav_model.sar.image import back_project, point_target_image, pulse_errors, read_phase_history
-from nav_model.sar.scene import scene_images
 
 _MOST_BANDWIDTH = 0.3  # of the carrier
 _POINT_AZIMUTH, _POINT_RANGE = 10.0, 5.0  # cells each side of the point
-_SCENE_CELLS = 22.0
-_SCENE_PIXELS = 96
-# Azimuth and range of each target, in cells, and its amplitude: pairs two and four cells apart, weak beside strong.
-_TARGETS = (
-    (0.0, 0.0, 1.0), (-14.0, 12.0, 1.0), (-12.0, 12.0, 1.0), (10.0, 12.0, 1.0), (14.0, 12.0, 1.0),
-    (-13.0, -11.0, 1.0), (-8.0, -11.0, 0.2), (12.0, -11.0, 0.5),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -53,20 +44,6 @@ def point_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
         budget.sar.window,  # type: ignore[arg-type]
     )
     return Pictures(azimuth * budget.sar.cell_length, ranges * cell, np.swapaxes(power, -1, -2), cell, cut)
-
-
-def scene_pictures(budget: Budget, residual: Array) -> Pictures:
-    """Eight point targets on the ground under each residual (k, n) [m], dB over a unit target."""
-    case = design_case(budget)
-    cell, cut = _range_cell(budget)
-    along, away = budget.sar.cell_length, cell / np.cos(case.geometry.grazing_angle)
-    size = max(along, away)
-    targets = np.array([(x * size, y * size) for x, y, _ in _TARGETS])
-    axis, power = scene_images(
-        case.geometry, case.aperture_time, case.wavelength, SPEED_OF_LIGHT / (2 * cell), targets, residual,
-        [amplitude for *_, amplitude in _TARGETS], _SCENE_CELLS * size, _SCENE_PIXELS, case.window,
-    )  # fmt: skip
-    return Pictures(axis, axis, power, cell, cut)
 
 
 def uploaded_pictures(

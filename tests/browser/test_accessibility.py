@@ -151,12 +151,14 @@ def test_the_page_prints_without_its_tools(visit: Visit, settled: Callable[[Page
     text = [" ".join(sheet.extract_text().split()) for sheet in sheets]
     assert 1 <= len(sheets) <= 4
     assert page.locator(".bk-Figure:visible").first.evaluate("e => e.style.zoom") == ""  # as it was
+    page.emulate_media(media="print")
+    expect(page.get_by_role("button", name="Requirements and cautions")).to_be_visible()
+    expect(page.get_by_role("button", name="Paired echoes")).to_be_hidden()  # a fold that is closed
     if dark:  # turned over as a picture
-        page.emulate_media(media="print")
         assert "invert" in page.locator(".page").evaluate("e => getComputedStyle(e).filter")
         return
     for words in ("Does not close", "Detrended phase", "initial tilt", "Point target in azimuth"):
         assert words in text[0], words  # verdict, tiles and both phase figures on one sheet
     assert any("Main error source" in sheet for sheet in text)
-    for tool in ("Show help for all inputs", "PDF report", "Suborbital", "Position sigma: CSV"):
+    for tool in ("Show help for all inputs", "PDF report", "Suborbital", "SICD XML"):
         assert not any(tool in sheet for sheet in text), tool

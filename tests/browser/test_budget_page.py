@@ -1,10 +1,9 @@
 """The Budget page as a person uses it."""
 
-import csv
-import io
 import re
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from known_designs import MEMS
@@ -253,16 +252,11 @@ def test_what_would_close_it_is_one_press_away(desk: Page) -> None:
     expect(desk.get_by_role("button", name="Largest allowed values")).to_be_visible()
 
 
-def test_chart_data_to_take_away(plain: Page) -> None:
+def test_image_location_errors_are_taken_away(plain: Page) -> None:
     with plain.expect_download() as waiting:
         plain.get_by_role("button", name="Exports").click()
-        plain.get_by_role("button", name="Position sigma: CSV").click()
-    rows = list(csv.reader(io.StringIO(content(waiting.value).decode())))
-    budget = analyse(example("mems_x_band"))
-    refined = list(budget.coast.refined_horizontal)  # after the times with fixes
-    assert [float(row[2]) for row in rows if row[0] == "horizontal"][-len(refined) :] == pytest.approx(
-        refined, rel=1e-15
-    )
+        plain.get_by_role("button", name="Image location errors: SICD XML").click()
+    assert ElementTree.fromstring(content(waiting.value)).tag == "{urn:SICD:1.4.0}ErrorStatistics"
 
 
 @pytest.mark.parametrize(

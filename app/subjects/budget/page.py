@@ -28,7 +28,7 @@ from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table
 from app.subjects.budget.vendor import VendorPanel
 from app.ui.answer_strip import AnswerStrip
-from app.ui.chart_pane import ChartPane, described, download_buttons, head_html
+from app.ui.chart_pane import ChartPane, described, head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
@@ -250,14 +250,10 @@ class BudgetPage(View):
         return panel
 
     def _exports(self) -> Any:
-        now = self._details.known
-
         def sicd() -> bytes:
-            return sicd_xml(error_statistics(now().design))
+            return sicd_xml(error_statistics(self.session.design))
 
-        takes = [take for describe in charts.FIRST_SCREEN for take in download_buttons(describe, now)]
-        takes.append(download("Image location errors: SICD XML", "error-statistics.xml", sicd))
-        return pn.FlexBox(*takes, stylesheets=[PRINT_NOTHING])
+        return download("Image location errors: SICD XML", "error-statistics.xml", sicd, stylesheets=[PRINT_NOTHING])
 
 
 def _ask(budget: Budget) -> str:

@@ -15,7 +15,7 @@ from app.library.store import Revision
 from app.report import report_bytes
 from app.report.comparison import closing_words, difference_tables, phase_comparison, position_comparison
 from app.subjects.review.desk import LOOK, Desk, listed
-from app.ui.chart_pane import ChartPane, described, download_buttons, source_note
+from app.ui.chart_pane import ChartPane, described, source_note
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.view import View
@@ -60,11 +60,7 @@ class CompareView(View):
         # A new figure for each comparison: it has as many lines as there are designs.
         self._charts.objects = [
             ChartPane(lambda at: display.timeline(position_comparison(*at)), lambda: (budgets, labels), _HEIGHT).view,
-            pn.Column(
-                html_pane(html, margin=(10, 14)),
-                pn.FlexBox(*download_buttons(lambda _: phase, lambda: None)),
-                styles=FRAME,
-            ),
+            pn.Column(html_pane(html, margin=(10, 14)), styles=FRAME),
         ]
         self._link.value = comparison_link(revisions)
         self._tools.visible = True

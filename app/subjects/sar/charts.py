@@ -154,17 +154,31 @@ def _rank(dot: Dot) -> float:
 
 
 POINT_TITLE = "Point target under each strategy"
-SCENE_TITLE = "Eight point targets on the ground: pairs 4 and 2 cells apart, and one at −14 dB beside a strong one"
 
 
 def point_picture(budget: Budget, pictures: Pictures) -> PictureChart:
     """The focused point under each strategy."""
-    return _picture(budget, pictures, "sar-point", POINT_TITLE, "the error-free peak", "range [m]")
-
-
-def scene_picture(budget: Budget, pictures: Pictures) -> PictureChart:
-    """Eight point targets under each strategy."""
-    return _picture(budget, pictures, "sar-scene", SCENE_TITLE, "a unit target", "ground range [m]")
+    cell = f"range cell {number(pictures.range_cell)} m" + (
+        ", coarser than the azimuth resolution because the bandwidth is limited to 0.3 of the carrier"
+        if pictures.bandwidth_cut
+        else ", set equal to the azimuth resolution"
+    )
+    rows = [row for row, _ in strategies_of(budget)]
+    power_db = pictures.power_db[rows]
+    return PictureChart(
+        key="sar-point",
+        title=POINT_TITLE,
+        x_label="azimuth [m]",
+        y_label="range [m]",
+        x=pictures.x,
+        y=pictures.y,
+        power_db=power_db,
+        names=tuple(STRATEGIES[row].name for row in rows),
+        captions=tuple(f"peak {signed_decibels(float(power.max()))}" for power in power_db),
+        reference=f"relative to the error-free peak; typical run; {cell}",
+        knowledge="All images share one scale, relative to the error-free peak. "
+        f"Typical run of the ensemble; {cell}.",
+    )
 
 
 def uploaded_picture(pictures: Pictures, name: str, key: str) -> PictureChart:
@@ -196,29 +210,6 @@ def to_npz(chart: PictureChart) -> bytes:
 def _brightest(pictures: Pictures, index: int) -> tuple[float, float]:
     row, column = np.unravel_index(int(pictures.power_db[index].argmax()), pictures.power_db[index].shape)
     return float(pictures.x[column]), float(pictures.y[row])
-
-
-def _picture(budget: Budget, pictures: Pictures, key: str, title: str, over: str, y_label: str) -> PictureChart:
-    cell = f"range cell {number(pictures.range_cell)} m" + (
-        ", coarser than the azimuth resolution because the bandwidth is limited to 0.3 of the carrier"
-        if pictures.bandwidth_cut
-        else ", set equal to the azimuth resolution"
-    )
-    rows = [row for row, _ in strategies_of(budget)]
-    power_db = pictures.power_db[rows]
-    return PictureChart(
-        key=key,
-        title=title,
-        x_label="azimuth [m]",
-        y_label=y_label,
-        x=pictures.x,
-        y=pictures.y,
-        power_db=power_db,
-        names=tuple(STRATEGIES[row].name for row in rows),
-        captions=tuple(f"peak {signed_decibels(float(power.max()))}" for power in power_db),
-        reference=f"relative to {over}; typical run; {cell}",
-        knowledge=f"All images share one scale, relative to {over}. Typical run of the ensemble; {cell}.",
-    )
 
 
 def winner_chart(budget: Budget) -> MapChart:

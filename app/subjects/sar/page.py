@@ -10,7 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import AnyChart, Chart, DotChart, PictureChart
+from app.charts.kinds import Chart, DotChart, PictureChart
 from app.charts.legend import legend_html
 from app.charts.screen.pictures import picture_gallery
 from app.declared import chosen
@@ -21,7 +21,6 @@ from app.session import Session
 from app.subjects.sar.charts import (
     POINT_TITLE,
     RUN_CHARTS,
-    STRATEGY_CHARTS,
     point_picture,
     quadratic_chart,
     residual_chart,
@@ -39,7 +38,8 @@ from app.ui.folded import Folded
 from app.ui.follower import Follower
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
-from app.ui.study_page import StudyPage, exports
+from app.ui.study_page import StudyPage
+from app.ui.theme import PRINT_NOTHING
 from app.work.run import Run
 from nav_model.budget import Budget
 from nav_model.sar.design_case import Engine
@@ -177,15 +177,11 @@ class SarPage(StudyPage[SarResult]):
         return head_html(chart.title, chart.knowledge, self._mark, legend_html(chart)) + ranks_html(chart)
 
     def _exports(self) -> pn.FlexBox:
-        def of_strategies(draw: Callable[..., AnyChart]) -> Callable[[SarResult], AnyChart]:
-            return lambda result: draw(self._session.budget, self._closed, result.study)
-
-        files = [
+        return pn.FlexBox(
             download("All of the study (JSON)", "sar-study.json", self._json),
             download("Point target (NPZ)", "sar-point.npz", self._npz),
-        ]
-        draws = [*map(of_strategies, STRATEGY_CHARTS), lambda _: winner_chart(self._session.budget)]
-        return exports(files, draws, self._of_result.known)
+            stylesheets=[PRINT_NOTHING],
+        )
 
     def _npz(self) -> bytes:
         assert self._points is not None  # exports come with a result

@@ -6,7 +6,7 @@ from app.charts.kinds import Drawing
 from app.document.blocks import Block, Section, Text, chart_block
 from app.document.numbers import degrees
 from app.document.wording import identified
-from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, point_picture, scene_picture, winner_chart
+from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, point_picture, winner_chart
 from app.subjects.sar.command import studied
 from app.subjects.sar.run import SarResult
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables
@@ -14,7 +14,7 @@ from nav_model.aperture.geometry import metres_to_phase
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
 from nav_model.sar.design_case import design_case
-from nav_model.sar.pictures import point_pictures, scene_pictures
+from nav_model.sar.pictures import point_pictures
 
 REFERENCES = (
     f"{WORKS['Rauch 1965']} Both smoothers.",
@@ -49,8 +49,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     budget, closed = study.budget, study.closed
     word, why = answer(budget, closed, study)
     parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
-    scene = scene_picture(budget, scene_pictures(budget, study.typical))
-    images = (point_picture(budget, result.points), scene, result.uploaded)
+    images = (point_picture(budget, result.points), result.uploaded)
     phase = degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
 
     def drawn(*charts: Drawing) -> tuple[Block, ...]:

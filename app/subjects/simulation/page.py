@@ -37,8 +37,8 @@ from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.study_page import StudyPage, exports
-from app.ui.theme import STACK_ON_A_PHONE
+from app.ui.study_page import StudyPage
+from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import upload
 from app.work.pool import run_in_pool
 from app.work.run import Run
@@ -207,7 +207,7 @@ class SimulatePage(StudyPage[Flown]):
         def file(kind: str) -> Any:
             return download(names[kind], f"simulation{kind}", lambda: FILES[kind](study().study))
 
-        return exports([*map(file, names)], [_of_study(draw) for draw in (*TIMELINES, *CONSISTENCY)], study)
+        return pn.FlexBox(*map(file, names), stylesheets=[PRINT_NOTHING])
 
     # --- the run --------------------------------------------------------------------------------------
 

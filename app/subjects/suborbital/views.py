@@ -24,9 +24,7 @@ from app.subjects.suborbital.tables import (
     source_table,
     star_table,
 )
-from app.ui.chart_pane import download_buttons
 from app.ui.first_screen import first_screen
-from app.ui.folded import Folded
 from app.ui.follower import Follower
 from app.ui.html_pane import html_pane
 from app.ui.named_views import NamedViews
@@ -158,14 +156,7 @@ class StudyViews(View):
         half = len(made) // 2 or 1
         choosers = [pn.FlexBox(*map(self._chooser, view.chooses))] if view.chooses else []
 
-        def takes() -> pn.FlexBox:
-            return pn.FlexBox(*(take for draw in view.charts for take in download_buttons(draw, parts.known)))
-
-        return pn.Column(
-            first_screen(*choosers, left=made[:half], right=made[half:], height="100%"),
-            *([Folded([("Downloads of this view", takes)])] if view.charts else []),
-            **fills,
-        )
+        return pn.Column(first_screen(*choosers, left=made[:half], right=made[half:], height="100%"), **fills)
 
     def _chooser(self, name: str) -> Any:
         if name == "moment":

@@ -42,7 +42,7 @@ from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
-from app.ui.study_page import StudyPage, exports
+from app.ui.study_page import StudyPage
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import UploadedFile, upload
 from app.work.cancellable import run_alone
@@ -331,13 +331,13 @@ class TrajectoryPage(StudyPage[Followed]):
 
     def _exports(self) -> pn.FlexBox:
         known = self._of_result.known
-        files = [
+        return pn.FlexBox(
             download("Everything (JSON)", "trajectory.json", lambda: as_json(known())),
             download("Figures (CSV)", "trajectory.csv", lambda: as_csv(known())),
             download("Lines with their verdict (KML)", "trajectory.kml", lambda: as_kml(known())),
             download("Plan with lines (QGroundControl)", "trajectory.plan", lambda: as_plan(known())),
-        ]
-        return exports(files, [map_chart, self._drawn_shares], known)
+            stylesheets=[PRINT_NOTHING],
+        )
 
     # --- the flight -----------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ import pytest
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.sar.image import read_phase_history
-from nav_model.sar.pictures import point_pictures, scene_pictures, uploaded_pictures
+from nav_model.sar.pictures import point_pictures, uploaded_pictures
 
 GOTCHA = Path(__file__).parents[4] / "shared/data/sar_gotcha_pass1_az001_HH.npz"
 BUDGET = analyse(Design({"radar.aperture_time": 5.0, "radar.azimuth_resolution": 0.5}))
@@ -35,16 +35,6 @@ def test_a_band_wider_than_the_carrier_allows_is_cut_and_said():
     pictures = point_pictures(budget, X * 0)
     assert pictures.bandwidth_cut
     assert pictures.range_cell == pytest.approx(299792458 / (2 * 0.3 * 3e8))
-
-
-def test_the_scene_shows_its_targets_and_the_error_blurs_them():
-    pictures = scene_pictures(BUDGET, np.stack([0 * X, quadratic(3 * np.pi)]))
-    sharp, blurred = pictures.power_db
-    assert sharp.max() == pytest.approx(0.0, abs=1.0)  # a target between two pixels
-    assert blurred.max() < -3
-    row, column = np.unravel_index(sharp[40:56, 40:56].argmax(), (16, 16))
-    assert abs(pictures.x[40 + column]) < 0.7
-    assert abs(pictures.y[40 + row]) < 0.7
 
 
 def gotcha():

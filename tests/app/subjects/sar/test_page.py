@@ -22,7 +22,7 @@ from app.serving.server import first_design
 from app.session import Session
 from app.subjects.sar import run as sar_run
 from app.subjects.sar import upload as sar_upload
-from app.subjects.sar.charts import residual_chart, scene_picture, winner_chart
+from app.subjects.sar.charts import residual_chart, winner_chart
 from app.subjects.sar.page import SarPage
 from app.subjects.sar.report import sections
 from app.subjects.sar.run import SarResult, run_strategies
@@ -31,7 +31,6 @@ from app.work.run import Run
 from nav_model.budget import analyse
 from nav_model.design.link import split_link
 from nav_model.sar.design_study import closed_forms
-from nav_model.sar.pictures import scene_pictures
 from nav_model.sar.strategies import NAMES
 
 pytestmark = pytest.mark.long
@@ -249,7 +248,7 @@ def test_an_upload_is_refused_by_name_formed_when_it_is_good_and_told_in_the_rep
     assert images.visible
     finding = session.findings["sar"]
     (section,) = (part for part in sections(finding, "d") if part.title == "SAR: images")
-    assert [block.chart.key for block in section.blocks] == ["sar-point", "sar-scene", "sar-phase-history"]
+    assert [block.chart.key for block in section.blocks] == ["sar-point", "sar-phase-history"]
     assert "point.npz" in to_svg(section.blocks[-1].chart)
     assert "wide&#x27; is not a number from 1 to 5000" in form(half_width="wide")
     assert not images.visible
@@ -314,14 +313,13 @@ def test_the_simulator_is_a_second_engine_and_stands_beside_the_first(sar: SarPa
 
 def test_pictures_and_study_are_taken_away(sar: SarPage) -> None:
     run(sar)
-    points, budget = sar._result.points, sar._result.study.budget
+    points = sar._result.points
     rows = [row for row, key in enumerate(NAMES) if key != "3"]
-    scene = scene_picture(budget, scene_pictures(budget, sar._result.study.typical))
     with np.load(io.BytesIO(sar._npz())) as packed:
         assert packed["power_db"].shape == (9, 61, 121)
         np.testing.assert_array_equal(packed["power_db"], points.power_db[rows])
         assert packed["names"][0] == "Ideal"
-    drawn = to_svg(scene)
+    drawn = to_svg(sar._points)
     assert drawn.count("<image") >= 9
     assert "RTS smoother of the aperture" in drawn
     assert "azimuth [m]" in drawn
