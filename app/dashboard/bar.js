@@ -28,8 +28,8 @@ export function render({ model }) {
     </div>
     <div class="menu" data-for="open" hidden>
       <button class="file" type="button">Design file…</button>
-      <button data-do="examples" type="button">Examples</button>
       <button data-do="reset" type="button">Reset</button>
+      <p>Examples</p>
     </div>
     <div class="menu" data-for="share" hidden>
       <label>Link to this design and page<input type="text" readonly></label>
@@ -153,6 +153,10 @@ export function render({ model }) {
   for (const button of all("[data-do]")) button.onclick = () => { shut(); tell({ do: button.dataset.do }) }
   at(".tour").onclick = () => { shut(); window.dispatchEvent(new CustomEvent("navbudget-tour", { detail: at(".tour") })) }
   at(".file").onclick = () => { shut(); chooser.click() }
+  for (const [key, textContent, title] of model.examples) {
+    const onclick = () => { shut(); tell({ do: "example", key }) }
+    at("[data-for=open]").append(Object.assign(document.createElement("button"), { type: "button", textContent, title, onclick }))
+  }
   chooser.onchange = async () => {
     const [file] = chooser.files
     if (!file) return

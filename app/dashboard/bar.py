@@ -30,6 +30,7 @@ class HeaderBar(PlainScript):
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)
     link = param.String(doc="The design in force and the study beside it, as a link's query.")
+    examples = param.List(default=[], doc="Key, name and description of each design to start from.")
     most = param.Integer(default=0, doc="Bytes of the largest design file that is taken.")
     studies = param.List(default=[], doc="Dicts of kind, label, ticked: the finished studies a report may hold.")
     left_out = param.String(doc="What a report written now would lack.")

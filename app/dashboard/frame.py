@@ -22,7 +22,7 @@ from app.ui.faults import report_to
 from app.ui.html_pane import html_pane
 from app.ui.paper import fit_to_paper
 from app.ui.remembered import DISPLAY_COOKIE, Remembered
-from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_NOTHING, PRINT_PAGE
+from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_PAGE
 from app.ui.tour import Tour
 from app.ui.turns import debounce, defer
 from app.upstream.browser import Repairs
@@ -67,7 +67,6 @@ class Frame(pn.viewable.Viewer):
         self._addressed = False  # the page is being turned because the address says so
         first = self._opening.page
         self._places = [pn.Column(visible=i == first) for i in range(len(TABS))]
-        self._examples = pn.Column(visible=False, stylesheets=[PRINT_NOTHING])
         self._notice = pmui.Alert(
             object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
         )
@@ -78,7 +77,7 @@ class Frame(pn.viewable.Viewer):
         )
         empty = not (pn.state.location and pn.state.location.search)
         self._sidebar = Sidebar(session, self._lead_to, empty)
-        self._toolbar = Toolbar(session, self._say, self._examples)
+        self._toolbar = Toolbar(session, self._say)
         self._toolbar.bar.active = first
         self._open_page(first)
         self._tour = Tour(offers=first == 0, margin=0, sizing_mode="stretch_width")
@@ -250,7 +249,6 @@ class Frame(pn.viewable.Viewer):
             main=[
                 pn.Column(
                     self._notice,
-                    self._examples,
                     self._note,
                     *self._places,
                     self._tour,

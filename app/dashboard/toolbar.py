@@ -13,6 +13,7 @@ from app.dashboard.report_choice import ReportChoice
 from app.declared import required
 from app.document.display import display_of
 from app.document.wording import chapter_key, slug
+from app.examples import EXAMPLES, example
 from app.report import report_bytes
 from app.report.studies import study_sections
 from app.report.supplier import NAMES, supplier_bytes
@@ -35,20 +36,19 @@ class Toolbar(View):
     ----------
     say : callable
         Shows a message above the page; its second argument, "error" unless given, is how grave it is.
-    examples : pn.Column
-        Where the examples appear when they are asked for.
     """
 
     session = required(Session)
 
-    def __init__(self, session: Session, say: Callable[..., None], examples: pn.Column) -> None:
+    def __init__(self, session: Session, say: Callable[..., None]) -> None:
         super().__init__(session=session)
-        self._say, self._examples = say, examples
+        self._say = say
         self._choice = ReportChoice(session)
         self._report = session.new_run()
         self._view = self.bar = HeaderBar(
             self._do,
             tabs=[[tab.group, tab.title, tab.address] for tab in TABS],
+            examples=[[key, example(key).name, example(key).description] for key in EXAMPLES],
             most=MAX_BYTES,
             named=session.design.name,
             description=session.design.description,
@@ -89,8 +89,8 @@ class Toolbar(View):
                 self.session.redo()
             case "reset":
                 self.session.reset()
-            case "examples":
-                self._show_examples()
+            case "example" if deed.get("key") in EXAMPLES:
+                self._adopt_example(example(deed["key"]))
             case "show":
                 self.session.display = display_of(str(deed.get("word", ""))).word
             case "save":
@@ -115,16 +115,7 @@ class Toolbar(View):
         except InputError as error:
             self._say(f"{FILTERS[name].label}: no file. {error}")
 
-    def _show_examples(self) -> None:
-        """Open or close the examples, which are made when first asked for."""
-        if not self._examples.objects:
-            from app.dashboard.gallery import gallery
-
-            self._examples.objects = [gallery(self._adopt_example)]
-        self._examples.visible = not self._examples.visible
-
     def _adopt_example(self, design: Design) -> None:
-        self._examples.visible = False
         if problem := self.session.adopt(design):
             self._say(f"Not opened. {problem}")
         else:

@@ -112,7 +112,8 @@ def test_no_part_of_a_page_is_drawn_over_another(
             page.get_by_role("button", name="Open" if width > 1240 else "Tools", exact=True).click()
             if width <= 1240:
                 page.get_by_role("button", name="Open", exact=True).click()
-            page.get_by_role("button", name="Examples").click()
+            expect(page.get_by_role("button", name="L band from a jet")).to_be_in_viewport(ratio=1)
+            page.keyboard.press("Escape")
         page.wait_for_function(
             "(name) => location.hash === '#' + name", arg=next(tab.address for tab in TABS if tab.title == name)
         )

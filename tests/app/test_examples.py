@@ -3,7 +3,6 @@
 import pytest
 from known_designs import ROOT
 
-from app.dashboard.gallery import gallery
 from app.examples import EXAMPLES, description_of, example
 from nav_model.budget import analyse
 
@@ -21,15 +20,6 @@ def test_an_example_says_how_it_stands(name):
     verdict = analyse(design).verdict
     assert verdict.tightest is not None
     assert ("does not close" in design.description) == (not verdict.closes)
-
-
-def test_a_press_puts_an_example_in_force():
-    adopted = []
-    view = gallery(adopted.append)
-    buttons = list(view.select(lambda part: type(part).__name__ == "Button"))
-    assert [button.label for button in buttons] == [f"Open {example(name).name}" for name in EXAMPLES]
-    buttons[2].clicks += 1
-    assert adopted == [example(EXAMPLES[2])]
 
 
 def test_an_examples_words_are_not_said_of_another_design() -> None:
