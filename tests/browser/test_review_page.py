@@ -265,7 +265,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     press(page, "Sign off")
     press(page, "Sign as Ann (outcome: accepted with 2 waivers)")
-    expect(heading).to_contain_text("Signed by Ann: rejected")
+    expect(heading).to_contain_text("Signed by Ann: accepted with 2 waivers")
 
 
 def test_a_page_that_still_says_open_does_not_replace_anothers_reject(visit: Visit, page: Page, second: Page) -> None:
@@ -314,7 +314,7 @@ def test_a_revision_is_the_base_of_its_own_changes_only(visit: Visit) -> None:
     for tick in both.all():
         expect(tick).not_to_be_checked()
     page.get_by_role("button", name="Library", exact=True).focus()  # by the keyboard
-    page.keyboard.press("Tab")
+    page.keyboard.press("ArrowRight")
     page.keyboard.press("Enter")
     expect(page.get_by_role("button", name="Compare", exact=True)).to_have_attribute("aria-pressed", "true")
     expect(page.get_by_text("Nothing to compare yet")).to_be_visible()

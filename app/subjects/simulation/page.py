@@ -235,7 +235,8 @@ class SimulatePage(StudyPage[Flown]):
     def _receive(self, flown: Flown) -> None:
         super()._receive(flown)
         done, wall_s = flown.study.result.spec, text_of(flown.study.result.wall_s)
-        self._say(f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}.")
+        if not (self._by_itself and self._bar.message):  # what is there is of a file that was opened meanwhile
+            self._say(f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}.")
 
     def _specification(self) -> SimulationSpec:
         """What the fields ask for.
@@ -251,7 +252,7 @@ class SimulatePage(StudyPage[Flown]):
         flight: str | TrajectorySpec = self.trajectory
         if flight == "file":
             if self._file is None:
-                raise InputError("Trajectory file", "open a CSV file first")
+                raise InputError("Trajectory file", "open a file first")
             flight = self._file
         elif flight == _PLAN:
             plan = planned(self._session.design)

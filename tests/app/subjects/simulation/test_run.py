@@ -289,7 +289,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
         ({"length": "nan"}, "Length: "),
         ({"length": ""}, "Length: "),
         ({"outages": "later"}, r"trajectory.outages\[1\].start: "),
-        ({"trajectory": "file"}, "Trajectory file: open a CSV file first"),
+        ({"trajectory": "file"}, "Trajectory file: open a file first"),
         ({"runs": "2000", "length": "10000"}, "Length: "),
     ):
         before = {name: getattr(page, name) for name in change}
