@@ -174,7 +174,8 @@ class _Reader:
         unit, convention = column.meaning.unit, column.meaning.convention
         reading = f", in {unit} by convention ({convention})" if convention else ""
         if unit is None:
-            unit = _time_unit(column.label, stamped, sampling.interval_s, self.options.rate_hz)
+            rate = self.options.rate_hz or self.content.rate_hz
+            unit = _time_unit(column.label, stamped, sampling.interval_s, rate)
             reading = "" if unit == "s" else f", taken as {unit}"
         size = scale_of("time", unit).factor
         rate, jitter = 1.0 / (sampling.interval_s * size), sampling.jitter_s * size
@@ -293,7 +294,9 @@ def _time_unit(label: str, stamps: Array, interval: float, rate_hz: float | None
     """
     sizes = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
     rates = {unit: 1.0 / (interval * size) for unit, size in sizes.items()}
-    if rate_hz is not None and (near := [unit for unit in rates if abs(rate_hz / rates[unit] - 1.0) < 0.05]):
+    # Xsens counts tenths of a millisecond under the names with which Movella counts microseconds.
+    counted = rates | {"0.1 ms": 1.0 / (interval * 1e-4)}
+    if rate_hz is not None and (near := [unit for unit in counted if abs(rate_hz / counted[unit] - 1.0) < 0.05]):
         return near[0]
     for unit, size in sizes.items():
         if 1e9 < stamps[0] * size < 4e9 and 0.1 <= rates[unit] <= 1e5:  # 2001 to 2096

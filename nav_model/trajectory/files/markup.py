@@ -228,6 +228,8 @@ def _mission(folder: Element, line: str, heights: Heights) -> Shape:
         Place((*at[:2], mark.findtext("{*}executeHeight")), line=f"{line}{number + 1}" if number in legs else "")
         for number, mark in enumerate(marks) for at, *_ in _path(mark, heights)
     ]  # fmt: skip
+    if folder.find(".//{*}autoFlightSpeed") is not None or folder.find(".//{*}waypointSpeed") is not None:
+        heights.note("flown at the design's speed, not the mission's")
     reference = _REFERENCES.get(folder.findtext("{*}executeHeightMode") or "", "none")
     return Shape("DJI mission", _name(folder), places, reference)
 

@@ -426,6 +426,19 @@ def test_a_tracker_whose_rates_may_be_degrees_is_asked_for_them():
     assert log.rate_hz == pytest.approx(120.0, rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("comment", "rate"), [("", 100.0), ("// Sample rate: 100.0Hz\n", None)], ids=["given", "in a comment"]
+)
+def test_a_tracker_that_counts_tenths_of_a_millisecond_is_read_at_its_stated_rate(comment, rate):
+    """MT Manager without the date: 100 a sample is 10 Hz in ms and 10 kHz in µs, and 100 Hz is neither."""
+    lines = [f"{row},{100 * row}," + line for row, line in enumerate(rows_of(np.hstack([GYRO, FORCE])))]
+    text = comment + "\n".join(["PacketCounter,SampleTimeFine,Gyr_X,Gyr_Y,Gyr_Z,Acc_X,Acc_Y,Acc_Z", *lines])
+    log = read_log(text.encode(), LogOptions(gyro_unit="rad/s", rate_hz=rate))
+    np.testing.assert_allclose(log.gyro, GYRO, rtol=1e-12)
+    assert log.rate_hz == pytest.approx(100.0, rel=1e-5)
+    assert "taken as 0.1 ms" in reading_of(log)
+
+
 def test_angular_accelerations_are_no_specific_forces():
     lines = rows_of(np.hstack([TIME + 1.7e9, GYRO, FORCE - 9.8]))
     log = read_log("\n".join(["timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z", *lines]).encode())

@@ -117,6 +117,10 @@ def test_an_archive_is_read_and_a_bomb_in_it_is_not_expanded() -> None:
     file = parse_file(archive("wpmz/waylines.wpml", content), "a.kmz", ground=400.0)
     assert heights(file) == [480.0] * 4
     assert [point.line for point in file.waypoints] == ["line 1", "line 2", "line 3", ""]
+    assert "speed" not in file.note
+    swift = content.replace(b"<Placemark>", b"<wpml:autoFlightSpeed>14</wpml:autoFlightSpeed><Placemark>", 1)
+    note = parse_file(archive("wpmz/waylines.wpml", swift), "a.kmz", ground=400.0).note
+    assert "flown at the design's speed, not the mission's" in note
     folder = content[content.index(b"<Folder>") : content.index(b"</Document>")]
     two = parse_file(archive("wpmz/waylines.wpml", content.replace(folder, 2 * folder)), "a.kmz", ground=400.0)
     assert [point.line for point in two.waypoints][3:5] == ["", "line 2.1"]

@@ -87,7 +87,7 @@ def compare(design: Design) -> None:
         # The Earth's terms, which closed forms leave out, reach 1 % in a free INS after 100 s.
         assert result.real_time.figures[name][middle] == pytest.approx(float(free.value(name)), rel=0.012), name
         sigma = next(check.sigma for check in smoothed if check.name == name)
-        # Of what the sums of an aperture leave, a small part counts as of a free INS: 1 % of a detrended phase at most.
+        # What the sums of an aperture leave counts as of a free INS where it is little: 1 % of a detrended phase.
         off = 0.012 if name == "detrended_phase" else 0.005
         assert result.post_processed.figures[name][middle] == pytest.approx(sigma, rel=off), name
         for part in (result.real_time, result.post_processed):
