@@ -219,7 +219,5 @@ def _spread(budget: Budget) -> tuple[Array, Array]:
     return cells, power
 
 
-FIRST_SCREEN = (position_chart, velocity_chart, attitude_chart, phase_chart, response_chart)
-"""The charts of the Budget page that are always in view."""
-BUDGET_CHARTS = (*FIRST_SCREEN, regime_chart)
+BUDGET_CHARTS = (position_chart, velocity_chart, attitude_chart, phase_chart, response_chart, regime_chart)
 """Every chart of the Budget page, in the order of the page and of the report."""
