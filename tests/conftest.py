@@ -112,7 +112,7 @@ def _contents(path):
     return "".join(
         f"{file.relative_to(ROOT)} {hashlib.sha256(file.read_bytes()).hexdigest()}\n"
         for file in files
-        if file.suffix != ".pyc"
+        if "__pycache__" not in file.parts  # what Python and Numba compile comes and goes
     )
 
 
