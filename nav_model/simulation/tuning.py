@@ -13,7 +13,8 @@ FloatArray = NDArray[np.float64]
 
 
 def tuning_of(spec: SimulationSpec) -> FilterTuning:
-    """What the filter of a study assumes."""
+    """What the filter of a study assumes, with the units of `FilterTuning`; its noises are those of the sensors times
+    the vibration factor and the scale of the process noise."""
     scale, inertial, gnss = spec.filter.process_noise_scale, spec.filter.inertial, spec.gnss
     decay, drive = np.zeros(15), np.zeros(15)
     for first, model in ((0, spec.imu.accelerometer), (3, spec.imu.gyro)):
@@ -44,7 +45,8 @@ def tuning_of(spec: SimulationSpec) -> FilterTuning:
 
 
 def initial_sigma(spec: SimulationSpec) -> FloatArray:
-    """Sigma of the true initial error of the INS: position, velocity, attitude, then the biases."""
+    """Sigma of the true initial error of the INS, (9, 15 or 21): position [m], velocity [m/s], attitude [rad], then
+    the biases [m/s², rad/s]."""
     start, triads = spec.initial, (spec.imu.accelerometer, spec.imu.gyro)
     biases: list[float] = {
         9: [],
@@ -58,7 +60,7 @@ def initial_sigma(spec: SimulationSpec) -> FloatArray:
 
 
 def believed_covariance(spec: SimulationSpec) -> FloatArray:
-    """Covariance (states, states) that the filter starts with.
+    """Covariance (states, states) that the filter starts with, units as `initial_sigma`, slow errors in sigmas.
 
     One that knows the slow error of the fixes knows too that the INS starts from such a fix: its position is off by
     the slow error of that moment, beside its own sigma.
@@ -74,5 +76,5 @@ def believed_covariance(spec: SimulationSpec) -> FloatArray:
 
 
 def least_biases(states: int) -> FloatArray:
-    """As nearly as a bias that is zero is known to be, of so many states of the INS: the covariance stays regular."""
+    """Sigma (states - 9) to which a bias that is zero is known [m/s², rad/s]: the covariance stays regular."""
     return np.resize([1e-9, 1e-9, 1e-9, 1e-13, 1e-13, 1e-13], states - 9)

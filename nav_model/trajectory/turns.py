@@ -32,7 +32,8 @@ class Turn:
 
 @lru_cache(maxsize=1024)
 def turn_by(angle: float, speed: float, bank: float) -> Turn:
-    """The coordinated turn by this angle: rolled in and out in `TIME_TO_ROLL`, at the bank between."""
+    """The coordinated turn by an angle [rad, to the right] at a speed [m/s]: rolled in and out in `TIME_TO_ROLL`, at
+    the bank [rad] between, or at less where it is too small for that."""
     if abs(angle) < _STRAIGHT:
         return Turn()
     plateau = max(abs(angle) * speed / (STANDARD_GRAVITY * math.tan(bank)), TIME_TO_ROLL)
@@ -50,7 +51,9 @@ def way_between(
 
     Where two right angles do not fit between two lines, it swings out to the other side first. The turns are rolled
     in and out, so they need more room than circles; a wider circle leaves it. before: speed with which it begins
-    [m/s].
+    [m/s]. Directions are complex, of length one: north, and east as the imaginary part.
+
+    Raises InputError where no such way leads there.
     """
     (first, ahead), (last, onward) = begin, end
     speed = first.speed or plan.speed
@@ -89,7 +92,8 @@ def dubins(way: complex, ahead: complex, onward: complex, radius: float) -> list
     """The six kinds of ways of circles and straight lines from a place and direction to another: their arcs [rad, to
     the right], and the straight part after the first [m]. No arcs: there is no such way.
 
-    Places and directions are complex: metres north, and east as the imaginary part.
+    way, radius: [m]; places and directions are complex: north, and east as the imaginary part. Source: L. E. Dubins,
+    *American Journal of Mathematics* 79 (1957) 497.
     """
 
     def arc(sense: int, start: complex, stop: complex) -> float:

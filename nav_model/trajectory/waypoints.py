@@ -78,13 +78,15 @@ def lengthened(plan: Plan, number: int, by: float) -> Plan:
 
 
 def time_to_change(before: FloatArray | float, after: FloatArray | float, most: float) -> FloatArray:
-    """Time to change from one speed to another [s], accelerating with `most` [m/s²] in its middle."""
+    """Time to change from one speed to another [m/s] as a smooth step [s], at most `most` [m/s²] in its middle;
+    of the shape of the speeds, zero where they are the same."""
     by = np.abs(np.subtract(after, before))
     return np.where(by > 0.0, np.maximum(_STEEPEST * by / most, TIME_TO_ROLL), 0.0)
 
 
 def legs_between(points: Sequence[Waypoint]) -> NDArray[np.complex128]:
-    """The legs between waypoints [m]: north, and east as the imaginary part."""
+    """The legs between n waypoints, (n - 1,) [m]: north, and east as the imaginary part, by the mean radii of WGS 84
+    along each."""
     latitude, longitude, height = np.array([(point.latitude, point.longitude, point.height) for point in points]).T
     scale = _scales(latitude, height)
     legs: NDArray[np.complex128] = np.diff(latitude) * scale[0] + 1j * np.diff(np.unwrap(longitude)) * scale[1]
@@ -92,7 +94,7 @@ def legs_between(points: Sequence[Waypoint]) -> NDArray[np.complex128]:
 
 
 def places_along(first: Waypoint, legs: Sequence[complex]) -> list[Waypoint]:
-    """The places from `first` on, at its height, which `legs_between` takes back into these legs."""
+    """Both ends of all legs [m] from `first` on, at its height: `legs_between` takes them back into these legs."""
     north, east = _corners(first, np.real(legs), np.imag(legs))
     return [replace(first, latitude=float(up), longitude=float(right)) for up, right in zip(north, east, strict=True)]
 
@@ -117,4 +119,5 @@ def _corners(first: Waypoint, north: FloatArray, east: FloatArray) -> tuple[Floa
 
 
 def named(number: int, point: Waypoint) -> str:
+    """How messages name a waypoint, counted from 1."""
     return f"waypoint {number}" + (f" ({point.line})" if point.line else "")
