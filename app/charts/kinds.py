@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.base.csv_text import csv_text
+from nav_model.base.text.csv_text import csv_text
 from nav_model.explore.trade_map import MapPoint, TradeMap
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ from app.library.seal import CHANGED
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
 from nav_model.base.errors import InputError
-from nav_model.base.npz_arrays import DAMAGED
+from nav_model.base.text.npz_arrays import DAMAGED
 
 MAX_ARCHIVE = 20_000_000
 """The largest archive taken, in bytes as it comes."""

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from nav_model.allan.log_names import COUNTS, SENSORS, Meaning, meaning_of, meanings_of
 from nav_model.base.errors import InputError
-from nav_model.base.file_kind import KINDS, kind_of
-from nav_model.base.npz_arrays import read_npz_arrays
-from nav_model.base.number_table import NumberTable, open_table
+from nav_model.base.text.file_kind import KINDS, kind_of
+from nav_model.base.text.npz_arrays import read_npz_arrays
+from nav_model.base.text.number_table import NumberTable, open_table
 
 IGNORED = "-"
 _ROLES = (*SENSORS, "time", "temperature")

@@ -12,10 +12,10 @@ from nav_model.allan.imu_log import AXIS_LETTERS, NO_BREAKS, ImuLog
 from nav_model.allan.log_content import Limits, LogColumn, LogContent, LogOptions, read_content
 from nav_model.allan.log_names import SENSORS, scale_of
 from nav_model.base.arrays import Array
-from nav_model.base.column_names import listed
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
 from nav_model.base.sampling import Rows, held_values, judge_stamps
+from nav_model.base.text.column_names import listed
 from nav_model.design.file import read_bytes
 
 RATE_TOLERANCE = 0.01

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from itertools import product
 from typing import Final, NamedTuple
 
-from nav_model.base.column_names import TABLES, parted, size_of_unit, vocabulary
 from nav_model.base.errors import InputError
+from nav_model.base.text.column_names import TABLES, parted, size_of_unit, vocabulary
 
 SENSORS: Final = ("gyro", "accelerometer")
 COUNTS: Final = ("counts", "raw", "lsb")

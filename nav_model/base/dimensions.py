@@ -15,7 +15,7 @@ from statistics import NormalDist
 from typing import NamedTuple
 
 from nav_model.base.errors import InputError, quoted
-from nav_model.base.unit_text import LONGEST, TABLES, Product, plain_signs, product_of, root_of, size_of, spelled
+from nav_model.base.text.unit_text import LONGEST, TABLES, Product, plain_signs, product_of, root_of, size_of, spelled
 
 _FINE = Context(prec=40)
 MAX_EXPONENT = 400

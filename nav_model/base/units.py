@@ -1,8 +1,8 @@
 """Quantity strings as printed on data sheets, both ways: ``"0.5 °/√h"`` <-> SI.
 
 Inside the model everything is SI; a unit exists only here, at the edge. A quantity is a decimal number
-followed by a unit of the dimension its key asks for, in any spelling of the grammar in `nav_model.base.unit_text`;
-what is printed has one. Words about its accuracy bring it to one sigma per axis (`nav_model.base.dimensions`).
+followed by a unit of the dimension its key asks for, in any spelling of `nav_model.base.text.unit_text`; what is
+printed has one. Words about its accuracy bring it to one sigma per axis (`nav_model.base.dimensions`).
 
 Conversions are exact rational arithmetic rounded once, so that printing and reading again gives the same
 float, whatever the unit. The units themselves are in `nav_model.base.dimensions`.
@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from nav_model.base.dimensions import DIMENSIONS, MAX_EXPONENT
 from nav_model.base.errors import InputError, quoted
-from nav_model.base.unit_text import LONGEST, RAISED, plain_signs
+from nav_model.base.text.unit_text import LONGEST, RAISED, plain_signs
 
 _KEY = "quantity"  # in errors, until the caller puts the key of the input in its place
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from nav_model.base.constants import MEAN_RADIUS
-from nav_model.base.toml_text import shipped
+from nav_model.base.text.toml_text import shipped
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.result import Budget
 from nav_model.design import Design

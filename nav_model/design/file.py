@@ -13,7 +13,7 @@ from typing import Any
 import tomli_w
 
 from nav_model.base.errors import InputError, quoted
-from nav_model.base.toml_text import read_toml
+from nav_model.base.text.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BASE_LINE, BaseQuantity
 from nav_model.design.notes import noted_origins

@@ -11,7 +11,7 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
-from nav_model.base.number_table import NumberTable, open_table
+from nav_model.base.text.number_table import NumberTable, open_table
 
 COLUMNS = ("time_s", "latitude_deg", "longitude_deg", "height_m", "roll_deg", "pitch_deg", "yaw_deg")
 _LEAST_STEP = 1e-6  # s between rows

@@ -6,7 +6,7 @@ Each equation is written once, in Typst's math notation; the PDF sets it and the
 import re
 from collections.abc import Collection
 
-from nav_model.base.toml_text import shipped
+from nav_model.base.text.toml_text import shipped
 from nav_model.equations.entry import Equation, Symbol
 
 _CITED = re.compile(r"\[([TSBP]-\d+)\]")

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
-from nav_model.base.toml_text import shipped
+from nav_model.base.text.toml_text import shipped
 from nav_model.equations import ALL_EQUATIONS
 from nav_model.equations.entry import Equation
 

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
-from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError, under
 from nav_model.base.processes import worker_pool
+from nav_model.base.text.csv_text import csv_text
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.verdict import judged_elsewhere

@@ -27,7 +27,7 @@ import numpy as np
 import tomli_w
 
 from nav_model.base.errors import InputError, not_a_choice
-from nav_model.base.toml_text import read_toml
+from nav_model.base.text.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.figures import OF_BUDGET, REQUIRED

@@ -14,7 +14,7 @@ from nav_model.aperture.impulse_response import aperture_positions
 from nav_model.aperture.window import Window, weights_of
 from nav_model.base.arrays import Array
 from nav_model.base.constants import SPEED_OF_LIGHT
-from nav_model.base.npz_arrays import read_npz_arrays
+from nav_model.base.text.npz_arrays import read_npz_arrays
 
 RANGE_PADDING = 16
 MOST_UNPACKED_BYTES = 256 * 2**20

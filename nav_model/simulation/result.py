@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.constants import STANDARD_GRAVITY
-from nav_model.base.csv_text import csv_text
+from nav_model.base.text.csv_text import csv_text
 from nav_model.simulation.schedule import plan
 from nav_model.simulation.single_run import POSTERIOR, PRIOR, RunRecord
 from nav_model.simulation.specification import SimulationSpec

@@ -21,7 +21,7 @@ from urllib.parse import urlencode
 import tomli_w
 
 from nav_model.base.errors import InputError, quoted
-from nav_model.base.toml_text import read_toml
+from nav_model.base.text.toml_text import read_toml
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import STUDY_PREFIX, pairs_of
 from nav_model.suborbital.flight_file import BOUNDS

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.ending import one_line, refuse
-from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
+from nav_model.base.text.csv_text import csv_of
 from nav_model.design.catalogue import catalogue
 from nav_model.design.figures import FIGURES, figure_in_sentence, label_of
 from nav_model.design.other_filters import FILTERS, noise_for

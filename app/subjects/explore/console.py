@@ -9,8 +9,8 @@ from typing import Any
 
 from app.console.arguments import put_json
 from app.console.progress import show_progress
-from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
+from nav_model.base.text.csv_text import csv_of
 from nav_model.budget.verdict import decisive, judged_elsewhere
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, Kind, catalogue

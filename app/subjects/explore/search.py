@@ -30,8 +30,8 @@ from app.ui.theme import SWITCH
 from app.ui.upload import upload
 from app.work.pool import run_in_pool
 from app.work.run import Run
-from nav_model.base.csv_text import csv_of
 from nav_model.base.errors import InputError
+from nav_model.base.text.csv_text import csv_of
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue
 from nav_model.design.offers import KINDS, Offers, merged_offers, named_apart, read_offers

@@ -48,8 +48,8 @@ from app.ui.upload import UploadedFile, upload
 from app.work.cancellable import run_alone
 from app.work.pool import run_in_pool
 from app.work.run import Run
-from nav_model.base.csv_text import csv_text
 from nav_model.base.errors import InputError
+from nav_model.base.text.csv_text import csv_text
 from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.parts import Trajectory

@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import Any, Literal
 
 from nav_model.base.errors import InputError, not_a_choice, quoted, under
-from nav_model.base.toml_text import read_toml
+from nav_model.base.text.toml_text import read_toml
 from nav_model.base.units import Parsed, parse_quantity
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS

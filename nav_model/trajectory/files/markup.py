@@ -15,8 +15,8 @@ from xml.etree.ElementTree import Element, ParseError
 import numpy as np
 
 from nav_model.base.errors import quoted
-from nav_model.base.npz_arrays import DAMAGED
-from nav_model.base.number_table import seconds_of
+from nav_model.base.text.npz_arrays import DAMAGED
+from nav_model.base.text.number_table import seconds_of
 from nav_model.trajectory.files.heights import MOST_WAYPOINTS, Heights, Reference, counted, plain_name
 from nav_model.trajectory.files.recorded import RecordedSegment
 from nav_model.trajectory.waypoints import Waypoint

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from nav_model.base.errors import InputError
-from nav_model.base.file_kind import kind_of
-from nav_model.base.number_table import open_table
+from nav_model.base.text.file_kind import kind_of
+from nav_model.base.text.number_table import open_table
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
 from nav_model.trajectory.files.heights import Heights

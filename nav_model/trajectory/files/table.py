@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.base.arrays import Array
-from nav_model.base.column_names import listed, parted, size_of_unit, vocabulary
 from nav_model.base.constants import MEAN_RADIUS
-from nav_model.base.number_table import NumberTable
+from nav_model.base.text.column_names import listed, parted, size_of_unit, vocabulary
+from nav_model.base.text.number_table import NumberTable
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, Reference, counted

@@ -9,7 +9,7 @@ from commanded import reply
 from known_designs import MEMS
 
 from app.cli import main
-from nav_model.base.csv_text import csv_text
+from nav_model.base.text.csv_text import csv_text
 from nav_model.design.file import read_design
 
 

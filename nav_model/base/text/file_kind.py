@@ -4,9 +4,9 @@ import codecs
 import re
 from collections import deque
 
-from nav_model.base.toml_text import shipped
+from nav_model.base.text.toml_text import shipped
 
-KINDS = shipped("nav_model.base", "file_kinds")
+KINDS = shipped("nav_model.base.text", "file_kinds")
 """Of `file_kinds.toml`: what files begin with, and what to do with a log of a kind."""
 _START = 4096
 _PIECE = 1 << 20

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
 from nav_model.base.errors import InputError
-from nav_model.base.toml_text import shipped
+from nav_model.base.text.toml_text import shipped
 from nav_model.base.units import parse_quantity
 
 _MOST_NAMES = 8
@@ -17,7 +17,7 @@ _BRACKETS = re.compile(r"(.+?)[\s_]*[\[({](.*)[\])}]\s*")
 _UNIT_MAY_START = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
 
 
-TABLES = shipped("nav_model.base", "column_names")
+TABLES = shipped("nav_model.base.text", "column_names")
 _UNIT_OF = {spelling: unit for unit, spellings in TABLES["units"].items() for spelling in spellings.split()}
 
 

@@ -3,8 +3,8 @@
 Python's parser takes memory and time as the square of the number of parts of a key: one of 15,000 dots needs a
 gigabyte. Nesting, keys and parts of keys are therefore counted first, in one pass in linear time.
 
-Memory is at most 50 times the text's, time a second a megabyte; tests/nav_model/base/test_toml_text.py holds hostile
-texts to both.
+Memory is at most 50 times the text's, time a second a megabyte; tests/nav_model/base/text/test_toml_text.py holds
+hostile texts to both.
 """
 
 import re

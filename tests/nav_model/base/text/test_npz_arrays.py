@@ -11,7 +11,7 @@ import pytest
 from nav_model.allan.log_content import LogOptions
 from nav_model.allan.log_file import read_log
 from nav_model.base.errors import InputError
-from nav_model.base.npz_arrays import read_npz_arrays
+from nav_model.base.text.npz_arrays import read_npz_arrays
 
 _HEAD = "{'descr': '<f8', 'fortran_order': False, 'shape': "
 _EVENT = '{"time": "now", "event": "login"}'

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, quoted
-from nav_model.base.file_kind import text_encoding
+from nav_model.base.text.file_kind import text_encoding
 
 _PIECE = 1_000_000  # characters
 _MOST_COLUMNS = 1000

@@ -15,7 +15,7 @@ from typing import Any
 
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.base.errors import InputError
-from nav_model.base.toml_text import shipped
+from nav_model.base.text.toml_text import shipped
 
 Product = Mapping[str, Fraction]
 """Symbol of a unit -> its power; also base unit -> power."""

@@ -7,7 +7,7 @@ import tomllib
 import pytest
 
 from nav_model.base.errors import InputError
-from nav_model.base.toml_text import MOST_KEYS, read_toml
+from nav_model.base.text.toml_text import MOST_KEYS, read_toml
 
 MB = 1_000_000
 
@@ -15,7 +15,7 @@ MB = 1_000_000
 _READ = """
 import resource, sys, time
 from nav_model.base.errors import InputError
-from nav_model.base.toml_text import read_toml
+from nav_model.base.text.toml_text import read_toml
 def taken():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 resource.setrlimit(resource.RLIMIT_CPU, (60, 60))

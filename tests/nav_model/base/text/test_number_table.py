@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 
 from nav_model.base.errors import InputError
-from nav_model.base.file_kind import kind_of
-from nav_model.base.number_table import Columns, open_table
+from nav_model.base.text.file_kind import kind_of
+from nav_model.base.text.number_table import Columns, open_table
 
 
 def read(text: str | bytes, places=(0, 1), times=(), rows: int = 10_000, most_bytes: int = 10**7) -> Columns:
