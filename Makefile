@@ -59,8 +59,9 @@ lint: .venv/.test
 # Lint and tests run beside each other, each to its end, and what it has to say then. ORDER=random runs the files, and what
 # is in each, in random order; ORDER=12345 is an order that was random again.
 BESIDE = $(MAKE) --no-print-directory --jobs --output-sync --keep-going
+CORES := $(shell nproc 2>/dev/null || echo 2)
 # Two more than cores, as much of a test is waiting for a server or a page.
-WORKERS := $(shell cores=$$(nproc 2>/dev/null || echo 2); echo $$((cores + 2)))
+WORKERS = $(shell echo $$(($(CORES) + 2)))
 RANDOM_ORDER = --random-order-bucket=module $(patsubst %,--random-order-seed=%,$(filter-out random,$(ORDER)))
 # As a module: processes that a test starts find its file then. A worker takes file after file, the longest first.
 PYTEST = $(BIN)/python -m pytest -p no:benchmark -n $(WORKERS) --dist loadfile --no-loadscope-reorder \
@@ -72,9 +73,10 @@ unexport PYTHONDONTWRITEBYTECODE
 test: .venv/.test system
 	+$(BESIDE) lint tests
 
-# A minute at most, for while one works: lint and what is quick of the tests without a browser.
+# For while one works: lint and what is quick of the tests without a browser, by the durations measured last. How long
+# it takes: CONTRIBUTING.md. A worker for each core: each takes 15 s to collect the tests, and none of these waits.
 check: .venv/.test
-	+$(BESIDE) lint tests KIND="--skip-unchanged -m 'not slow and not long' --ignore tests/browser"
+	+$(BESIDE) lint tests WORKERS=$(CORES) KIND="--skip-unchanged --quick --ignore tests/browser"
 
 # What is too long for every time: many runs, the longer ways through the browser, and what `make test` leaves out while
 # the files that it watches stay as they are.
@@ -84,7 +86,7 @@ test-slow: .venv/.test system
 tests: simulator
 	$(PYTEST) $(KIND)
 
-# How long each file of tests takes: the order of `make test`.
+# How long each test takes: the order of `make test`, and what is quick enough for `make check`.
 durations: .venv/.test system
 	+$(BESIDE) tests KIND=--write-durations
 

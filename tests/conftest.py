@@ -1,7 +1,8 @@
 """One BLAS thread: the matrices here are small, and the test workers already take every core.
 
 And the record of what results were compared with: `make validation` writes it, the Theory page shows it. And which
-tests are run, in which order: the longest file first, and none that says which files it watches and passed on them.
+tests are run, in which order: the longest file first, none that says which files it watches and passed on them, and
+with --quick only what `make durations` measured to be quick.
 """
 
 import asyncio
@@ -15,6 +16,7 @@ import json
 import os
 import re
 import subprocess
+import time
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is first imported
@@ -37,11 +39,13 @@ providers._get_local_constants = providers.Constants
 ROOT = Path(__file__).parents[1]
 RECORD = ROOT / "app" / "subjects" / "theory" / "validation.json"
 DURATIONS = ROOT / "tests" / "durations.json"
+_QUICK = 0.5  # seconds that a test of `make check` takes at most, all its cases and the fixtures that it shares
+_MEASURABLE = 0.1  # seconds; what takes less is not recorded
 MODEL_TESTS = ROOT / "tests" / "nav_model"
 MODEL = ("nav_model", "examples", "app/subjects/theory")  # the last has the record of comparisons
 _rows = {}
 _differences = {}
-_seconds = collections.Counter()  # by file
+_seconds = collections.defaultdict(collections.Counter)  # by file, then by test function or shared fixture
 _green = {}  # tests that watch files -> digest of these, or None after a failure
 
 
@@ -57,6 +61,7 @@ def pytest_addoption(parser):
         "--write-validation", action="store_true", help="write app/subjects/theory/validation.json from this run"
     )
     parser.addoption("--write-durations", action="store_true", help="write tests/durations.json from this run")
+    parser.addoption("--quick", action="store_true", help="leave out tests that tests/durations.json has as long")
     parser.addoption(
         "--skip-unchanged", action="store_true", help="leave out tests that passed on the files that they watch"
     )
@@ -72,12 +77,14 @@ def pytest_collection_modifyitems(config, items):
             item.user_properties.append(("watched", digest))
             if passed.get(item.nodeid) == digest:
                 unchanged.append(item)
-    if unchanged:
-        config.hook.pytest_deselected(items=unchanged)
-        items[:] = [item for item in items if item not in set(unchanged)]
+    left_out = set(unchanged)
+    if config.getoption("--quick"):
+        left_out |= {item for item in items if _is_long(item)}
+    if left_out:
+        config.hook.pytest_deselected(items=[item for item in items if item in left_out])
+        items[:] = [item for item in items if item not in left_out]
     if hasattr(config, "workerinput"):  # files are handed to the workers in this order
-        seconds = json.loads(DURATIONS.read_text())
-        items.sort(key=lambda item: -seconds.get(_file_of(item.nodeid), 0.0))
+        items.sort(key=lambda item: -sum(_recorded().get(_file_of(item.nodeid), {}).values()))
     if config.getoption("--write-validation"):
         recording = [item for item in items if {"compared", "differs"} & set(getattr(item, "fixturenames", ()))]
         config.hook.pytest_deselected(items=[item for item in items if item not in recording])
@@ -120,8 +127,45 @@ def _file_of(nodeid):
     return nodeid.partition("::")[0]
 
 
+def _function_of(nodeid):
+    """A test's name in its file, without the case."""
+    return nodeid.partition("::")[2].partition("[")[0]
+
+
+@functools.cache
+def _recorded():
+    """Seconds of a quiet run, by file, then by test function or fixture that its tests share."""
+    return json.loads(DURATIONS.read_text())
+
+
+def _is_long(item):
+    """True for a test that is marked as long, and for one measured to be, with the shared fixtures that it needs.
+
+    Whoever runs first pays for a fixture. So each test that needs it counts it: otherwise the next one would pay.
+    """
+    seconds = _recorded().get(_file_of(item.nodeid), {})
+    measured = sum(seconds.get(name, 0.0) for name in {_function_of(item.nodeid), *item.fixturenames})
+    return item.get_closest_marker("long") is not None or measured > _QUICK
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_fixture_setup(fixturedef, request):
+    before = time.perf_counter()
+    try:
+        return (yield)
+    finally:
+        if fixturedef.scope != "function":
+            spent = fixturedef.argname, time.perf_counter() - before
+            request._pyfuncitem.user_properties.append(("fixture", spent))
+
+
 def pytest_runtest_logreport(report):
-    _seconds[_file_of(report.nodeid)] += report.duration
+    seconds, function = _seconds[_file_of(report.nodeid)], _function_of(report.nodeid)
+    seconds[function] += report.duration
+    shared = [value for key, value in report.user_properties if key == "fixture"] if report.when == "setup" else []
+    for fixture, spent in shared:
+        seconds[fixture] += spent
+        seconds[function] -= spent
     digest = dict(report.user_properties).get("watched")
     if digest and (report.failed or report.when == "call"):
         _green[report.nodeid] = digest if report.passed else None
@@ -224,8 +268,13 @@ def pytest_sessionfinish(session, exitstatus):
     if not hasattr(session.config, "workerinput"):
         session.config.cache.set("watched/passed", {**session.config.cache.get("watched/passed", {}), **_green})
         if session.config.getoption("--write-durations"):
-            seconds = {file: round(time, 1) for file, time in sorted(_seconds.items()) if time >= 1}
-            DURATIONS.write_text(json.dumps(seconds, indent=0) + "\n")
+            measured = {
+                file: {name: round(spent, 1) for name, spent in sorted(seconds.items()) if spent >= _MEASURABLE}
+                for file, seconds in _seconds.items()
+            }
+            record = {file: seconds for file, seconds in sorted({**_recorded(), **measured}.items()) if seconds}
+            record = {file: seconds for file, seconds in record.items() if (ROOT / file).exists()}
+            DURATIONS.write_text(json.dumps(record, indent=1) + "\n")
     if not session.config.getoption("--write-validation") or exitstatus != 0:
         return
     if session.config.pluginmanager.get_plugin("terminalreporter").stats.get("skipped"):
