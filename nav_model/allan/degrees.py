@@ -72,7 +72,7 @@ def degrees_of_freedom(alpha: int, factor: int, samples: int) -> float:
 
 
 def pooled_degrees(alpha: int, factor: int, lengths: NDArray[np.int64]) -> float:
-    """The same of the mean over stretches of these lengths, each weighted by its number of pairs.
+    """Degrees of freedom of the mean over stretches of these lengths, each weighted by its number of pairs.
 
     Stretches are taken as independent. Those of less than three averaging times, of which little is known, count as
     one degree of freedom each.
@@ -107,7 +107,7 @@ def _covariance(lags: Array, factor: float, alpha: int) -> Array:
 
 
 def _of_averages(lags: Array, factor: float, alpha: int) -> Array:
-    """The same of the phase, sampled `factor` times in an averaging time or without end (equation 8)."""
+    """Structure function of the phase, sampled `factor` times in an averaging time or without end (equation 8)."""
     if math.isinf(factor):
         return _of_phase(lags, alpha + 2)
     nearer, farther = _of_phase(lags - 1.0 / factor, alpha), _of_phase(lags + 1.0 / factor, alpha)

@@ -29,7 +29,7 @@ _LONGEST_COMMENT = 200
 
 @dataclass(frozen=True)
 class Limits:
-    """What an upload may hold: bytes of the file, bytes unpacked, rows."""
+    """Limits of an upload: bytes of the file, bytes unpacked, rows."""
 
     file_bytes: int = 512_000_000
     unpacked_bytes: int = 1_000_000_000
@@ -38,7 +38,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What the user states about a log; None: read it from the file, or refuse and ask.
+    """Statements of the user about a log; None: read it from the file, or refuse and ask.
 
     `rate_hz`; `gyro_unit`, `accelerometer_unit`: a unit ("deg/s"), a unit per count ("0.05 deg/s") or an
     increment ("rad", "m/s"); `columns`: names of a table's columns in order ("time", "gyro_x", ..., "-" to
@@ -88,7 +88,7 @@ class LogContent(NamedTuple):
 
 
 def read_content(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
-    """What a file holds, told by its content; columns whose names mean nothing here are not read.
+    """Read a file, whose kind its content tells; columns whose names mean nothing here are not read.
 
     Raises InputError under `name`, "columns" or "arrays".
     """

@@ -125,7 +125,7 @@ def analyse_motion(
 
 
 def over_bench(result: MotionAnalysis, bench: BenchNoise) -> MotionAnalysis:
-    """The same noise with its factors over `bench`, whatever it was compared with before.
+    """The analysis with its factors over `bench`, whatever it was compared with before.
 
     Raises InputError when a bench value is not positive.
     """

@@ -1,4 +1,4 @@
-"""Which log would resolve a coefficient that this one does not show.
+"""The log that would resolve a coefficient that this one does not show.
 
 For a coefficient that is merely hidden the answer is a length. At frequency f the term's density is c²/f^a (a
 1 for flicker, 2 for the rate random walk, 3 for the ramp's power in a log) under a rival 1/f^r (r 0 for white

@@ -55,7 +55,7 @@ class Coefficient:
 
     @property
     def interval(self) -> str:
-        """How `low` and `high` are meant: a reading off the curve, or a confidence interval."""
+        """Meaning of `low` and `high`: a reading off the curve, or a confidence interval."""
         return READING_INTERVAL if self.reading else CONFIDENCE_INTERVAL
 
 
@@ -72,7 +72,7 @@ class LogSource:
 
     @classmethod
     def of(cls, log: ImuLog) -> Self:
-        """What a log says of its file."""
+        """Take from a log what a result says of its file."""
         return cls(log.file_name, log.sha256, log.rate_hz, log.duration_s, log.samples, log.reading)
 
 

@@ -39,7 +39,7 @@ class CosineSpectrum:
 
     @property
     def repeats(self) -> bool:
-        """Whether the signal repeats itself exactly: coefficients between its lines are then empty to rounding.
+        """True if the signal repeats itself exactly: coefficients between its lines are then empty to rounding.
 
         A stretch copied once behind itself leaves every fourth coefficient empty, more copies more.
         """

@@ -33,7 +33,7 @@ _OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 _DAMAGED = (
     EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, TypeError, ValueError
 )  # fmt: skip
-"""What reading a pickle that is cut off or overwritten may raise."""
+"""Exceptions of reading a pickle that is cut off or overwritten."""
 _locked: set[Path] = set()  # directories that this process is compiling into
 _ROOMS = ("earth", "simulation", "suborbital")  # whose kernels call each other across files
 
@@ -61,7 +61,7 @@ class _KernelCache(FunctionCache):
         self._cache_file._source_stamp = (self._cache_file._source_stamp, room_digest())
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """What was compiled for a signature; None where there is nothing; a damaged index is removed."""
+        """Load the code compiled for a signature; None where there is none; a damaged index is removed."""
         try:
             return super().load_overload(signature, target)  # type: ignore[no-untyped-call]
         except _DAMAGED:

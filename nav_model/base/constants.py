@@ -17,7 +17,7 @@ DEGREE_PER_HOUR: Final = DEGREE / 3600
 SPEED_OF_LIGHT: Final = 299792458.0
 """In vacuum [m/s], exact: defines the metre (SI Brochure, 9th edition, section 2.2)."""
 STANDARD_GRAVITY: Final = 9.80665
-"""What "1 g" means on a data sheet [m/s²], exact (3rd CGPM, 1901)."""
+"""One g of data sheets [m/s²], exact (3rd CGPM, 1901)."""
 MILLI_G: Final = 1e-3 * STANDARD_GRAVITY
 """One mg [m/s²]."""
 

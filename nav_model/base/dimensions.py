@@ -23,7 +23,7 @@ MAX_EXPONENT = 400
 
 
 class Scale(NamedTuple):
-    """What follows a number: its text, the size of one in SI at 1σ per axis, what a metre of the base line adds [SI],
+    """The part after a number: its text, the size of one in SI at 1σ per axis, what a metre of base line adds [SI],
     and in words how the size came about; empty for a unit alone."""
 
     unit: str
@@ -50,7 +50,7 @@ class Dimension:
     decibels: int = 0
 
     def scale(self, text: str) -> Scale:
-        """What the text after a number says.
+        """Read the text after a number.
 
         Raises InputError if it is no unit of this kind, or its accuracy cannot be brought to one sigma.
         """
@@ -148,7 +148,7 @@ def _scale(text: str, name: str) -> Scale:
 
 
 def _sigmas(accuracies: list[re.Match[str]], kind: Dimension) -> tuple[Fraction, str]:
-    """How many sigmas of an axis an accuracy is, and its name."""
+    """Sigmas of an axis in an accuracy, and its name."""
     first, *others = sorted(accuracies, key=lambda match: match["word"] is None)
     word, share, unit = (first["word"] or "").upper(), first["of"], (first["share"] or " ")[0]
     if word == "CEP" and not share and [(other["share"] or " ")[0] for other in others] == ["%"]:

@@ -37,13 +37,13 @@ class InputError(ValueError):
         return type(self), (self.key, self.reason, self.value)
 
     def under(self, key: str) -> InputError:
-        """The same error under another name, such as a command-line option or a file."""
+        """Copy of the error under another name, such as a command-line option or a file."""
         return type(self)(key, self.reason, self.value)
 
 
 @contextmanager
 def under(key: str) -> Iterator[None]:
-    """What is refused within is refused under another name."""
+    """Re-raise an `InputError` from the block with its key replaced by `key`."""
     try:
         yield
     except InputError as error:
@@ -62,7 +62,7 @@ def not_a_choice(given: Any, options: Iterable[object]) -> str:
 
 
 def quoted(content: Any) -> str:
-    """What was given, short enough for a one-line message, however long or deep it is."""
+    """Quote a value, short enough for a one-line message, however long or deep it is."""
     try:
         text = repr(content)
     except (RecursionError, ValueError):  # nested too deeply; an integer with too many digits to print

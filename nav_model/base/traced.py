@@ -162,7 +162,7 @@ class Traced(NDArrayOperatorsMixin):
 
 
 def _bare(x: Any) -> Any:
-    """What is in an array of one object."""
+    """Content of an array of one object; anything else as it is."""
     return x.item() if isinstance(x, np.ndarray) and x.dtype == object else x
 
 

@@ -179,7 +179,7 @@ def from_si(value: float, unit: str, dimension: str) -> float:
 
 @cache
 def _whole_times(unit: str, dimension: str) -> float:
-    """How many of the unit make one in SI, where that is a whole number, or zero."""
+    """Number of the unit that make one in SI where that is whole, or else zero."""
     kind = DIMENSIONS[dimension]
     share = 0 if kind.decibels or (scale := kind.scale(unit)).per_metre else 1 / scale.size
     return float(share) if share.denominator == 1 and share < 2**53 else 0.0

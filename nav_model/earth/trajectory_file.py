@@ -20,7 +20,7 @@ _DEGREES = [place for place, column in enumerate(COLUMNS) if column.endswith("_d
 
 @dataclass(frozen=True)
 class FileBounds:
-    """What a reader takes: rows, bytes, and the largest size of a value by column, in the unit of the file."""
+    """Limits of a reader: rows, bytes, and the largest size of a value by column, in the unit of the file."""
 
     fewest_rows: int
     most_rows: int
@@ -44,7 +44,7 @@ def read_trajectory_table(content: bytes, name: str, bounds: FileBounds) -> tupl
 
 
 def has_trajectory(header: Sequence[str]) -> bool:
-    """Whether a header names all of `COLUMNS`."""
+    """True if a header names all of `COLUMNS`."""
     return set(COLUMNS) <= {cell.lower() for cell in header}
 
 

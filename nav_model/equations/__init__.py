@@ -18,14 +18,14 @@ ALL_EQUATIONS: tuple[Equation, ...] = tuple(Equation(**row) for row in shipped(_
 EQUATIONS: tuple[Equation, ...] = tuple(
     e for e in ALL_EQUATIONS if e.mark[0] in "TS" and e.mark not in _ONLY_WHERE_CITED
 )
-"""Those of every report; the others are in a report that cites them."""
+"""Equations of every report; the others are in a report that cites them."""
 
 ALL_SYMBOLS: tuple[Symbol, ...] = tuple(
     Symbol(**row | {"marks": tuple(row.get("marks", ()))}) for row in shipped(__name__, "symbols")["symbol"]
 )
 
 SYMBOLS: tuple[Symbol, ...] = tuple(symbol for symbol in ALL_SYMBOLS if not symbol.marks)
-"""Those of every report."""
+"""Symbols of every report."""
 
 
 def with_cited(marks: Collection[str]) -> tuple[tuple[Equation, ...], tuple[Symbol, ...]]:

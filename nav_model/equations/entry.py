@@ -1,4 +1,4 @@
-"""What a row of the tables of equations and symbols holds."""
+"""Rows of the tables of equations and symbols."""
 
 from dataclasses import dataclass
 

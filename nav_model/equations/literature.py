@@ -13,11 +13,11 @@ WORKS: Mapping[str, str] = MappingProxyType(_LITERATURE["works"])
 """Short name -> full reference."""
 
 METHODS: tuple[tuple[str, str], ...] = tuple(_LITERATURE["methods"].items())
-"""What the product does beside its equations, and the work that describes it."""
+"""Methods of the product beside its equations, and the work that describes each."""
 
 
 def references_of(equations: Collection[Equation]) -> tuple[str, ...]:
-    """What a report with these equations cites: each work that their sources name, with the equations' marks."""
+    """Works that a report with these equations cites: each that their sources name, with the equations' marks."""
 
     def marks(short: str) -> list[str]:
         named = short if len(short) > 1 else f"[{short}]"  # as within a sentence

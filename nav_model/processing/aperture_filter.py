@@ -53,7 +53,7 @@ def _series() -> Array:
 
 
 def _left(x: Array, square: Array) -> dict[str, Array]:
-    """What remains of the mean square after the polynomials up to orders 1, 2, 3: one less the sum of (2m + 1) j_m².
+    """Mean square left after the polynomials up to orders 1, 2, 3: one less the sum of (2m + 1) j_m².
 
     Below the seam as the sum of the higher orders, which does not cancel: x⁴/45 after order 1, x⁶/1575 after 2.
     `square` holds those terms for the orders up to 3.

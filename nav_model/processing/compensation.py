@@ -1,4 +1,4 @@
-"""What remains of sensed motion after IMU compensation, and of oscillator noise after the echo delay. [P-8],
+"""Remainders of sensed motion after IMU compensation, and of oscillator noise after the echo delay. [P-8],
 [P-10]"""
 
 import numpy as np

@@ -105,7 +105,7 @@ class Fast:
     amplitude: Array
 
     def scaled(self, factor: Array) -> Fast:
-        """The same source, its amplitudes multiplied."""
+        """Copy of the source with its amplitudes multiplied."""
         changed = {name: getattr(self, name) * factor**2 for name in (*_FILTERS, "scattered", "near")}
         return replace(self, amplitude=self.amplitude * np.asarray(factor)[..., None], **changed)
 

@@ -48,7 +48,7 @@ def _held(phase: Array) -> Array:
 
 
 def fast_lines(effect: Fast, aperture: Array, lobe: float) -> NDArray[np.bool_]:
-    """Which lines lie beyond the main lobe, and so make echoes."""
+    """Mask of the lines that lie beyond the main lobe, and so make echoes."""
     return np.asarray(effect.frequency * aperture[..., None].real > lobe)
 
 

@@ -26,9 +26,9 @@ COLUMNS = (
     "position", "velocity", "tilt", "mean_slope", "with_turned", "turned_curved", "cubic_turned", "cubic_curved",
     "cubic_with_turned", "cubic_with_curved", "cubic_turned_curved",
 )  # fmt: skip
-"""What `smoothed_error` knows of an axis."""
+"""Columns of `smoothed_error`, for an axis."""
 IN_THE_MIDDLE = ("position", "velocity", "tilt")
-"""Those in the middle of the aperture; the others are of the whole."""
+"""Columns in the middle of the aperture; the others describe the whole."""
 
 # Quadratics, by the Legendre coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn;
 # then cubics.
@@ -146,7 +146,7 @@ class _Batch:
 
 
 def _of_the_aperture(named: Array, left_3: Array, t: Array) -> dict[str, Array]:
-    """Those of `COLUMNS` that are of the whole aperture.
+    """The columns that describe the whole aperture.
 
     Parameters
     ----------

@@ -109,7 +109,7 @@ class TrueFlight:
 
     @property
     def from_file(self) -> bool:
-        """Whether it is a loaded trajectory, which is what it is in any gravity field."""
+        """True for a loaded trajectory, which is the same in any gravity field."""
         return self.burnout_s is None
 
     @property

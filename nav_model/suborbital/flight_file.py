@@ -16,7 +16,7 @@ BOUNDS = FileBounds(
     most_bytes=16_000_000,
     largest={"latitude_deg": 90.0, "longitude_deg": 360.0, "height_m": 5e6},
 )
-"""What a flight of ten thousand seconds at 0.1 s needs, and no memory beyond it."""
+"""Enough for a flight of ten thousand seconds at 0.1 s, and no memory beyond it."""
 
 _LARGEST_FORCE = 1e6  # m/s^2: no vehicle bears it, and no square of it is too large for a float
 

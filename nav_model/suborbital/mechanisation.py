@@ -76,7 +76,7 @@ def _measured(
     matrix_sine: float,
     out: Array,
 ) -> None:
-    """What the cases' faulty accelerometers (``first`` = ACCELEROMETERS) or gyros (GYROS) measure [B-1], into out
+    """Measure with the cases' faulty accelerometers (``first`` = ACCELEROMETERS) or gyros (GYROS) [B-1], into out
     (3, c)."""
     for a in range(3):
         for case in range(out.shape[1]):

@@ -25,14 +25,14 @@ def _periods(errors: ErrorSet) -> tuple[float, ...]:
 
 
 def _same(study: Study, inputs: SuborbitalInputs) -> tuple[bool, bool]:
-    """Whether new inputs leave the periods, and the instants of frames."""
+    """Two flags: new inputs leave the periods as they are, and the instants of frames."""
     before = study.inputs
     frames, frames_before = (frame_steps(study.flight, each.aiding) for each in (inputs, before))
     return _periods(before.errors) == _periods(inputs.errors), np.array_equal(frames, frames_before)
 
 
 def needs_other_matrices(study: Study, inputs: SuborbitalInputs) -> bool:
-    """Whether `moved` has to compute other `LinearParts` first: tenths of a second."""
+    """True if `moved` has to compute other `LinearParts` first: tenths of a second."""
     return not all(_same(study, inputs))
 
 

@@ -89,7 +89,7 @@ def unit_errors(c: Array, f: Array, w: Array, s: Array, acc: Array, turn: Array)
 
 @part
 def _restart(state: Array, c: Array, w: Array) -> None:
-    """What the camera's own errors make of the attitude at a frame: psi starts anew."""
+    """Start psi anew at a frame, from the camera's own errors."""
     state[:3] = 0.0
     for a in range(3):
         for b in range(3):

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from nav_model.design import Design
 
 Value = float | str | tuple[float, ...] | tuple[tuple[float, float], ...] | None
-"""What an input may hold, SI."""
+"""Value of an input, SI."""
 GP1 = "GP-1"
 """Name of the parameter set of star_tracker.md, the default of every input."""
 OF_DESIGN = "design"
-"""How the origin of an input begins that a design gave."""
+"""Start of the origin of an input that a design gave."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ _UNIT = re.compile(r"_(rad_s|m_s2|rad|m|s)$")
 
 
 def _keys(model: type, section: str) -> dict[str, str]:
-    """What the model calls its inputs -> their keys, where they are inputs: the unit is only in the former."""
+    """Names of the inputs in the model, which have the unit, -> their keys, where they are inputs."""
     named = {field.name: f"{section}.{_UNIT.sub('', field.name)}" for field in fields(model)}
     return {name: key for name, key in named.items() if key in INPUTS}
 
@@ -168,14 +168,14 @@ def from_design(settings: Settings, design: Design) -> Settings:
 
 
 def follow_design(settings: Settings, design: Design) -> Settings:
-    """The same study with the inputs that follow a design taken from this one; inputs set by the user stay."""
+    """Take the inputs that follow a design from this one; inputs set by the user stay."""
     now = from_design(DEFAULTS, design)
     keys = [key for key, origin in settings.origin.items() if origin.startswith(OF_DESIGN)]
     return settings.change({key: now[key] for key in keys}, now.origin[keys[0]]) if keys else settings
 
 
 def follows_design(settings: Settings) -> bool:
-    """Whether some input comes from a design."""
+    """True if some input comes from a design."""
     return any(origin.startswith(OF_DESIGN) for origin in settings.origin.values())
 
 

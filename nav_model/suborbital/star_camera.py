@@ -125,7 +125,7 @@ def roll_sigma(camera: StarCamera, body: Array, weight: Array) -> Array:
 
 
 def gate(camera: StarCamera, body: Array, weight: Array, method: str = "SVD") -> tuple[np.ndarray, np.ndarray]:
-    """Which frames may be used, (n,) bool, and why not, (n,) text (empty where used)."""
+    """Frames that may be used, (n,) bool, and why the others may not, (n,) text (empty where used)."""
     stars, roll = np.sum(weight > 0.0, axis=-1), roll_sigma(camera, body, weight)
     few, flat = stars < camera.least_stars, roll > camera.roll_limit_rad
     refused = ~solvable(method, body, weight)

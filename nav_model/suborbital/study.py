@@ -22,7 +22,7 @@ GRAVITY_ROW = "gravity model"
 
 @dataclass(frozen=True)
 class SuborbitalInputs:
-    """What a person can set. The default is the reference flight with GP-1 and a perfect camera.
+    """Inputs of a study. The default is the reference flight with GP-1 and a perfect camera.
 
     ins_gravity is what the INS believes; the true field is flight.gravity.
     """
@@ -40,7 +40,7 @@ class SuborbitalInputs:
 
 @dataclass(frozen=True)
 class LinearParts:
-    """What a flight's errors are linear in, for its periods and instants of frames: other sizes need no new run.
+    """Parts that a flight's errors are linear in, for its periods and instants of frames; other sizes need no run.
 
     used (n+1,) marks the steps with a frame; pure, aided: position, velocity and attitude by parameter;
     channel_response (61, m, 3): the channels [B-5] for a unit of each parameter; *_noise: white noise by source.

@@ -48,14 +48,14 @@ _SECTIONS = tuple(dict.fromkeys(key.rpartition(".")[0] for key in INPUTS if "." 
 
 @dataclass(frozen=True)
 class StudyFile:
-    """What a study file holds: the inputs, and name and content of the trajectory (None: the reference flight)."""
+    """Content of a study file: the inputs, and name and content of the trajectory (None: the reference flight)."""
 
     settings: Settings
     trajectory: tuple[str, bytes] | None = field(default=None, repr=False)
 
 
 def is_study(data: bytes) -> bool:
-    """Whether a file says it is a study (a design does not); it may still be a wrong one."""
+    """True if a file says it is a study (a design does not); it may still be a wrong one."""
     try:
         return "study" in read_toml(data, "study", "a study file", MAX_BYTES)
     except InputError:

@@ -46,7 +46,7 @@ def final_total(study: Study) -> tuple[Array, Array]:
 
 
 def explain(study: Study) -> str:
-    """What the tracker did and did not repair, in words made from the numbers of the study."""
+    """Sentences on what the tracker did and did not repair, made from the numbers of the study."""
     flight, end = study.flight, study.flight.time_s[-1]
     pure, aided = ({name: study.final_m(name)[which] for name in study.names} for which in (0, 1))
     whole, left_over = final_total(study)

@@ -121,7 +121,7 @@ _LINEAR = ("accelerometers.", "gyros.", "initial.", "tracker.")
 
 
 def needs_run(survey: Survey, settings: Settings) -> bool:
-    """Whether only a new run can follow the settings: flight, gravity, camera or sky changed, or, with star
+    """True if only a new run can follow the settings: flight, gravity, camera or sky changed, or, with star
     images, the instants of the frames, which also depend on the gate."""
     other = any(
         value != survey.settings[key] for key, value in settings.values.items() if not key.startswith(_LINEAR)

@@ -17,7 +17,7 @@ MAPPING = (
     "imu.accelerometer_bias and imu.gyro_bias (1 sigma per axis) replace the constant bias on every axis, with the "
     "sign GP-1 has there; instability, scale factor, misalignment and initial errors stay those of GP-1"
 )
-"""How a design enters the study."""
+"""Conversion of a design to the study, in words."""
 
 
 def survey_json(survey: Survey, study: Study | None = None, settings: Settings | None = None) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What a file is, by its first bytes."""
+"""Kind of a file, told by its first bytes."""
 
 import codecs
 import re
@@ -13,7 +13,7 @@ _PIECE = 1 << 20
 
 
 def kind_of(content: bytes) -> str | None:
-    """What a file is, with its article, such as "a PNG image"; None for plain text, such as a table.
+    """Kind of a file with its article, such as "a PNG image"; None for plain text, such as a table.
 
     >>> kind_of(b"%PDF-1.7"), kind_of(b'{"gyro": []}'), kind_of(b"time,gyro_x")
     ('a PDF document', 'JSON', None)

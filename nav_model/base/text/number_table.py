@@ -62,7 +62,7 @@ class NumberTable:
     content: bytes = field(repr=False)
 
     def names(self) -> Iterator[tuple[str, ...]]:
-        """What may be the names of the columns, the likeliest first: with units from the line between names and rows,
+        """Candidates for the columns' names, the likeliest first: with units from the line between names and rows,
         or as they are; at last the nearest header once more."""
         for header, below in zip(self.headers, [("",) * self.width, *self.headers], strict=False):
             pairs = zip(header, below, strict=True)
@@ -234,7 +234,7 @@ def _fields(line: str, delimiter: str | None) -> list[str]:
 
 
 def _numeric(fields: Sequence[str]) -> int:
-    """How many of them are numbers, with a point or a comma."""
+    """Count of the fields that are numbers, with a point or a comma."""
     count = 0
     for text in fields:
         with suppress(ValueError):
