@@ -17,7 +17,7 @@ def required(kind: type[T], *, constant: bool = True) -> T:
 
 
 def optional(kind: type[T], doc: str) -> T | None:
-    """The same, or None, as at first."""
+    """A declared parameter that may also be None, as at first."""
     return cast(T, param.ClassSelector(class_=kind, default=None, allow_None=True, instantiate=False, doc=doc))
 
 

@@ -135,7 +135,7 @@ class Session(param.Parameterized):
 
     @property
     def short_link(self) -> str:
-        """The same to give to others: without the description of an example, or one that makes it long."""
+        """A link to give to others: without the description of an example, or one that makes it long."""
         link = self.link
         if len(link) <= _MOST_TO_SHARE and all(
             self.design.description != example(name).description for name in EXAMPLES

@@ -161,7 +161,7 @@ class Visitor(Tab):
 
 @dataclass
 class Phase:
-    """What was measured while everybody moved: waits in ms, CPU times in s, resident memory in MB."""
+    """Measurements while everybody moved: waits in ms, CPU times in s, resident memory in MB."""
 
     name: str
     rate: float = 0.0
@@ -203,7 +203,7 @@ def percentile(values: list[float], share: float) -> float:
 
 
 async def measure(address: str, server: Server, kind: Kind, sessions: int, seconds: float, whole: bool) -> Report:
-    """What a page costs to open and to move, and the capacity; if `whole`, also the phases at shares of it."""
+    """Cost of a page to open and to move, and the capacity; if `whole`, also the phases at shares of it."""
     for _ in range(3 * server.processes):  # what is loaded with the first page and its first steps is not a session's
         first = await _visit(address, kind)
         await _one_after_another(first, 10, Phase("first"))

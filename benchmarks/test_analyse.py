@@ -1,4 +1,4 @@
-"""What one slider step and one trade map cost."""
+"""Costs of one slider step and of one trade map."""
 
 import time
 
@@ -39,7 +39,7 @@ def test_closed_forms_of_one_design(benchmark):
 
 
 def test_closed_forms_per_design_in_a_batch(benchmark):
-    """The same for 10,000 designs at once, the way a trade study asks."""
+    """Closed forms for 10,000 designs at once, the way a trade study asks."""
     sigma_w = np.geomspace(1e-7, 1e-3, 10_000)
 
     def closed_forms():

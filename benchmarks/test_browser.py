@@ -74,7 +74,7 @@ def test_first_view(benchmark: Any, browser: Browser, server: str) -> None:
 
 
 def test_whole_page(benchmark: Any, browser: Browser, server: str) -> None:
-    """The same until the charts below the first screen stand as well."""
+    """A page until the charts below the first screen stand as well."""
 
     def open_() -> None:
         page = _open(browser, server)

@@ -1,4 +1,4 @@
-"""How long exploring takes, against the targets of its issue; never fails on a clock."""
+"""Durations of exploring, against the targets of its issue; never fails on a clock."""
 
 from importlib.resources import files
 

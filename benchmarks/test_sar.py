@@ -1,4 +1,4 @@
-"""What the SAR model costs, against the targets of its issue and beside named ways of doing the same.
+"""Costs of the SAR model, against the targets of its issue and beside named ways of doing the same.
 
 Times are of the processor (all threads), so a busy machine does not blur them; nothing here fails on a clock. Each
 ``times_over`` is how many times as long the alternative takes for the same work.

@@ -67,7 +67,7 @@ def test_noise_ensemble_of_100(benchmark):
 @pytest.mark.filterwarnings("ignore:Both 'variant' and 'button_style':PendingDeprecationWarning")
 @pytest.mark.parametrize("view", [view.name for view in VIEWS])
 def test_slider_to_fed_figures(benchmark, page, view):
-    """What the server does for one step of a slider with a view on the screen."""
+    """Work of the server for one step of a slider with a view on the screen."""
     page.study.views.chosen = view
     places = iter(range(10**9))
 

@@ -108,7 +108,7 @@ def without_fixes(outages: Iterable[tuple[float, float]]) -> tuple[Span, ...]:
 
 @dataclass(frozen=True)
 class _Titled:
-    """What every chart has."""
+    """Fields of every chart."""
 
     key: str
     title: str
@@ -117,7 +117,7 @@ class _Titled:
 
 @dataclass(frozen=True)
 class _OnAxes(_Titled):
-    """What every chart on two axes has."""
+    """Fields of every chart on two axes."""
 
     y_label: str
 
@@ -183,7 +183,7 @@ class Bar:
 
     @property
     def shows(self) -> bool:
-        """Whether either bar has a length above zero."""
+        """True if either bar has a length above zero."""
         return any(math.isfinite(length) and length > 0 for length in (self.first, self.second))
 
 
@@ -244,7 +244,7 @@ class DotChart(_Titled):
 
     @property
     def has_wholes(self) -> bool:
-        """Whether a part stands beside the values."""
+        """True if a part stands beside the values."""
         return any(not math.isnan(dot.whole) for dot in self.dots)
 
     def rows(self) -> Iterator[DataRow]:
@@ -365,12 +365,12 @@ class TradeMapChart(_OnAxes):
 
     @property
     def limited(self) -> bool:
-        """Whether ``level`` is a limit."""
+        """True if ``level`` is a limit."""
         return not math.isnan(self.trade.limit)
 
     @property
     def structure(self) -> tuple[str, str, str]:
-        """What the figure's structure depends on; if it changes, a new figure is needed."""
+        """The parts that a figure's structure depends on; if they change, a new figure is needed."""
         return self.x_label, self.y_label, self.trade.result
 
     def rows(self) -> Iterator[DataRow]:
@@ -389,7 +389,7 @@ def _extent(label: str, values: Array) -> str:
 
 
 Plotted = Chart | MapChart
-"""What the screen has as a figure with axes; rows of bars and dots are HTML."""
+"""Charts that the screen has as a figure with axes; rows of bars and dots are HTML."""
 
 AnyChart = Plotted | BarChart | DotChart
 Drawing = AnyChart | PictureChart

@@ -18,7 +18,7 @@ def legend_html(chart: Chart | DotChart | MapChart) -> str:
 
 
 def key_html(**names: str) -> str:
-    """What each look means, whatever its colour: a dash of `DASHES`, "limit", "faint", or "span", a time."""
+    """Legend of looks, whatever their colour: a dash of `DASHES`, "limit", "faint", or "span", a time."""
     looks = {dash: _line(Style("currentColor", dash)) for dash in DASHES}
     looks |= {
         "limit": _line(STYLES["limit"]),

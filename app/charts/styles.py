@@ -42,7 +42,7 @@ STYLES: dict[str, Style] = {
     name: Style(_COLOURS.get(colour, colour), dash, width)
     for name, (colour, dash, width) in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
 }
-"""The same quantity has the same colour and dash everywhere."""
+"""Colour and dash by quantity, everywhere alike."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""How a command ends early: by a signal, or by a fault of the system."""
+"""Early ends of a command: by a signal, or by a fault of the system."""
 
 import errno
 import io
@@ -32,7 +32,7 @@ class Stopped(KeyboardInterrupt):
 
 
 def is_of_surroundings(fault: OSError) -> bool:
-    """Whether the system is the cause and not the input: disk full, out of files or memory."""
+    """True if the system is the cause and not the input: disk full, out of files or memory."""
     return fault.errno in _SURROUNDINGS
 
 

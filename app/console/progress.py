@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from app.work.run import Clock
 
 COMPILES = "Compiling the simulator (first use only)"
-"""What a command says before it flies anything."""
+"""Message of a command before it flies anything."""
 
 _QUIET_SECONDS = 5.0  # between lines where standard error is not a terminal
 
@@ -39,6 +39,6 @@ def show_progress() -> Iterator[Callable[[str, float], None]]:
 
 @contextmanager
 def count_runs(of: str = "") -> Iterator[Callable[[int, int], None]]:
-    """The same of runs done and runs in all; ``of`` goes before the count, where several kinds are run."""
+    """Count runs done of runs in all; ``of`` goes before the count, where several kinds are run."""
     with show_progress() as show:
         yield lambda done, runs: show(f"{of}{done} of {runs} runs", done / runs)

@@ -1,4 +1,4 @@
-"""What each source may take of a limit, as blocks for page and report."""
+"""Allowances of the sources in a limit, as blocks for page and report."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -38,7 +38,7 @@ def entry_texts(design: Design, check: Check, allocation: Allocation) -> list[di
 
 
 def outcome(design: Design, check: Check, allocation: Allocation) -> str:
-    """Whether the entries fit, and how they were split."""
+    """A sentence on whether the entries fit, and how they were split."""
     limit = check_quantity(design, check, allocation.limit, given=True)
     whole = f"{check.label}: limit {limit}, reserve {percent(allocation.reserve)}"
     if allocation.closes:

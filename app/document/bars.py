@@ -12,7 +12,7 @@ _NAMED = 0.45  # of the axis: a shorter part has no room for its name
 _NUMBER = 0.3  # of the axis: what a number after its bar takes
 
 ROWS_SHEET = Path(__file__).with_name("rows.css").read_text("utf-8")
-"""How rows of bars and of dots look, wherever they are."""
+"""Style of rows of bars and of dots, wherever they are."""
 
 _STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8, 10, 15)
 
@@ -108,7 +108,7 @@ class _BarScale:
         )
 
     def _parts(self, bar: Bar, length: float) -> str:
-        """What the bar is made of, in the shares of the variance; the first is named where there is room."""
+        """Parts of the bar, in the shares of the variance; the first is named where there is room."""
         html = ""
         for n, (name, share) in enumerate(bar.parts):
             label = f"{escape(name)} {percent(share)}"
@@ -122,7 +122,7 @@ class _BarScale:
 
 
 def _width(text: str) -> float:
-    """Of a number in its place [px], a little more than it takes: digits are wide, what is between them is not."""
+    """Width [px] reserved for a number: generous for digits, less for punctuation."""
     return 8 + sum(7.2 if letter.isdecimal() else 5 for letter in text)
 
 

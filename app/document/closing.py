@@ -1,4 +1,4 @@
-"""What would close a design, one change at a time: a table with a button in each row."""
+"""Changes that would close a design, one at a time: a table with a button in each row."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -53,14 +53,14 @@ def value_ways(design: Design, solutions: Iterable[Solution]) -> tuple[Way, ...]
 
 
 def _image(design: Design, offered: Offer, now: float) -> str:
-    """What a shorter aperture makes of the image."""
+    """A sentence on what a shorter aperture makes of the image."""
     if offered.key != "radar.aperture_time" or offered.value >= now:
         return ""
     return f"; coarser image, {number(resolution_for(design, offered.value))} m"
 
 
 def beyond_one(budget: Budget) -> str:
-    """What to try where no single input of `SOLVED` closes a design: two of which the map has a place that does;
+    """Advice where no single input of `SOLVED` closes a design: two of which the map has a place that does;
     where there is no such pair, the contributors that exceed a limit without the model, by name."""
     design = budget.design
     keys = [key for key in SOLVED if key == "radar.aperture_time" or design[key] is not None]

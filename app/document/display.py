@@ -29,7 +29,7 @@ _SI_UNITS = {"length": "m", "speed": "m/s", "angle": "rad", "time": "s", "loss":
 
 @dataclass(frozen=True)
 class Display:
-    """How figures are shown: `REQUIRED` or one of `SPREADS`, and one of `UNITS`.
+    """Display of figures: `REQUIRED` or one of `SPREADS`, and one of `UNITS`.
 
     `of` makes a multiple of sigma of `REQUIRED`, with ``required`` set: limits are then as they are given.
 
@@ -53,7 +53,7 @@ class Display:
         return replace(self, spread="1σ" if others else f"{confidence:g}σ", required=not others)
 
     def factor(self, *, pair: bool = False) -> float:
-        """What one sigma is multiplied by; ``pair`` for a horizontal position or velocity."""
+        """Factor on one sigma; ``pair`` for a horizontal position or velocity."""
         if self.required:
             return float(self.spread.removesuffix("σ"))
         _, single, pair_of_axes = SPREADS[self.spread]
@@ -69,7 +69,7 @@ class Display:
         return self.plain(factor * sigma, dimension, like=None if like is None else factor * like)
 
     def plain(self, value: float, dimension: str, *, like: float | None = None) -> str:
-        """What is no standard deviation, such as a width [SI], as it is shown."""
+        """Text of a value that is no standard deviation, such as a width [SI]."""
         return self.in_si(value, dimension) if self.units == SI else show(value, dimension, like=like)
 
     @staticmethod
@@ -137,7 +137,7 @@ class Display:
 
     @property
     def scaled(self) -> str:
-        """What a caption says of limits."""
+        """Words of a caption about limits."""
         return "" if self.required or self == ONE_SIGMA else ", limits scaled"
 
     @property

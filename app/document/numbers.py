@@ -12,7 +12,7 @@ from nav_model.base.units import format_quantity, from_si, plain_number, to_si
 
 DIGITS = 3
 NONE = "–"
-"""What a table prints where there is no figure."""
+"""Text of a table where there is no figure."""
 
 _LADDERS: dict[str, tuple[str, ...]] = {
     "length": ("mm", "cm", "m", "km"),
@@ -102,7 +102,7 @@ def margin_in_sentence(margin: float) -> str:
 
 
 def margin_in_short(margin: float) -> str:
-    """Whether a requirement is met, and by how much, where there is little room: whole percents, or a tenth where
+    """Margin of a requirement in short, met or not: whole percents, or a tenth where
     little of the limit is used, as 100 says that nothing is.
 
     >>> margin_in_short(0.798), margin_in_short(0.0004), margin_in_short(-0.0967), margin_in_short(0.996)

@@ -15,7 +15,7 @@ from nav_model.design.presets import deviations, preset_of
 from nav_model.design.table import Table
 
 DETRENDED = {1: "linear detrend", 2: "quadratic detrend", 3: "cubic detrend"}
-"""What is removed from the phase before its residual is measured, by the order of the autofocus."""
+"""Parts removed from the phase before its residual is measured, by the order of the autofocus."""
 
 MOMENTS: dict[str, str] = dict(cast(Choice, declaration_of("requirements.steady_state")).options)
 """Points of the fix cycle, in words."""
@@ -30,7 +30,7 @@ def best_of(shares: Mapping[str, float]) -> tuple[str, float]:
 
 
 def title_of(design: Design) -> str:
-    """What a design is called."""
+    """Name of a design, as a title."""
     return printable(design.name).strip() or "Untitled design"
 
 
@@ -63,7 +63,7 @@ def entered(design: Design, key: str) -> str:
 
 
 def preset_name(design: Design, section: str) -> str:
-    """What the values of a section are called: an edited preset is no longer what the catalogue has."""
+    """Name of a section's values: an edited preset is no longer what the catalogue has."""
     name = preset_of(design, section)
     if name is None:
         return "own values"
@@ -105,5 +105,5 @@ def design_labels(count: int) -> list[str]:
 
 
 def chapter_key(label: str) -> str:
-    """What the keys of a design's sections begin with; its label is empty for one design alone."""
+    """Start of the keys of a design's sections; its label is empty for one design alone."""
     return label.lower() or "d"

@@ -16,7 +16,7 @@ def example(name: str) -> Design:
 
 
 def description_of(design: Design) -> str:
-    """What a design's author says of it; nothing where an example's words are left and its values are not."""
+    """Description of a design by its author; nothing where an example's words are left and its values are not."""
     for known in map(example, EXAMPLES):
         if design.description == known.description and design.replace({"name": known.name}) != known:
             return ""

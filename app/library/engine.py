@@ -66,12 +66,12 @@ def engine_at(address: str | Path) -> Engine:
 
 
 def is_read_only(engine: Engine) -> bool:
-    """Whether an engine only reads, because its file or folder refuses writing."""
+    """True if an engine only reads, because its file or folder refuses writing."""
     return engine.url.query.get("mode") == "ro"
 
 
 def _is_read_only(path: Path) -> dict[str, str]:
-    """How to open a read-only file; nothing for one that can be written, or does not exist yet.
+    """Options to open a read-only file; none for one that can be written, or does not exist yet.
 
     A write-ahead log needs files beside the database to be read as well; if they cannot be made and none exists,
     nobody writes, and the file can be read as it is.

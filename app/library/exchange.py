@@ -39,7 +39,7 @@ _JUDGED = ("content_hash", "verdict", "product")
 
 @dataclass(frozen=True)
 class Imported:
-    """What an import did: designs and revisions added, designs that were there already."""
+    """Result of an import: designs and revisions added, designs that were there already."""
 
     designs: int
     revisions: int
@@ -83,7 +83,7 @@ Histories = list[tuple[list[Revision], tuple[str, ...]]]
 
 
 def read_archive(data: bytes, author: str) -> Histories:
-    """What an archive of `export_archive` holds, or any zip of design files; for a worker process.
+    """Read an archive of `export_archive`, or any zip of design files; for a worker process.
 
     Every revision is judged anew, which takes seconds for a thousand; names and dates of an archive are kept, marked
     as imported. A file that is not in the list becomes a new design, saved by `author`.
@@ -221,7 +221,7 @@ def _history(rows: Sequence[dict[str, str]], files: dict[str, bytes]) -> list[Re
 
 
 def _is_past(saved: str) -> bool:
-    """Whether a date is one that the library writes, and has been; another machine's clock may be ahead by a day."""
+    """True for a past date as the library writes them; another machine's clock may be ahead by a day."""
     if not re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d{1,6})?\+00:00", saved):
         return False
     try:

@@ -87,7 +87,7 @@ class Review:
 
     @property
     def intact(self) -> bool:
-        """Whether it is unchanged since it was frozen, and its signature, if any, is valid."""
+        """True if it is unchanged since it was frozen, and its signature, if any, is valid."""
         return not self.doubt
 
     def standing(self, place: int, requirement: str) -> Decision | None:
@@ -104,11 +104,11 @@ class Review:
         ]
 
     def open_points(self) -> list[tuple[int, str]]:
-        """Those of `points` without a decision."""
+        """The `points` without a decision."""
         return [point for point in self.points() if self.standing(*point) is None]
 
     def met(self, place: int, requirement: str) -> bool:
-        """Whether an item meets a requirement it states."""
+        """True if an item meets a requirement it states."""
         checks = self.revisions[place - 1].budget().verdict.checks
         return next(check.met for check in checks if check.name == requirement)
 
@@ -118,7 +118,7 @@ class Review:
         return [d for d in made if d is not None and d.accepted and not self.met(d.place, d.requirement)]
 
     def rejected(self) -> list[tuple[int, str]]:
-        """Those of `points` whose latest decision is a rejection."""
+        """The `points` whose latest decision is a rejection."""
         return [point for point in self.points() if (made := self.standing(*point)) is not None and not made.accepted]
 
 

@@ -19,7 +19,7 @@ STEPS: tuple[tuple[str, ...], ...] = tuple(
     tuple(statement for part in step.split(";") if (statement := part.strip()))
     for step in _VERSION.split(Path(__file__).with_suffix(".sql").read_text("utf-8"))[1:]
 )
-"""What each version adds to the one before; version n is the first n steps. Released steps never change."""
+"""Steps from each version to the next; version n is the first n steps. Released steps never change."""
 
 _LOCK = 0x6E6176  # of PostgreSQL: one process migrates, the others wait
 
@@ -51,7 +51,7 @@ def version_of(connection: Connection) -> int:
 
 
 def is_current(version: int) -> bool:
-    """Whether no migration is needed."""
+    """True if no migration is needed."""
     return version == len(STEPS)
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 CHANGED = "changed outside the program"
-"""What is said of a review that is not what was sealed."""
+"""Words for a review that is not what was sealed."""
 
 _KIND = "ed25519"
 _path: Path | None = None

@@ -27,7 +27,7 @@ from nav_model.budget.verdict import required
 from nav_model.design.file import format_design, parse_design
 
 MOST = {"designs": 5_000, "revisions": 20_000, "reviews": 2_000, "bytes": 200_000_000}
-"""What a library holds at most. The list of 5,000 designs takes half a second, and nothing is ever removed."""
+"""Bounds of a library. The list of 5,000 designs takes half a second, and nothing is ever removed."""
 
 
 class Conflict(InputError):
@@ -252,7 +252,7 @@ class Library:
 
 
 def _sizes(connection: Connection) -> dict[str, int]:
-    """What the library holds, by the names of `MOST`."""
+    """Counts of what the library holds, by the names of `MOST`."""
     tables = [what for what in MOST if what != "bytes"]
     queries = {what: f"SELECT COUNT(*) FROM {what}" for what in tables}
     if connection.dialect.name == "sqlite":

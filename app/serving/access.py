@@ -67,7 +67,7 @@ class PasswordLogin(CookieForThisSite, BasicLoginHandler):
         self.redirect(f".{wanted}")  # from this page: a proxy may serve it below a path of its own
 
     def _try(self, peer: str, name: str, password: str) -> tuple[bool, str | None]:
-        """Whether there were too many tries, and the secret of the login if the password is right."""
+        """Try a password: True after too many tries, and the secret of the login if the password is right."""
         of_peer, of_account = f"from {peer}", f"for {name}"
         if self.logins.too_many(of_peer) or self.logins.too_many(of_account):
             return True, None
@@ -127,7 +127,7 @@ class PasswordProvider(BasicAuthProvider):
         return get_user
 
     def still_in(self, handler: Any) -> bool:
-        """Whether the login that a request came with holds."""
+        """True while the login that a request came with holds."""
         signed = handler.get_secure_cookie("user", max_age_days=config.oauth_expiry)
         secret = handler.get_secure_cookie(_LOGIN, max_age_days=config.oauth_expiry)
         if signed is None or secret is None:

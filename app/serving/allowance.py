@@ -1,4 +1,4 @@
-"""How much a page may send: counted by message, and by session for what its changes leave on the server.
+"""Limits on what a page sends: counted by message, and by session for what its changes leave on the server.
 
 Bokeh bounds a frame. A message may have any number of them, and a document keeps whatever a browser adds to it.
 """
@@ -12,7 +12,7 @@ _SHARE = 5  # of the largest message, for what all changes of a session leave
 
 
 class Allowance:
-    """What the changes of one session leave: the last value of each attribute of each model.
+    """Memory that the changes of one session leave: the last value of each attribute of each model.
 
     `most` is the largest message [bytes]; a fifth of it may stay.
     """

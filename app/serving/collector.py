@@ -39,7 +39,7 @@ class Collector:
         self._closed += 1
 
     def due(self) -> bool:
-        """Whether a full collection is due."""
+        """True when a full collection is due."""
         now = self._clock()
         idle = self._last_activity > self._collected or self._closed
         return bool(

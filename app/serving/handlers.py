@@ -70,19 +70,19 @@ class RequestContext:
     most_bytes: int
     """Of one message of a page, with all its frames."""
     page: Callable[[str, bool], str]
-    """What a browser is sent for the token of a session, and for a page in dark."""
+    """Make what a browser is sent for the token of a session, and for a page in dark."""
     heard: Callable[[], None]
     """Called with every message of a page."""
     keep: Callable[[socket.socket], None]
     """Called with every connection of a page."""
     admits: Callable[[str], bool]
-    """Whether somebody who is logged in may enter."""
+    """True if somebody who is logged in may enter."""
     still_in: Callable[[Any], bool]
-    """Whether the login that a connection was made with holds; asked in a thread."""
+    """True while the login that a connection was made with holds; asked in a thread."""
     stopping: bool = False
 
     def full(self, own_sessions: int) -> bool:
-        """Whether the limit on sessions is reached; also updates this process's count on the board."""
+        """True when the limit on sessions is reached; also updates this process's count on the board."""
         self.row.put("sessions", own_sessions)
         return self.row.board.total("sessions") >= self.most
 
@@ -97,7 +97,7 @@ _MOST_FAULTS = 50  # of one connection
 
 
 def being_sent() -> bool:
-    """Whether messages to a page are still being sent."""
+    """True while messages to a page are being sent."""
     streams = (c.ws_connection.stream for c in _connections if c.ws_connection is not None)
     return any(stream is not None and stream.writing() for stream in streams)
 
@@ -110,7 +110,7 @@ async def hang_up_on_ended_logins() -> None:
         page.close(1008, "logged out")
 
 
-def caught_on_a_page(fault: BaseException) -> None:
+def handle_page_fault(fault: BaseException) -> None:
     """Handle an exception in a page's callback; a page that goes on causing them is closed: each fills the log."""
     handle(fault)
     if isinstance(fault, InputError):
@@ -126,7 +126,7 @@ def close_door() -> None:
 
 
 async def _place_for(address: str, context: ApplicationContext) -> bool:
-    """Whether an address gets a place for a new page: while there are any, half of those of this process at most, so
+    """True if an address gets a place for a new page: while there are any, half of those of this process at most, so
     that nobody alone fills the server; only this machine's own gets all.
 
     Where there is none, the oldest page that nobody is connected to gives way: of this address if that has its half,
@@ -134,7 +134,7 @@ async def _place_for(address: str, context: ApplicationContext) -> bool:
     """
     sessions = list(context.sessions)
     idle = [s for s in sessions if s.connection_count == 0]
-    connected = (page.request.remote_ip for page in _connections if not page.hung_up())
+    connected = (page.request.remote_ip for page in _connections if not page.is_closed())
     held = Counter([*connected, *map(_addresses.get, idle)])
     full = _here.full(len(sessions))
     if not is_loopback(address) and held[address] >= max(1, _here.most // (2 * _here.row.board.processes)):
@@ -220,7 +220,7 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
             self.finish()
 
     def _fetched(self, token: str) -> bool:
-        """Whether a token was given out to the person who connects; one that is not signed the handshake refuses."""
+        """True if a token was given out to the person who connects; one that is not signed the handshake refuses."""
         server = self.application
         if not check_token_signature(token, server.secret_key, server.sign_sessions):
             return True
@@ -234,18 +234,18 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
         if self.ws_connection is not None and self.ws_connection.stream is not None:
             _here.keep(self.ws_connection.stream.socket)
 
-    def hung_up(self) -> bool:
-        """Whether nobody is there any more."""
+    def is_closed(self) -> bool:
+        """True once nobody is there any more."""
         return self.ws_connection is None
 
     async def _async_open(self, token: str) -> None:
         """As Bokeh, which makes a page also for whoever has hung up, and keeps it as one in use."""
-        if self.hung_up():
+        if self.is_closed():
             return
         await super()._async_open(token)
         if not self._is_gone():
             _addresses[self.connection.session] = str(self.request.remote_ip)
-        if self.hung_up():  # while it was made
+        if self.is_closed():  # while it was made
             self.on_close()
 
     async def _receive(self, fragment: str | bytes) -> Any:
@@ -266,7 +266,7 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
 
     async def _handle(self, message: Any) -> Any:
         _here.heard()
-        if self.hung_up() or self._is_gone():
+        if self.is_closed() or self._is_gone():
             return None
         reason = _allowances.setdefault(self.connection.session, Allowance(_here.most_bytes)).against(message)
         if reason:
@@ -281,8 +281,8 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
             self.count_fault()
 
     def shows(self, document: Any) -> bool:
-        """Whether this is the connection of a document's page."""
-        return not self.hung_up() and not self._is_gone() and self.connection.session.document is document
+        """True for the connection of a document's page."""
+        return not self.is_closed() and not self._is_gone() and self.connection.session.document is document
 
     def count_fault(self) -> None:
         """Count a fault of this page; one that goes on causing them is closed."""

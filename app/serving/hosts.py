@@ -33,7 +33,7 @@ class Hosts:
         self._everywhere = is_everywhere(address)
 
     def admit(self, host: str) -> bool:
-        """Whether a request's Host, ``name`` or ``name:port``, is one of them."""
+        """True if a request's Host, ``name`` or ``name:port``, is one of them."""
         host = host.casefold()
         try:
             place = urllib.parse.urlsplit(f"//{host}")

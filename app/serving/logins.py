@@ -73,7 +73,7 @@ class Logins:
         return secret
 
     def holds(self, secret: str, name: str, password: str) -> bool:
-        """Whether this login is valid: started, not ended, and the password is unchanged."""
+        """True while this login is valid: started, not ended, and the password is unchanged."""
         query = text("SELECT 1 FROM logins WHERE id = :id AND name = :name AND password = :password AND until > :now")
         wanted = {"id": _hashed(secret), "name": name, "password": _hashed(password), "now": self._clock()}
         with self._engine.connect() as connection:
@@ -85,7 +85,7 @@ class Logins:
             connection.execute(text("DELETE FROM logins WHERE id = :id"), {"id": _hashed(secret)})
 
     def too_many(self, who: str) -> bool:
-        """Whether an address or account has failed too often in the last minute."""
+        """True if an address or account has failed too often in the last minute."""
         # Until now: a clock that was set back would block for as long as that.
         query = text("SELECT COUNT(*) FROM login_tries WHERE who = :who AND at BETWEEN :since AND :now")
         now = self._clock()

@@ -159,7 +159,7 @@ class Passwords:
         return None if person is None else _text(person.salt + person.key)
 
     def fits(self, name: str, password: str) -> bool:
-        """Whether name and password match; takes as long for an unknown name."""
+        """True if name and password match; takes as long for an unknown name."""
         if len(password) > MAX_PASSWORD:
             return False
         person = self._current().get(name)

@@ -25,7 +25,7 @@ class OAuth:
     allow: tuple[str, ...]
 
     def admits(self, user: str) -> bool:
-        """Whether an account may enter: ``*``, its name, or ``@domain`` of its mail address; case does not count."""
+        """True if an account may enter: ``*``, its name, or ``@domain`` of its mail address; case does not count."""
         name = user.casefold()
         domain = f"@{name.rpartition('@')[2]}" if "@" in name else None
         return any(rule == "*" or rule.casefold() in {name, domain} for rule in self.allow)
@@ -33,7 +33,7 @@ class OAuth:
 
 @dataclass(frozen=True)
 class Rules:
-    """How to serve. Times in seconds, sizes in bytes."""
+    """Settings of the server. Times in seconds, sizes in bytes."""
 
     address: str = "127.0.0.1"
     port: int = 5006
@@ -56,7 +56,7 @@ class Rules:
 
     @property
     def protected(self) -> bool:
-        """Whether a visitor must log in."""
+        """True if a visitor must log in."""
         return self.password_file is not None or self.oauth is not None
 
     @property
@@ -112,12 +112,12 @@ def in_numbers(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | 
 
 
 def is_loopback(address: str) -> bool:
-    """Whether only this machine can reach an address."""
+    """True if only this machine can reach an address."""
     return address == "localhost" or ((number := in_numbers(address)) is not None and number.is_loopback)
 
 
 def is_everywhere(address: str) -> bool:
-    """Whether listening on an address is listening on all that this machine has."""
+    """True if listening on an address is listening on all that this machine has."""
     return (number := in_numbers(address)) is not None and number.is_unspecified
 
 

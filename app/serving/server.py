@@ -27,8 +27,8 @@ from app.serving.handlers import (
     RequestContext,
     around,
     being_sent,
-    caught_on_a_page,
     close_door,
+    handle_page_fault,
     hang_up_on_ended_logins,
 )
 from app.serving.hosts import Hosts, first_rules
@@ -42,7 +42,7 @@ from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
 from app.upstream.late_session import page_of, sheets_from_here, visitor
 from app.upstream.rendering import check_given_values
-from app.upstream.requests import ask_first, let_nobody_new_in, listen_on, read_any_address, trust_proxies_only
+from app.upstream.requests import ask_first, listen_on, read_any_address, stop_accepting, trust_proxies_only
 from app.work import pool as workers
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -131,7 +131,7 @@ def serve_on(
     InputError
         If the password file cannot be read or is wrong.
     """
-    pn.extension(exception_handler=caught_on_a_page)
+    pn.extension(exception_handler=handle_page_fault)
     set_defaults()
     settings.perform_error_diagnostics = False  # Panel asks models for what they lack; no guess at what was meant
     settings.simple_ids = True  # as it is unless said; said, it is not looked up anew for each id
@@ -243,7 +243,7 @@ def _run(server: Any, grace: float, collector: Collector, row: BoardRow, loaded:
     stopping: list[asyncio.Task[None]] = []
 
     async def wind_down() -> None:
-        let_nobody_new_in(server)
+        stop_accepting(server)
         close_door()
         deadline = loop.time() + grace
         quiet = 0  # looks in a row that found nothing; not seconds, in which a busy machine may do nothing

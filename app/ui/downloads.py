@@ -33,7 +33,7 @@ def download(
 
 
 def run_download(run: Run, write: Callable[[], Awaitable[bytes]]) -> Callable[[], Awaitable[bytes]]:
-    """What `download` takes for a file that is the result of a run.
+    """Source for `download` of a file that is the result of a run.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ def report_to(say: Callable[[str], None]) -> None:
         _tellers[pn.state.curdoc] = WeakMethod(say)
 
 
-def unsay() -> None:
+def clear_message() -> None:
     """Take back what was said last, as an action that came later succeeded."""
     if say := _teller():
         say("")

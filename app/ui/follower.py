@@ -15,7 +15,7 @@ _T = TypeVar("_T")
 
 
 class Follower(Generic[_T]):
-    """What shows a result, and will show the next.
+    """A view that shows a result, and will show the next.
 
     Parameters
     ----------

@@ -63,7 +63,7 @@ class SheetInput(ABC):
         return InputError(self.key, "has no unit to choose", unit)
 
     def now(self) -> Row:
-        """What the row shows now; a refusal stays until there is another value."""
+        """The row as it shows now; a refusal stays until there is another value."""
         value = self.value()
         if value != self._last:
             self._last, self.error = value, ""
@@ -85,7 +85,7 @@ class Group(NamedTuple):
     inputs: Sequence[SheetInput]
     open: bool = True
     pictured: bool = False
-    """Whether the sheet's picture is shown above them."""
+    """True if the sheet's picture is shown above them."""
 
 
 class InputSheet(PlainScript):
@@ -163,7 +163,7 @@ class InputSheet(PlainScript):
                 self._tell(self.heard if heard is None else heard)
 
     def _handle_msg(self, msg: Any) -> None:
-        """What the browser says: a key, what was done to its row, and the number of the message."""
+        """Handle a message of the browser: a key, what was done to its row, and the number of the message."""
         match msg:
             case {"key": str(key), "number": int(number), **done} if key in self.inputs:
                 each, row = self.inputs[key], self._rows[key]

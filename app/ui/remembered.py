@@ -9,7 +9,7 @@ from app.upstream.late_session import connecting_cookies
 from app.upstream.plain_script import PlainScript
 
 DISPLAY_COOKIE = "navbudget-show"
-"""How figures are told."""
+"""Cookie of how figures are shown."""
 
 
 class Remembered(PlainScript):

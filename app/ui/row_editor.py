@@ -53,7 +53,7 @@ class RowEditor(PlainScript):
 
     @param.depends("rows", watch=True)
     def _forget(self) -> None:
-        """What was refused is no longer in its box once there are other rows."""
+        """Take a refused text out of its box once there are other rows."""
         self.refused = ""
 
     def put(self, rows: Rows) -> None:

@@ -85,7 +85,7 @@ class StudyPage(View, Generic[_T]):
         self._strip.show(*self._answer())
 
     def _finding(self, result: _T) -> Any:
-        """What a report may show of it; None for nothing."""
+        """The finding that a report may show of a result; None for nothing."""
         return result
 
     @property

@@ -51,7 +51,7 @@ class StudySettings:
             self._session.settings = {**self._session.settings, self._kind: self.text}
 
     def _follow(self) -> bool:
-        """Take what the session's link says; what is no setting stays out. Whether anything is another now."""
+        """Apply the link's settings, ignoring unknown ones; return True if any changed."""
         before, query = self.text, self._session.settings.get(self._kind, "")
         if query == before:
             return False

@@ -11,7 +11,7 @@ from app.upstream.plain_script import PlainScript
 
 
 class VerdictSwitch(PlainScript):
-    """Buttons of which one is on: the one whose value was set last, not the one pressed, which `choose` is told.
+    """A row of buttons. Pressing one calls `choose`; which one is lit follows `value`.
 
     Examples
     --------

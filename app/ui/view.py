@@ -6,7 +6,7 @@ import panel as pn
 
 
 class View(pn.viewable.Viewer):
-    """What is seen on a page as one layout, `_view`, which a subclass makes with itself."""
+    """Part of a page with one layout, `_view`, which a subclass makes with itself."""
 
     _view: Any
 

@@ -1,4 +1,4 @@
-"""What is overridden in the browser: the scripts of this folder, by an invisible part of the page."""
+"""Overrides in the browser: the scripts of this folder, by an invisible part of the page."""
 
 from pathlib import Path
 

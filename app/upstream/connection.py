@@ -76,7 +76,7 @@ class FirstChanges(WSHandler):
 
 
 def _collected(document: Document, lock: threading.Lock) -> list[Any]:
-    """What is to be told of all that a hold collected before the page was ready."""
+    """Events to be told of all that a hold collected before the page was ready."""
     if document not in _sent:
         collected: list[Any] = _drain_as_shipped(document, lock)
         return collected
@@ -176,7 +176,7 @@ class LostConnection(WSHandler):
             super().on_close()
 
     def _is_gone(self) -> bool:
-        """Whether there is no session for a message that came all the same."""
+        """True if there is no session for a message that came all the same."""
         return self.connection is None or self.connection._session is None
 
 

@@ -59,7 +59,7 @@ class LimitedFileInput(pmui.FileInput):
         super()._handle_msg(msg)
 
     def _is_step(self, msg: Any) -> bool:
-        """Whether a message is what the button in the browser sends; the rest is ignored."""
+        """True for a message that the button in the browser sends; the rest is ignored."""
         if not isinstance(msg, dict) or msg.get("status") != "upload_event":
             return isinstance(msg, dict) and msg.get("status") in ("error", "initializing", "finished")
         name, chunk, count = msg.get("name"), msg.get("chunk"), msg.get("total_chunks")

@@ -27,7 +27,7 @@ _ANY_AGE = 36_500  # days: the login held when the token was given out, and the 
 
 
 def page_of(document: Document, title: str) -> Callable[[str], str]:
-    """What a browser loads before it connects, for the token of its session.
+    """Page that a browser loads before it connects, for the token of its session.
 
     Made from a session's document like any: all pages load the same, and have the same roots.
     """

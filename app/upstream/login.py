@@ -1,4 +1,4 @@
-"""What a login leaves: a cookie for this site only, over TLS if the page came that way, and encrypted tokens.
+"""Traces of a login: a cookie for this site only, over TLS if the page came that way, and encrypted tokens.
 
 Reports to send upstream, versions and ends: docs/upstream/login.md
 """

@@ -1,4 +1,4 @@
-"""What one user does reaches nobody else's page.
+"""Separation of users: what one does reaches nobody else's page.
 
 The busy line under the page's head shows only this user's long work: panel-material-ui binds it to one flag of the
 whole server, so every event of every user redraws every page. Closing a page does not start a full garbage

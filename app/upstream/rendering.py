@@ -1,4 +1,4 @@
-"""What a page's parts cost the server to make and to change.
+"""Costs of a page's parts on the server, to make and to change them.
 
 Only the properties that a model was given are processed when it is created, searched for models, and serialized.
 Unset properties have their default, which the browser knows too; and no default that all models of a kind share holds

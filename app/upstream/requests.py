@@ -27,7 +27,7 @@ def listen_on(listening: socket.socket, port: int) -> None:
     bokeh.server.server.bind_sockets = lambda *_: ([listening], port)
 
 
-def let_nobody_new_in(server: BaseServer) -> None:
+def stop_accepting(server: BaseServer) -> None:
     """Stop listening; open connections stay open."""
     server._http.stop()
 

@@ -68,7 +68,7 @@ def visitor() -> str:
 
 
 def first() -> Callable[[], None] | None:
-    """What a worker calls first, to be sent to it."""
+    """The call that a worker makes first, to be sent to it."""
     return _begin
 
 

@@ -39,7 +39,7 @@ class Progress:
 
     @property
     def words(self) -> str:
-        """What is being done and the time left, for a page or a terminal.
+        """The work in hand and the time left, for a page or a terminal.
 
         >>> Progress("100 of 400 runs", 0.25, 12.3).words
         '100 of 400 runs, about 12 s left'
@@ -119,12 +119,12 @@ class Run(param.Parameterized):
 
     @property
     def cancelled(self) -> bool:
-        """Whether the last run ended because somebody cancelled it."""
+        """True if the last run ended because somebody cancelled it."""
         return self.message.startswith("Cancelled")
 
     @property
     def mine(self) -> bool:
-        """Whether the task that asks is the newest of this run, whose result is wanted."""
+        """True if the task that asks is the newest of this run, whose result is wanted."""
         return self._task is asyncio.current_task()
 
     def tell(self, what: str, share: float | None = None) -> None:

@@ -19,7 +19,7 @@ class Turns:
         self._waiting: dict[str, list[asyncio.Future[None]]] = {}  # the visitor whose turn is next comes first
 
     def must_wait(self, visitor: str) -> bool:
-        """Whether there is no place for this visitor now."""
+        """True if there is no place for this visitor now."""
         return not self._free or self._held[visitor] >= self._of_one
 
     @asynccontextmanager

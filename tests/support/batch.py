@@ -31,7 +31,7 @@ def grown(channel, first, second, kind_one, kind_two):
 
 
 def basis(channel, times, kind):
-    """How an error follows from position, velocity, acceleration by tilt and slow error at time 0."""
+    """Row of the error in position, velocity, acceleration by tilt and slow error at time 0."""
     rows = np.zeros((len(times), 4))
     for n in range(kind, 3):
         rows[:, n] = times ** (n - kind) / math.factorial(n - kind)
@@ -116,7 +116,7 @@ def settled(channel):
 
 
 def run_up(channel, duration):
-    """The same of a filter that has run so long, fix by fix, whatever the intervals."""
+    """Covariance of a filter that has run so long, fix by fix, whatever the intervals."""
     events = _events(channel)
     unit = np.array([float(channel.fix) * max(1.0, float(channel.interval)) ** -n for n in range(3)] + [0.0])
     p = np.diag((1e3 * unit) ** 2)
@@ -172,7 +172,7 @@ def _block(channel, rows, columns):
 
 
 def information(channel, until):
-    """That of the fixes from time 0 on about the four states there."""
+    """Information of the fixes from time 0 on about the four states there."""
     _, rows, rest = _fixes(channel, 0, until)
     return rows.T @ cho_solve(cho_factor(rest, lower=True), rows)
 

@@ -1,4 +1,4 @@
-"""What a library's tests do beside the program: SQLite on its file, and every decision of a review at once."""
+"""Access to a library beside the program: SQLite on its file, and every decision of a review at once."""
 
 import sqlite3
 from contextlib import closing

@@ -1,4 +1,4 @@
-"""What a person finds and does on the dashboard, for tests in the browser."""
+"""The dashboard as a person finds and uses it, for tests in the browser."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -58,6 +58,6 @@ COLUMNS = """(name) => {
 
 
 def columns(page: Page, name: str) -> dict[str, list[Any]]:
-    """What the curves of a chart are drawn from."""
+    """Columns that the curves of a chart are drawn from."""
     result: dict[str, list[Any]] = page.evaluate(COLUMNS, name)
     return result

@@ -1,4 +1,4 @@
-"""What a quadratic fitted to the fixes leaves on one axis: the printed forms, and exact ones for given fixes."""
+"""Residuals of a quadratic fitted to the fixes on one axis: the printed forms, and exact ones for given fixes."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

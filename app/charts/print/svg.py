@@ -75,7 +75,7 @@ def _draw(figure: Any, chart: Drawing) -> float:
 
 
 def _legend_of(axes: Any) -> list[Any]:
-    """What is drawn under a name, each name once."""
+    """Artists that have a name, each name once."""
     handles, labels = axes.get_legend_handles_labels()
     return [handle for place, handle in enumerate(handles) if labels[place] not in labels[:place]]
 

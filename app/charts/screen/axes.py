@@ -42,5 +42,5 @@ def mark_in_powers(axis: LogAxis) -> None:
 
 
 def line_look(style: Style) -> dict[str, Any]:
-    """How a glyph draws a line of a style."""
+    """Properties of a glyph that draws a line of a style."""
     return {"line_color": style.colour, "line_dash": DASHES[style.dash], "line_width": style.width}

@@ -141,7 +141,7 @@ def _column(line: Line) -> str:
 
 
 def _hovered(line: Line) -> str:
-    """What a line says when it is hovered: its renderer's name, so one hover tool serves all lines of a figure."""
+    """Text of a line when it is hovered: its renderer's name, so one hover tool serves all lines of a figure."""
     return f"{line.label}: {line.source}"
 
 

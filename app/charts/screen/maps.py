@@ -147,5 +147,5 @@ _PLACES = tuple(
 
 
 def _overlap(box: Array, others: Array) -> bool:
-    """Whether a box (sizes, 4) meets one of the others (k, sizes, 4) at any of the sizes."""
+    """True if a box (sizes, 4) meets one of the others (k, sizes, 4) at any of the sizes."""
     return bool(np.any(np.all((box[:, :2] < others[..., 2:]) & (others[..., :2] < box[:, 2:]), axis=-1)))

@@ -33,7 +33,7 @@ class Sources:
 
 
 def _same(old: Any, new: Any) -> bool:
-    """Whether a column need not be sent again."""
+    """True if a column need not be sent again."""
     if old is new:
         return True
     if isinstance(new, np.ndarray) and isinstance(old, np.ndarray):  # bit by bit: a tenth of the time

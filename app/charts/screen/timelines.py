@@ -230,7 +230,7 @@ def _colour(span: Span) -> str:
 
 
 def _fall(chart: Chart, line: Line) -> float:
-    """How much lower a curve is where the name below its end begins, as the name must be below the whole curve."""
+    """Drop of a curve to where the name below its end begins, as the name must be below the whole curve."""
     seen = np.isfinite(line.y)
     x, y = line.x[seen], line.y[seen]
     begins = x[-1] - 0.18 * (line.x[-1] - line.x[0])

@@ -27,7 +27,7 @@ from app.subjects.sensors.tables import (
     remedies,
     warnings,
 )
-from app.ui.faults import unsay
+from app.ui.faults import clear_message
 from app.ui.follower import Follower
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
@@ -170,7 +170,7 @@ class LogPanel(pn.viewable.Viewer):
         self._say("")
         await self.run.start(study)
         if not self.run.message:
-            unsay()
+            clear_message()
             self._show(self.run.result)
 
     def _refuse(self, error: InputError) -> bool:

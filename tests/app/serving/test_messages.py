@@ -129,7 +129,7 @@ def test_faults_in_callbacks_count_as_those_of_messages_do(monkeypatch: pytest.M
     monkeypatch.setattr(handlers, "_connections", list(pages))
     with set_curdoc(page.document):
         for fault in (KeyError("status"), InputError("lines", "are too many"), AttributeError("get")):
-            handlers.caught_on_a_page(fault)
+            handlers.handle_page_fault(fault)
     assert (page.faults, other.faults) == (2, 0)
 
 

@@ -93,5 +93,5 @@ def test_bad_input_is_told_in_words_and_a_fault_by_a_number_that_the_log_has(
     assert "ZeroDivisionError" in messages[-1]
     assert "secret" not in messages[-1]
     assert messages[-1].endswith(f"fault {record.fields['fault']}.")  # type: ignore[attr-defined]
-    faults.unsay()
+    faults.clear_message()
     assert messages[-1] == ""

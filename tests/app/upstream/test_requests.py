@@ -54,7 +54,7 @@ async def test_open_connections_stay_open() -> None:
     server = BaseServer.__new__(BaseServer)
     server._http = SimpleNamespace(stop=lambda: done.append("closed"), close_all_connections=cut)
     server._loop = SimpleNamespace(add_callback=lambda work: loop.create_task(work()))
-    requests.let_nobody_new_in(server)
+    requests.stop_accepting(server)
     await asyncio.sleep(0)
     await asyncio.sleep(0)
     assert done == ["closed"]
