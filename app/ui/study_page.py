@@ -2,13 +2,14 @@
 
 import asyncio
 from dataclasses import replace
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import panel as pn
 import param
 
 from app.declared import required
 from app.document.blocks import Answer
+from app.document.moved_inputs import moved_inputs
 from app.session import Session
 from app.ui.answer_strip import AnswerStrip
 from app.ui.follower import Follower
@@ -18,21 +19,33 @@ from app.ui.view import View
 from app.work.result_cache import cached, keep
 from app.work.run import Run
 from nav_model.budget import Budget
+from nav_model.design import Design
+from nav_model.design.declaration import in_sentence
 
 _T = TypeVar("_T")
+
+
+class _Inputs(NamedTuple):
+    """The design and the page's settings that a result is of."""
+
+    design: Design
+    settings: dict[str, Any]
 
 
 class StudyPage(View, Generic[_T]):
     """Begins, recalls, shows and keeps the result of one kind of study.
 
-    A subclass names its ``kind`` (in links, caches and reports) and ``settings`` (its parameters that a link holds),
-    makes its strip, bar and view, then calls `_open`. It says how a study is run (`_study`), what a result means
-    (`_verdict`), whether one is of other inputs (`_outdated`), and writes its charts (`_write`).
+    A subclass names its ``kind`` (in links, caches and reports), ``settings`` (its parameters that a link holds) and
+    ``moving`` (those of them that a result follows from), makes its strip, bar and view, then calls `_open`. It says
+    how a study is run (`_study`), what a result means (`_verdict`), what of a design it follows from (`_subject`),
+    and writes its charts (`_write`).
     """
 
     run = required(Run)
     kind: ClassVar[str]
     settings: ClassVar[tuple[str, ...]] = ()
+    moving: ClassVar[tuple[str, ...]] = ()
+    outdated: ClassVar[str] = "The runs are older than {moved}. Run again."
     waiting: ClassVar[Answer]
     refusal: ClassVar[str] = "Not run"
     coming: ClassVar[str] = "Appears with the first result."
@@ -46,7 +59,14 @@ class StudyPage(View, Generic[_T]):
         self._by_itself = False  # whether the page, not a person, has started the last run
         self._earlier: _T | None = None  # the result when the last run began
         self._drawn: _T | None = None
-        self._asked: tuple[str, ...] = ()  # what the run under way follows from
+        self._asked: tuple[str, ...] = ()  # key of the run under way
+        self._inputs_of_run: _Inputs | None = None  # of the run under way
+        self._inputs: _Inputs | None = None  # of the result that is shown
+        self._compared: tuple[_Inputs | None, _Inputs | None, str] = (
+            None,
+            None,
+            "",
+        )  # the last two, and what has moved
         self._strip = AnswerStrip(self.waiting)
         self._of_result: Follower[_T] = Follower(lambda: self._result, f"<p class='quiet fine'>{self.coming}</p>")
 
@@ -60,7 +80,7 @@ class StudyPage(View, Generic[_T]):
 
     def show(self, _: Budget) -> None:
         """Follow the current budget: with a result that the server has, or with a mark on the one of before."""
-        if self._result is None or self._outdated(self._result):
+        if self._result is None or self._outdated:
             self._recall()
         if self.run.running and self._by_itself:  # of a design that is no longer there
             self._begin_by_itself()
@@ -76,9 +96,9 @@ class StudyPage(View, Generic[_T]):
     def _verdict(self, result: _T) -> Answer:
         raise NotImplementedError
 
-    def _outdated(self, result: _T) -> str:
-        """Why a result is not one of the current inputs; empty if it is."""
-        raise NotImplementedError
+    def _subject(self, design: Design) -> object:
+        """All of a design that a result follows from, to be compared; an InputError where there is none."""
+        return design
 
     def _write(self) -> None:
         """Strip, charts and what was unfolded; a text that stays the same is not sent."""
@@ -114,10 +134,30 @@ class StudyPage(View, Generic[_T]):
 
         async def work(run: Run) -> _T:
             await asyncio.sleep(settle)
-            self._asked = self._key or ()
+            self._ask()
             return await self._study(run)
 
         return self.run.start(work)
+
+    def _ask(self) -> None:
+        """Remember the current inputs as those of the run that begins, or of the result that is recalled."""
+        self._asked, self._inputs_of_run = self._key or (), self._current_inputs
+
+    @property
+    def _current_inputs(self) -> _Inputs:
+        return _Inputs(self._session.design, {name: getattr(self, name) for name in self.moving})
+
+    @property
+    def _outdated(self) -> str:
+        """The inputs that have moved since the result that is shown, in a sentence; empty if it is current."""
+        before, now = self._inputs, self._current_inputs
+        if before is None or before == now:
+            return ""
+        if self._compared[:2] != (before, now):
+            named = (self.param[name].label for name in self.moving if before.settings[name] != now.settings[name])
+            moved = " and ".join(map(in_sentence, named)) or moved_inputs(before.design, now.design, self._subject)
+            self._compared = before, now, self.outdated.format(moved=moved) if moved else ""
+        return self._compared[2]
 
     def _begin_by_itself(self) -> None:
         self.begin(by_itself=True)
@@ -127,7 +167,7 @@ class StudyPage(View, Generic[_T]):
         result = cached(*self._key) if self._key and (self._by_itself or not self.run.running) else None
         if result is None:
             return False
-        self._asked = self._key or ()
+        self._ask()
         self.run.take(result)
         return True
 
@@ -137,6 +177,7 @@ class StudyPage(View, Generic[_T]):
             result = self._result
             if result is not None and result is not self._drawn:
                 self._drawn = result
+                self._inputs = self._inputs_of_run or self._current_inputs
                 self._receive(result)
             self._write()
 
@@ -167,7 +208,7 @@ class StudyPage(View, Generic[_T]):
         grey = replace(verdict, word=verdict.word.lstrip("✓✗ "), tone="open")
         if self.run.running and before:
             return grey, f"{running}. Showing the previous result."
-        outdated = self._outdated(result)
+        outdated = self._outdated
         if problem and (self._refused or outdated or not self.run.cancelled):
             return Answer(self.refusal, "open", (problem, f"The charts show the previous result: {grey.word}.")), ""
         if outdated:

@@ -51,7 +51,7 @@ def test_what_decides_is_on_one_screen_and_runs_go_stale_with_the_design(visit: 
     message = answer.inner_text()
     page.get_by_role("slider", name="Angle random walk").focus()
     page.keyboard.press("PageDown")
-    expect(answer).to_contain_text("The runs belong to an earlier design. Run again.")
+    expect(answer).to_contain_text("The runs are older than")
     expect(answer).not_to_have_text(message)
     page.get_by_role("combobox", name="Runs").click()
     page.get_by_role("listbox", name="Runs").get_by_text("1000", exact=True).click()

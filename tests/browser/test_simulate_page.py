@@ -58,7 +58,7 @@ def test_a_small_run_gives_verdict_and_curves_and_another_is_cancelled(
     expect(answer).to_contain_text("20 runs")
     expect(answer).not_to_contain_text("Stale")
     page.get_by_role("slider", name="Angle random walk").press("ArrowRight")
-    expect(answer).to_contain_text("Outdated: the design or the flight has changed.")
+    expect(answer).to_contain_text("The runs are older than")
 
     enter(box(page, "Runs"), "2000")
     start.click()

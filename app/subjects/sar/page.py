@@ -27,7 +27,7 @@ from app.subjects.sar.charts import (
     to_npz,
     winner_chart,
 )
-from app.subjects.sar.run import SarResult, run_strategies
+from app.subjects.sar.run import SarResult, run_strategies, subject
 from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, strategies_of
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.chart_pane import described, head_html
@@ -42,6 +42,7 @@ from app.ui.study_page import StudyPage
 from app.ui.theme import PRINT_NOTHING
 from app.work.run import Run
 from nav_model.budget import Budget
+from nav_model.design import Design
 from nav_model.sar.design_case import Engine
 from nav_model.sar.design_study import ClosedForms, SarStudy, closed_forms
 from nav_model.sar.strategies import NAMES
@@ -53,7 +54,6 @@ _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _AS_HIGH_AS_IT_IS = "@media (max-width: 1000px) { :host { flex: none !important; height: auto !important; } }"
 """Sheet of the ranked strategies, whose names take more lines on a narrow window."""
-_EARLIER = "The runs belong to an earlier design. Run again."
 
 
 class SarPage(StudyPage[SarResult]):
@@ -65,6 +65,7 @@ class SarPage(StudyPage[SarResult]):
 
     kind = "sar"
     settings = ("engine", "runs", "seed")
+    moving = ("engine",)
     waiting = Answer("Formulas only so far", "open", ())
     coming = "Appears when the strategies have been run."
     engine: Engine = chosen("fast", _ENGINES, "Engine")
@@ -132,21 +133,21 @@ class SarPage(StudyPage[SarResult]):
         return self._result.study if self._result else None
 
     @property
-    def _stale(self) -> bool:
-        return self._result is not None and bool(self._outdated(self._result))
+    def _current(self) -> SarStudy | None:
+        """The runs, where they are of the current inputs."""
+        return None if self._outdated else self._runs
 
     @property
     def _mark(self) -> str:
-        return stale_mark(_EARLIER) if self._stale else ""
+        return stale_mark(self._outdated) if self._outdated else ""
 
     def _write(self) -> None:
         super()._write()
-        budget, stale = self._session.budget, self._stale
-        study = None if stale else self._runs
+        budget, study = self._session.budget, self._current
         if self._runs is None:
             self._bar.message = "Formulas only so far."
         else:
-            self._bar.message = _EARLIER if stale else f"The runs match the design. {runs_in_words(self._runs)}."
+            self._bar.message = self._outdated or f"The runs match the design. {runs_in_words(self._runs)}."
         chart = residual_chart(budget, self._closed, self._runs)
         best = NAMES[self._closed.advice.strategy] if study is None else study.best().name
         coming = "The images appear after the runs: one point target, all images on one scale."
@@ -159,12 +160,10 @@ class SarPage(StudyPage[SarResult]):
 
     def _answer(self) -> tuple[Answer, str]:
         """The formulas answer at once; runs only confirm them, so that the strip never waits for any."""
-        current = None if self._stale else self._runs
-        return answer(self._session.budget, self._closed, current)[0], _EARLIER if self._stale else ""
+        return answer(self._session.budget, self._closed, self._current)[0], self._outdated
 
     def _reasons(self, budget: Budget) -> str:
-        valid = None if self._stale else self._runs
-        return html_of(*answer(budget, self._closed, valid)[1], cautions(budget, self._runs))
+        return html_of(*answer(budget, self._closed, self._current)[1], cautions(budget, self._runs))
 
     def _errors(self, budget: Budget) -> str:
         return self._mark + html_of(error_table(budget, self._closed, self._runs, "page"))
@@ -193,8 +192,8 @@ class SarPage(StudyPage[SarResult]):
         seed = whole_number("Seed", self.seed, 0, 2**31)
         return await run_strategies(run, self._session.budget, self.runs, seed, self.engine)
 
-    def _outdated(self, result: SarResult) -> str:
-        return _EARLIER if result.stale(self._session.budget) else ""
+    def _subject(self, design: Design) -> object:
+        return subject(design, self.engine)
 
     def _receive(self, result: SarResult) -> None:
         super()._receive(result)

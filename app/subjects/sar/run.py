@@ -1,13 +1,17 @@
 """Runs the strategies of a design in worker processes, for a `Run`."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from app.charts.kinds import PictureChart
 from app.work.pool import run_in_pool
 from app.work.run import Run
 from app.work.simulator import made_ready
-from nav_model.base.errors import InputError
-from nav_model.budget import Budget
+from nav_model.budget import Budget, analyse
+from nav_model.budget.verdict import decisive
+from nav_model.design import Design
+from nav_model.design.figures import DETRENDED, QUADRATIC
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
 from nav_model.sar.design_study import SarStudy, chunks, gather, run_chunk, typical_history, typical_place
@@ -26,12 +30,22 @@ class SarResult:
     beside: SarStudy | None = None
     uploaded: PictureChart | None = None
 
-    def stale(self, budget: Budget) -> bool:
-        """Whether the ensemble no longer matches the design; a name or a requirement does not matter to it."""
-        try:
-            return design_case(budget, self.case.engine) != self.case
-        except InputError:
-            return True
+
+@lru_cache(maxsize=8)
+def subject(design: Design, engine: Engine) -> tuple[object, ...]:
+    """All of a design that the runs follow from: case, processing, contributors to a phase, limits and confidence.
+
+    Raises InputError as `design_case`.
+    """
+    budget = analyse(design)
+    phases = QUADRATIC, DETRENDED
+    entering = (
+        budget.x.contributors.entering(phase, processing)
+        for phase in phases
+        for processing in (REAL_TIME, POST_PROCESSED)
+    )
+    limits = (decisive(design, phase) for phase in phases)
+    return design_case(budget, engine), design.processing.mode, *entering, *limits
 
 
 async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine: Engine = "fast") -> SarResult:

@@ -28,7 +28,7 @@ from app.subjects.simulation.charts import (
 )
 from app.subjects.simulation.controls import StudyControls
 from app.subjects.simulation.files import FILES
-from app.subjects.simulation.run import Flown, fly, same_subject
+from app.subjects.simulation.run import Flown, fly, subject
 from app.subjects.simulation.tables import conditions_list, departures, run_table, sigma_table, verdict
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
@@ -44,6 +44,7 @@ from app.work.pool import run_in_pool
 from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.base.errors import InputError
+from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.trajectory import FLIGHT_FILES
 from nav_model.simulation.design_study import SimulationStudy, specification
@@ -79,6 +80,7 @@ class SimulatePage(StudyPage[Flown]):
 
     kind = "simulation"
     settings = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
+    moving = ("trajectory", "length", "outages", "states", "added")
     waiting = Answer(
         "Not run yet", "open", ("Press Start to compare simulated errors with the filter and the formulas.",)
     )
@@ -181,9 +183,8 @@ class SimulatePage(StudyPage[Flown]):
         word = "Running" if self.run.running else f"Partial: {done} of {flown.wanted} runs"
         return Answer(word, "open", (*rest, f"{answer.word[2:]} after {done} runs.", *answer.sentences))
 
-    def _outdated(self, flown: Flown) -> str:
-        same = same_subject(flown.study, self._session.design)
-        return "" if same else "Outdated: the design or the flight has changed."
+    def _subject(self, design: Design) -> object:
+        return subject(design, plan=self.trajectory == _PLAN)
 
     def _flown(self) -> pn.Column:
         details = self._of_result

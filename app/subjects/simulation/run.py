@@ -12,6 +12,7 @@ from app.work.pool import run_in_pool, size
 from app.work.run import Run
 from app.work.simulator import made_ready
 from nav_model.design import Design
+from nav_model.design.parts import PRESET_KEYS
 from nav_model.design.trajectory import AIDING
 from nav_model.simulation.design_study import SimulationStudy, conclude
 from nav_model.simulation.monte_carlo import chunks, run_chunk
@@ -19,6 +20,7 @@ from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.statistics import Statistics
 
+_AIDING = tuple(f"trajectory.{name}" for name in AIDING)
 _LOOK_SECONDS = 2.0  # between results shown while runs are still flying
 
 
@@ -86,12 +88,12 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
     return await study(total)
 
 
-def same_subject(study: SimulationStudy, other: Design) -> bool:
-    """Whether a study holds for another design too: instruments and flight agree, whatever the rest."""
-    sections = {"imu", "gnss", "flight"} | ({"trajectory"} if study.result.spec.trajectory.kind == "file" else set())
-    flown = {f"trajectory.{name}" for name in AIDING}
-    return all(
-        value == other[key]
-        for key, value in study.design.items()
-        if (key.partition(".")[0] in sections or key in flown) and not key.endswith(".preset")
+def subject(design: Design, *, plan: bool) -> tuple[object, ...]:
+    """All of a design that runs and formulas follow from: instruments, place, speed and aiding; of a ``plan`` all of
+    the trajectory's inputs."""
+    sections = ("imu", "gnss", "flight", "trajectory") if plan else ("imu", "gnss", "flight")
+    return tuple(
+        value
+        for key, value in design.items()
+        if key in _AIDING or (key.partition(".")[0] in sections and key not in PRESET_KEYS)
     )

@@ -28,6 +28,7 @@ from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
+from nav_model.design import Design
 from nav_model.suborbital.moving import moved, needs_other_matrices, renewed
 from nav_model.suborbital.study import LinearParts, Study
 from nav_model.suborbital.survey import Survey, needs_run
@@ -126,8 +127,8 @@ class SuborbitalPage(StudyPage[Survey]):
         self.study.last_moment(int(survey.star_frames[-1].time_s))
         self.follow()
 
-    def _outdated(self, survey: Survey) -> str:
-        return ""  # what a moved input needs is begun at once, and the curves move meanwhile
+    def _subject(self, design: Design) -> object:
+        return ()  # what a moved input needs is begun at once, and the curves move meanwhile
 
     def _verdict(self, survey: Survey) -> Answer:
         return answer(self.study.page)[0] if self.study.page else WAITING

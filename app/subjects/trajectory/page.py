@@ -84,6 +84,8 @@ class TrajectoryPage(StudyPage[Followed]):
 
     kind = "trajectory"
     settings = ("states", "figure")
+    moving = ("flight", "states")
+    outdated = "Outdated: computed before the change of {moved}. The new result follows."
     waiting = Answer("Working", "open", ("The covariance along the flight follows.",))
     refusal = "Plan not flown"
     flight = chosen("wandering", _FLIGHTS, "Flight")
@@ -146,7 +148,7 @@ class TrajectoryPage(StudyPage[Followed]):
         self._follow_plan()
         if self._manoeuvres is not None:
             self._manoeuvres.follow()
-        if (self._result is None or self._outdated(self._result) or self.run.message) and not self._recall():
+        if (self._result is None or self._outdated or self.run.message) and not self._recall():
             self.begin(_SETTLE_SECONDS)
 
     def _follow_plan(self) -> None:
@@ -173,7 +175,7 @@ class TrajectoryPage(StudyPage[Followed]):
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
         if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
             self._take(await run_in_pool(waypoints_of_lines, self._session.design))
-            self._asked = self._key or ()
+            self._ask()
         asked = self._session.design, self.states, file
         flown: Followed | None = None
         if file is None and not self._lengths:
@@ -201,10 +203,6 @@ class TrajectoryPage(StudyPage[Followed]):
 
     def _verdict(self, followed: Followed) -> Answer:
         return verdict(followed, self.figure)
-
-    def _outdated(self, followed: Followed) -> str:
-        same = followed.design == self._session.design and bool(followed.file) == (self.flight == _FILE)
-        return "" if same else "Previous plan and design; the new result follows."
 
     def _typed(self) -> None:
         """Follow what was typed; what is refused changes nothing, and the strip says why."""

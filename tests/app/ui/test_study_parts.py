@@ -2,6 +2,7 @@
 
 import asyncio
 import re
+from dataclasses import replace
 from typing import Any, ClassVar
 from urllib.parse import parse_qsl
 
@@ -22,6 +23,8 @@ from app.ui.study_page import StudyPage
 from app.ui.study_settings import StudySettings
 from app.work.run import Run
 from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.design.contributors import Contributor
 
 
 class Settings(param.Parameterized):
@@ -64,10 +67,12 @@ class Page(StudyPage[float]):
     """A study of one number, which waits to be let go."""
 
     kind: ClassVar[str] = "sar"
+    moving: ClassVar[tuple[str, ...]] = ("current",)
     waiting: ClassVar[Answer] = Answer("Not run yet", "open", ())
+    current = param.Number(default=1.0, label="Number")
 
     def __init__(self, session: Session) -> None:
-        self.current, self.go = 1.0, asyncio.Event()
+        self.go = asyncio.Event()
         super().__init__(session)
         self._settings = StudySettings(session, "sar", self, (), lambda: None)
 
@@ -81,8 +86,8 @@ class Page(StudyPage[float]):
     def _verdict(self, result: float) -> Answer:
         return Answer(f"✓ {result:g} m", "good", ())
 
-    def _outdated(self, result: float) -> str:
-        return "" if result == self.current else "Of other inputs."
+    def _subject(self, design: Design) -> object:
+        return {key: value for key, value in design.items() if key.startswith("imu.")}, design.contributors
 
     def answer(self) -> tuple[str, str, str]:
         answer, note = self._answer()
@@ -108,7 +113,7 @@ async def test_the_strip_never_gives_a_verdict_of_other_inputs_as_that_of_these(
     assert session.findings["sar"] == 1.0
 
     page.current = 2.0  # an input changes: no longer green, and no ✓
-    assert page.answer() == ("1 m", "open", "Of other inputs.")
+    assert page.answer() == ("1 m", "open", "The runs are older than number. Run again.")
     task = page.begin()
     await soon(lambda: page.run.progress, "progress")
     assert page.answer()[:2] == ("1 m", "open")
@@ -125,6 +130,32 @@ async def test_the_strip_never_gives_a_verdict_of_other_inputs_as_that_of_these(
     page.run.cancel()
     await asyncio.gather(task, return_exceptions=True)
     assert page.answer() == ("✓ 1 m", "good", "The last run was cancelled. Showing the previous result.")
+
+
+@pytest.mark.usefixtures("nothing_kept")
+async def test_a_result_says_which_inputs_have_moved_since(session: Session) -> None:
+    page = Page(session)
+    page.go.set()
+    await page.begin()
+
+    def moved(changes: dict[str, Any], *contributors: Contributor) -> str:
+        entries = replace(session.design.entries, contributors=contributors)
+        assert session.change(changes, entries=entries) is None
+        _, tone, text = page.answer()
+        assert (tone == "good") == (not text)
+        return text.removeprefix("The runs are older than ").removesuffix(". Run again.")
+
+    assert moved({"name": "B", "gnss.interval": 0.5}) == ""
+    arm = Contributor("lever arm", 1e-3, "detrended_phase", "length")
+    assert moved({}, arm) == 'contributor "lever arm"'
+    assert moved({}, replace(arm, value=2e-3)) == 'contributor "lever arm"'
+    assert moved({"imu.rate": 321.0}) == "sample rate"
+    assert moved({"imu.gyro_bias": 1e-9}, arm) == "residual gyro bias, sample rate and others"
+    session.undo()
+    session.undo()
+    session.undo()
+    session.undo()
+    assert page.answer()[1] == "good"
 
 
 @pytest.mark.usefixtures("nothing_kept")

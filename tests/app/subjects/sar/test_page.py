@@ -5,6 +5,7 @@ import io
 import json
 import math
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from app.subjects.sar.run import SarResult, run_strategies
 from app.subjects.sar.tables import answer, error_table
 from app.work.run import Run
 from nav_model.budget import analyse
+from nav_model.design.contributors import Contributor
 from nav_model.design.link import split_link
 from nav_model.sar.design_study import closed_forms
 from nav_model.sar.strategies import NAMES
@@ -131,18 +133,42 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     marked = (sar._rank_head, sar._image_head, tables)
     assert not any("stale" in pane.object for pane in marked)
     before = strip(sar)
-    session.change({"requirements.quadratic_phase": 0.1})
-    assert "stale" not in tables.object  # the ensemble knows no requirement
+    session.change({"name": "B", "requirements.horizontal_position": 0.1})
+    assert "stale" not in tables.object  # the runs know no requirement on a position
     session.change({"gnss.position_noise": 0.001})
     assert all("stale" in pane.object for pane in marked)
-    assert "The runs belong to an earlier design. Run again." in sar._bar.state.object
-    assert "The runs belong to an earlier design" in strip(sar)
+    assert "The runs are older than position noise. Run again." in sar._bar.state.object
+    assert "The runs are older than position noise. Run again." in strip(sar)
     # Of the formulas again, as the runs no longer count.
     assert re.search(r"Use Quadratic fit, the simplest within 5 % of the least: [\d.]+° by formula", strip(sar))
     assert "yours is 1\xa0mm" in reasons.object
     session.undo()
+    session.undo()
     assert "stale" not in tables.object
     assert strip(sar) == before
+
+
+def test_runs_without_an_input_that_moves_their_phases_are_old(sar: SarPage, session: Session) -> None:
+    """A contributor, a confidence, a limit or the processing is in the rows and images that are shown: runs made
+    without it are marked, and it is named."""
+    run(sar)
+    arm = Contributor("lever arm", 0.7e-3, "detrended_phase", "length")
+    entries = replace(session.design.entries, contributors=(arm,))
+    for changes, given, name in (
+        ({}, entries, 'contributor "lever arm"'),
+        ({"requirements.confidence": 2.0}, None, "confidence"),
+        ({"requirements.detrended_phase": 0.3}, None, "limit on detrended phase"),
+        ({"processing.mode": "post-processed"}, None, "processing"),
+        ({"gnss.correlated": True}, None, "slow error"),
+    ):
+        assert "The runs match the design." in sar._bar.state.object
+        assert session.change(changes, entries=given) is None
+        assert f"The runs are older than {name}. Run again." in strip(sar).replace("&quot;", '"')
+        assert "The runs match the design." not in sar._bar.state.object
+        session.undo()
+    session.change({}, entries=entries)
+    run(sar)
+    assert "The runs match the design." in sar._bar.state.object
 
 
 def test_a_run_is_told_step_by_step_and_cancelled_at_once(session: Session) -> None:

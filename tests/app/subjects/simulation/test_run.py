@@ -5,7 +5,6 @@ import multiprocessing
 import re
 from collections.abc import Callable
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -28,13 +27,15 @@ from app.subjects.simulation.charts import CHARTS
 from app.subjects.simulation.files import FILES
 from app.subjects.simulation.page import SimulatePage
 from app.subjects.simulation.report import sections
-from app.subjects.simulation.run import Flown, fly, same_subject
+from app.subjects.simulation.run import Flown, fly, subject
 from app.subjects.simulation.tables import verdict
 from app.work import simulator
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import split_link
+from nav_model.design.parts import INPUTS
 from nav_model.simulation.design_study import SimulationStudy, closed_form, conclude, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.trajectory import design_study as trajectory_study
@@ -152,23 +153,52 @@ def test_a_flight_that_cannot_be_flown_is_said_in_words() -> None:
     assert page.run.message == "Outages: 60 s is after the flight, which ends at 60 s."
 
 
-def test_only_instruments_and_flight_make_a_study_stale() -> None:
-    def flown(kind: str) -> Any:
-        spec = SimpleNamespace(trajectory=SimpleNamespace(kind=kind))
-        return SimpleNamespace(design=DESIGN, result=SimpleNamespace(spec=spec))
+def _stepped(declaration: Any, value: Any) -> Any:
+    """Another value of a number or a switch; None of a choice, a table or what is not given."""
+    if isinstance(value, bool):
+        return not value
+    if not isinstance(declaration, BaseQuantity):
+        return None
+    return value + 1 if value and float(value).is_integer() else 1.01 * (value or 1e-3)
 
+
+@pytest.mark.parametrize("plan", [False, True])
+def test_each_input_that_moves_runs_or_formulas_makes_a_study_old(plan: bool) -> None:
+    """By the flights themselves: an input makes the study old if it changes what is flown or the curves of the
+    formulas, wherever it is in the design."""
+    name = "lines" if plan else "wandering"
+    design = DESIGN.replace({"trajectory.flight": name, "gnss.correlated": True, "gnss.correlated_noise": 0.3})
+    times = np.array([0.0, 0.0, 20.0])
+
+    def flown(design: Design) -> Any:
+        flight = trajectory_study.planned(design) if plan else None
+        spec = specification(design, trajectory=flight.trajectory if flight else "wandering")
+        return (
+            spec,
+            flight and flight.duration,
+            closed_form(design, spec)(times, np.array([1.0, 9.0, 30.0])).tobytes(),
+        )
+
+    known, moved = flown(design), 0
+    for section, names in INPUTS.items():
+        for name, declaration in names.items():
+            value = _stepped(declaration, design[f"{section}.{name}"])
+            try:
+                other = design.replace({f"{section}.{name}": value}) if value is not None else None
+            except InputError:
+                continue
+            if other is not None and flown(other) != known:
+                moved += 1
+                assert subject(other, plan=plan) != subject(design, plan=plan), f"{section}.{name}"
+    assert moved > (25 if plan else 20)
+
+
+def test_what_no_run_follows_from_leaves_a_study_as_it_is() -> None:
     others = {"name": "b", "radar.slant_range": 9e3, "requirements.tilt": 0.1, "coast.duration": 9.0}
-    assert same_subject(flown("straight"), DESIGN.replace(others))
-    for key, value in (
-        ("imu.rate", 200.0),
-        ("gnss.interval", 0.5),
-        ("flight.gravity", 9.79),
-        ("trajectory.time_offset", 1e-3),
-    ):
-        assert not same_subject(flown("straight"), DESIGN.replace({key: value}))
-    planned = DESIGN.replace({"trajectory.bank": 0.2})
-    assert same_subject(flown("straight"), planned)
-    assert not same_subject(flown("file"), planned)
+    assert subject(DESIGN, plan=False) == subject(DESIGN.replace(others), plan=False)
+    banked = DESIGN.replace({"trajectory.bank": 0.2})
+    assert subject(DESIGN, plan=False) == subject(banked, plan=False)
+    assert subject(DESIGN, plan=True) != subject(banked, plan=True)
 
 
 @pytest.mark.parametrize("describe", CHARTS)
@@ -321,7 +351,7 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     page.run.result = Flown(study, 12)
     assert session.findings["simulation"] is study
     assert "✓ Consistent" in said_by(page)
-    assert "Outdated" not in said_by(page)
+    assert "older than" not in said_by(page)
     assert "Partial" not in said_by(page)
     assert "</svg> tilt</li>" in page._heads[1].object  # the curves of the second stack have no names beside them
     drawn = page._stacks[0]._sources["timelines"].data
@@ -329,11 +359,11 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
     assert page._stacks[1].plots[0].x_range is page._stacks[0].plots[0].x_range
     session.change({"imu.angle_random_walk": 1e-4})
     page.show(session.budget)
-    assert "Outdated" in said_by(page)
+    assert "The runs are older than angle random walk. Run again." in said_by(page)
     session.undo()
     other = _study(runs=7)
     page.run.result = Flown(other, 200)
-    assert "Outdated" not in said_by(page)
+    assert "older than" not in said_by(page)
     assert "Partial: 7 of 200 runs" in said_by(page)
     assert "✓" not in said_by(page)  # a part is no verdict
     assert session.findings["simulation"] is study  # of all its runs
