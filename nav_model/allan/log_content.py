@@ -90,7 +90,21 @@ class LogContent(NamedTuple):
 def read_content(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
     """Read a file, whose kind its content tells; columns whose names mean nothing here are not read.
 
-    Raises InputError under `name`, "columns" or "arrays".
+    Parameters
+    ----------
+    content : bytes
+        The whole file.
+    name : str
+        Name of the file, for messages.
+    options : LogOptions
+        Statements of the user.
+    limits : Limits
+        Bounds of bytes and rows.
+
+    Raises
+    ------
+    InputError
+        Under `name`, "columns" or "arrays".
     """
     kind = kind_of(content)
     if kind is None and options.arrays:

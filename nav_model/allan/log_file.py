@@ -65,9 +65,23 @@ def read_log(
     The format is told by its content. Columns whose names mean nothing here are not read. Rows without a value are
     lost samples; where samples are lost the log has a break.
 
-    Raises InputError under the name of the file, with row or array, what was found and what is allowed; under "rate",
-    "gyro_unit" and "accelerometer_unit", or those of them together with commas, where the file does not say them or
-    has no such sensor.
+    Parameters
+    ----------
+    source : str, Path or bytes
+        Path, or content of the file.
+    options : LogOptions, optional
+        Statements of the user about rate, units and columns; without them the file says so, or is refused.
+    file_name : str, optional
+        Name for messages and results; that of the path by default.
+    limits : Limits, optional
+        Bounds of bytes and rows.
+
+    Raises
+    ------
+    InputError
+        Under the name of the file, with row or array, what was found and what is allowed; under "rate", "gyro_unit"
+        and "accelerometer_unit", or those of them together with commas, where the file does not say them or has no
+        such sensor.
     """
     options, limits = options or LogOptions(), limits or Limits()
     of_file = source if isinstance(source, bytes) else read_bytes(source, limits.file_bytes)

@@ -28,9 +28,18 @@ _BY_CAUSE: Final[dict[str, str]] = {
 def what_would_resolve(
     cause: Cause, term: str, resolved: Collection[str], duration_s: float, interval_s: float
 ) -> str:
-    """The log to take, in words, for a term of noise_terms.TERMS that is not resolved for `cause`.
+    """The log to take, in words, for a coefficient that is not resolved.
 
-    `resolved` are the terms the log does show: the slowest of them hides the rest.
+    Parameters
+    ----------
+    cause : Cause
+        Why it is not.
+    term : str
+        Of `noise_terms.TERMS`.
+    resolved : collection of str
+        Terms that the log does show: the slowest of them hides the rest.
+    duration_s, interval_s : float
+        Of the log that does not show it [s].
     """
     if cause != "hidden":
         return _BY_CAUSE[cause]

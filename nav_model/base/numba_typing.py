@@ -19,7 +19,20 @@ _signatures: dict[Any, Any] = {}
 
 
 def remembered(function: Any, context: Any, args: Any, kws: Any) -> Any:
-    """The signature `function` has for arguments of these types; raises as Numba does where it has none."""
+    """The signature `function` has for arguments of these types.
+
+    Parameters
+    ----------
+    function : BaseFunction
+        Numba's type of a function with its templates.
+    context, args, kws
+        As `BaseFunction.get_call_type` takes them: the typing context, the types of arguments by place and by name.
+
+    Raises
+    ------
+    TypingError
+        As Numba does, where there is no such signature.
+    """
     key = function, context, tuple(args), tuple(kws.items()), _stack.top_or_none()
     if key not in _signatures:
         _signatures[key] = as_shipped(function, context, args, kws)

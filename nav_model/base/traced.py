@@ -65,9 +65,18 @@ class Workings:
         self.rows.append(WorkingsRow(label))
 
     def name(self, symbol: str, of: Any, label: str, unit: str = "", mark: str = "", *, taken: bool = False) -> Any:
-        """Give a value a cell with a name; a plain number is a constant, or ``taken`` where no formula has it.
+        """Give a value a cell with a name, and return it as a `Traced`, which closed forms take for an array.
 
-        What comes back is a `Traced`, which closed forms take for an array.
+        Parameters
+        ----------
+        symbol : str
+            Name of the cell.
+        of : Traced or float
+            The value; a plain number is a constant, or a taken value.
+        label, unit, mark : str
+            Words, unit and equation in the row.
+        taken : bool, optional
+            True for a number that no formula has.
         """
         of = self.traced(of, taken=taken)
         self.named[symbol] = WorkingsRow(label, symbol, of.text, np.asarray(of.value).item(), unit, mark, of.taken)

@@ -64,9 +64,23 @@ def parse_exact(
 ) -> tuple[Fraction, str]:
     """As `parse_quantity`, with the value in SI as an exact rational.
 
-    advice: the sentence that says what to write instead of a text that is no quantity; empty: an example. baseline:
-    distance from the base station [m], which "1 cm + 1 ppm" needs. letters: the two letters that the angle of a place
-    may have, "NS" or "EW".
+    Parameters
+    ----------
+    text : str
+        Number and unit.
+    dimension : str
+        Key of `DIMENSIONS`.
+    advice : str, optional
+        Sentence that says what to write instead of a text that is no quantity; an example by default.
+    baseline : float, optional
+        Distance from the base station [m], which "1 cm + 1 ppm" needs.
+    letters : str, optional
+        The two letters that the angle of a place may have, "NS" or "EW".
+
+    Raises
+    ------
+    InputError
+        If there is no number, no unit, or the unit belongs to another dimension.
     """
     table = DIMENSIONS[dimension]
     stripped = with_point(plain_signs(text.strip()))
@@ -191,9 +205,20 @@ def format_quantity(
 ) -> str:
     """Print a value in SI as a quantity string, ``"0.5 °/√h"`` or ``"45°"``.
 
-    unit: canonical symbol, or what follows the number, as `parse_quantity` has it. digits: significant ones; without
-    it, the fewest that read back as exactly the same float. zeros: whether those at the end count: ``"0.500 °/√h"``.
-    baseline: distance from the base station [m], where the unit has a part for each kilometre.
+    Parameters
+    ----------
+    value : float
+        SI.
+    unit : str
+        Canonical symbol, or what follows the number, as `parse_quantity` has it.
+    dimension : str
+        Key of `DIMENSIONS`.
+    digits : int, optional
+        Significant ones; by default the fewest that read back as exactly the same float.
+    zeros : bool, optional
+        True to keep those at the end: ``"0.500 °/√h"``.
+    baseline : float, optional
+        Distance from the base station [m], where the unit has a part for each kilometre.
     """
     kind = DIMENSIONS[dimension]
     exact = kind.number(Fraction(value), unit, baseline)
@@ -205,9 +230,20 @@ def format_quantity(
 
 
 def format_bound(value: float, unit: str, dimension: str, *, low: bool) -> str:
-    """The lowest or highest allowed value (SI) as a quantity string that is itself allowed.
+    """The lowest or highest allowed value as a quantity string that is itself allowed.
 
     Six digits at most; the last is rounded towards the inside of the range.
+
+    Parameters
+    ----------
+    value : float
+        SI.
+    unit : str
+        Canonical symbol.
+    dimension : str
+        Key of `DIMENSIONS`.
+    low : bool
+        True for the lowest value.
     """
     inside = Context(prec=6, rounding=ROUND_CEILING if low else ROUND_FLOOR).plus(_near(value, unit, dimension))
     return join_quantity(_plain_decimal(inside.normalize()), unit)

@@ -114,10 +114,19 @@ def _half_angle(x: float, y: float, z: float) -> tuple[float, float]:
 
 @part
 def rotate(q: Array, bx: float, by: float, bz: float, nx: float, ny: float, nz: float) -> None:
-    """q <- exp(n) q exp(b): a rotation vector `b` in body axes and `n` in navigation axes, in place.
+    """q <- exp(n) q exp(b): two rotation vectors applied in place.
 
     The two changes are summed before they meet `q`: where they cancel (a resting INS under the Earth's
     rate) `q` then stays as it is, instead of collecting the same rounding error at every step.
+
+    Parameters
+    ----------
+    q : array (4,)
+        Unit quaternion, body to navigation axes.
+    bx, by, bz : float
+        Rotation vector in body axes [rad].
+    nx, ny, nz : float
+        Rotation vector in navigation axes [rad].
     """
     q0, q1, q2, q3 = q[0], q[1], q[2], q[3]
     c, s = _half_angle(bx, by, bz)

@@ -64,8 +64,26 @@ def trajectory_of(table: NumberTable, bounds: FileBounds) -> tuple[Array, list[i
 
 
 def check_samples(samples: Array, lines: Sequence[int], name: str, bounds: FileBounds, noun: str = "line") -> None:
-    """Refuse samples (n, 7) in the order of `COLUMNS` [s, rad, m] that are too few, out of bounds, empty, or not a
-    microsecond and more after the one before. lines: the number of each `noun` in the file."""
+    """Refuse samples that are too few, out of bounds, empty, or not a microsecond and more after the one before.
+
+    Parameters
+    ----------
+    samples : array (n, 7)
+        In the order of `COLUMNS` [s, rad, m].
+    lines : sequence of int
+        Number of each sample in the file.
+    name : str
+        Name of the file.
+    bounds : FileBounds
+        Limits of the reader.
+    noun : str, optional
+        What `lines` counts.
+
+    Raises
+    ------
+    InputError
+        Under the file's name, with the line.
+    """
     if len(samples) < bounds.fewest_rows:
         raise InputError(name, f"{len(samples)} rows; at least {bounds.fewest_rows} are needed")
     for place, column in enumerate(COLUMNS):

@@ -106,6 +106,17 @@ def shifts(
     Range is along the line of sight, azimuth across it in the slant plane: along the track where there is no squint.
     The errors of the two horizontal axes are equal and independent. A growing error away from the radar shifts the
     image back along the track: hence the sign of the covariance.
+
+    Parameters
+    ----------
+    horizontal, vertical : AxisError
+        Means and slopes of the error over the aperture.
+    grazing, squint : array_like
+        rad.
+    slant_range : array_like
+        m.
+    speed : array_like
+        m/s.
     """
     psi, r, v, squint = (as_numbers(x) for x in (grazing, slant_range, speed, squint))
     w_h, w_v = np.cos(psi) ** 2, np.sin(psi) ** 2
@@ -129,6 +140,15 @@ def ground_covariance(
 
     Broadside, range becomes ground range by the cosine of the grazing angle, and an error of the scene's height moves
     the image by its tangent. Under squint both directions of the slant plane have a part in both on the ground.
+
+    Parameters
+    ----------
+    moved : Shifts
+        Variances in the slant plane, m².
+    grazing, squint : array_like
+        rad.
+    height_error : array_like
+        Sigma of the scene's height, m.
     """
     psi, height, squint = as_numbers(grazing), as_numbers(height_error), as_numbers(squint)
     s, k = np.sin(squint), np.cos(squint)

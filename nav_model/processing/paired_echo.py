@@ -79,7 +79,12 @@ def scatter_exponent(
 ) -> Array:
     """E of the power exp(-E) that stays at the target: variances of the spectra, and -2 ln J0 of each line. [P-11]
 
-    `density` is "scattered", or "near" for what falls within ten null distances. Parameters as `highest_echo`.
+    Parameters
+    ----------
+    sources, to_phase, aperture, lobe
+        As `highest_echo`.
+    density : str, optional
+        "scattered", or "near" for what falls within ten null distances.
     """
     total = 0 * to_phase * aperture
     for effect in sources:

@@ -57,7 +57,15 @@ class Stretch(NamedTuple):
 
 
 def free(span: Array, accelerometer: Array, gyro: Array, slow: tuple[ArrayLike, ArrayLike] | None) -> Stretch:
-    """A stretch without fixes; arguments as `nav_model.analytic.doubling.drift`, of (rows)."""
+    """A stretch without fixes.
+
+    Parameters
+    ----------
+    span : array (rows,)
+        Seconds.
+    accelerometer, gyro, slow
+        As `nav_model.analytic.doubling.drift`, of (rows,).
+    """
     segment = drift(span, accelerometer, gyro, slow)
     n, unit = segment.noise.shape[-1], _drift_of_one()
     a, w = accelerometer * span**3, gyro * span**5

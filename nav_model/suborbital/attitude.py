@@ -53,7 +53,17 @@ def _nearest_rotation(matrix: Array) -> Array:
 
 
 def triad(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
-    """TRIAD of the first two stars (put the two to be used first)."""
+    """TRIAD of the first two stars (put the two to be used first).
+
+    Parameters
+    ----------
+    b, r : array (..., k, 3)
+        Unit vectors to the stars, body axes and reference axes.
+    sigma : float
+        Error of a direction, one axis [rad].
+    w : array (..., k)
+        Weights, zero where there is no star.
+    """
 
     def frame(v: Array) -> Array:
         cross = np.cross(v[..., 0, :], v[..., 1, :])
@@ -69,7 +79,13 @@ def triad(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
 
 
 def n_vector(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
-    """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation."""
+    """N-vector pseudo-inverse C = R_i R_b^T (R_b R_b^T)^-1, projected to the nearest rotation.
+
+    Parameters
+    ----------
+    b, r, sigma, w
+        As `triad`.
+    """
     seen = _of_stars(b, w)
     inverse = np.linalg.inv(np.swapaxes(seen, -1, -2) @ seen)
     raw = np.swapaxes(_of_stars(r, w), -1, -2) @ seen @ inverse
@@ -82,7 +98,13 @@ def n_vector(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
 
 
 def svd(b: Array, r: Array, sigma: float, w: Array) -> Estimate:
-    """Least squares (Wahba's problem) by singular value decomposition, which q-method and QUEST solve as well."""
+    """Least squares (Wahba's problem) by singular value decomposition, which q-method and QUEST solve as well.
+
+    Parameters
+    ----------
+    b, r, sigma, w
+        As `triad`.
+    """
     rotation = _nearest_rotation(_profile(b, r, w))
     return rotation, _optimal_covariance(b, w, sigma)
 
@@ -96,7 +118,18 @@ METHODS: dict[str, Callable[[Array, Array, float, Array], Estimate]] = {
 
 
 def estimate(method: str, body: Array, reference: Array, sigma: float, weight: Array | None = None) -> Estimate:
-    """Attitudes by one of the `METHODS`; every star counts without a weight.
+    """Attitudes by one of the `METHODS`.
+
+    Parameters
+    ----------
+    method : str
+        Key of `METHODS`.
+    body, reference : array (..., k, 3)
+        Unit vectors to the stars, body axes and reference axes.
+    sigma : float
+        Error of a direction, one axis [rad].
+    weight : array (..., k), optional
+        Zero where there is no star; every star counts without it.
 
     Raises
     ------
@@ -148,7 +181,19 @@ class MethodScore:
 def compare_methods(
     body: Array, reference: Array, truth: Array, sigma: float, weight: Array | None = None
 ) -> tuple[MethodScore, ...]:
-    """Every method on the same scenes (n, k, 3) with true attitudes (n, 3, 3)."""
+    """Every method on the same scenes.
+
+    Parameters
+    ----------
+    body, reference : array (n, k, 3)
+        Unit vectors to the stars, body axes and reference axes.
+    truth : array (n, 3, 3)
+        True attitudes.
+    sigma : float
+        Error of a direction, one axis [rad].
+    weight : array (n, k), optional
+        Zero where there is no star; every star counts without it.
+    """
     scores: list[MethodScore] = []
     for name in METHODS:
         rotation, covariance = estimate(name, body, reference, sigma, weight)

@@ -56,9 +56,20 @@ def channel_error(
 ) -> Array:
     """Position error in one channel, m [B-6]; broadcasts over every argument.
 
-    rate: w of `schuler_rate` horizontally; i k = i sqrt(2) w for the height, whose sines are hyperbolic ones; bias:
-    accelerometer, m/s²; tilt_rate: f e, specific force times gyro bias, m/s³; position (m) and velocity (m/s) at
-    t = 0; amplitude (m/s²) and frequency (rad/s) of a forcing A sin(O t), resonance included.
+    Parameters
+    ----------
+    rate : array_like
+        w of `schuler_rate` horizontally; i k = i sqrt(2) w for the height, whose sines are hyperbolic ones.
+    time_s : array_like
+        Since the start.
+    bias : array_like, optional
+        Of the accelerometer, m/s².
+    tilt_rate : array_like, optional
+        f e, specific force times gyro bias, m/s³.
+    position, velocity : array_like, optional
+        At t = 0, m and m/s.
+    amplitude, frequency : array_like, optional
+        Of a forcing A sin(O t), m/s² and rad/s, resonance included.
     """
     t, w, o = (np.asarray(value) for value in (time_s, rate, frequency))
     c, s = np.cos(w * t), np.sin(w * t) / w
@@ -173,13 +184,23 @@ def decoupled_response(flight: TrueFlight, errors: ErrorSet, every: int = 10) ->
 
 
 def closed_form_errors(flight: TrueFlight, parameters: Array, errors: ErrorSet, every: int = 10) -> Array:
-    """The closed forms [B-6] of the parameter vectors (c, 61), for a flight they were not made for: north, east, up
-    (c, m, 3), m.
+    """The closed forms [B-6] for a flight that they were not made for: north, east, up (c, m, 3), m.
 
     They assume one height and forcing that does not turn: the height is the flight's mean; bias b and amplitude A
     are the means of the accelerometers' local errors while the motor burns, f e the slope (least squares
     through zero) of the acceleration that attitude errors cause then (X). An initial attitude error acts as a
     bias of f psi. They hold while these stay constant.
+
+    Parameters
+    ----------
+    flight : TrueFlight
+        Of n steps.
+    parameters : array (c, 61)
+        Errors of each case, in the order of `layout`.
+    errors : ErrorSet
+        Periods of the oscillating terms.
+    every : int, optional
+        Steps between outputs.
     """
     p = np.atleast_2d(parameters)
     flight.require_spacing(every)

@@ -283,10 +283,25 @@ def in_gravity(flight: TrueFlight, gravity: str) -> TrueFlight:
 def fly(
     position: Array, velocity: Array, attitude: Array, force: Array, gravity: str, step_s: float
 ) -> tuple[Array, Array, Array]:
-    """time_s, position_i and velocity_i of a `TrueFlight`, integrated from its start (inertial axes),
-    attitude at half steps (2n+1, 3, 3) and body specific force at the nodes (n, 3, 3).
+    """time_s, position_i and velocity_i of a `TrueFlight`, integrated from its start.
 
-    InputError when it reaches the ground before its end.
+    Parameters
+    ----------
+    position, velocity : array (3,)
+        At the start, inertial axes [m, m/s].
+    attitude : array (2n+1, 3, 3)
+        Body to inertial axes, at half steps.
+    force : array (n, 3, 3)
+        Specific force in body axes at the nodes of each step [m/s²].
+    gravity : str
+        Name of a gravity model.
+    step_s : float
+        Step.
+
+    Raises
+    ------
+    InputError
+        When it reaches the ground before its end.
     """
     force_i = np.einsum("tnij,tnj->tni", step_nodes(attitude), force)
     r, v = _integrate(position, velocity, force_i, zonals(gravity), step_s)

@@ -29,6 +29,17 @@ def parse_flight(content: bytes, name: str, step_s: float = 0.1, gravity: str = 
     exactly. Time starts at zero for the inertial axes. Rows should be at most a second apart during thrust,
     positions good to a millimetre: a spline differentiates their noise twice.
 
+    Parameters
+    ----------
+    content : bytes
+        The file.
+    name : str
+        Its name, for messages.
+    step_s : float, optional
+        Step of the flight, a divisor of its duration.
+    gravity : str, optional
+        Name of a gravity model.
+
     Raises
     ------
     InputError

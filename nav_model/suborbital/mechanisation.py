@@ -210,11 +210,29 @@ def mechanise(
 ) -> InsRun:
     """Run the INS over a flight for c cases.
 
-    parameters: (c, 61) in the order of `layout` (its star tracker entries are not read here:
-    they are already in the frames); errors supplies the periods of the oscillating terms; frames: one entry
-    per case, None for a pure INS; noise: added specific force and angular rate (c, n, 6), held over each
-    step; gravity: the model the INS believes in, of all cases or one each; every: output spacing in steps, which
-    must divide the flight. Raises InputError where it does not.
+    Parameters
+    ----------
+    flight : TrueFlight
+        Of n steps.
+    parameters : array (c, 61)
+        Errors of each case, in the order of `layout` (star tracker entries are not read: they are in the frames).
+    errors : ErrorSet
+        Periods of the oscillating terms.
+    frames : sequence, optional
+        One entry per case, None for a pure INS.
+    noise : array (c, n, 6), optional
+        Added specific force and angular rate [m/s², rad/s], held over each step.
+    gravity : str or sequence of str, optional
+        The model the INS believes in, of all cases or one each.
+    every : int, optional
+        Steps between outputs, a divisor of n.
+    progress : callable, optional
+        Takes the share done.
+
+    Raises
+    ------
+    InputError
+        Where `every` does not divide the flight.
     """
     parameters = np.ascontiguousarray(np.atleast_2d(parameters), dtype=np.float64)
     count, n = len(parameters), flight.steps

@@ -59,13 +59,28 @@ def noise_ensemble(
     star_covariance: Array | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Array:
-    """Position error histories (runs, m, 3), north, east, up, of an INS with white noise alone, by Monte
-    Carlo.
+    """Position error histories (runs, m, 3), north, east, up [m], of an INS with white noise alone, by Monte Carlo.
 
-    Each step holds one draw of density white_noise per axis. aided: with the study's star frames, each with a
-    draw of star_covariance (n+1, 3, 3), body axes, rad² (None: a perfect camera). Compare with
-    `Study.pure_noise` and `aided_noise`, its prediction. Raises InputError for a number of runs that is not
-    allowed.
+    Each step holds one draw of density white_noise per axis. Compare with `Study.pure_noise` and `aided_noise`, its
+    prediction.
+
+    Parameters
+    ----------
+    study : Study
+        Flight, errors and star frames.
+    runs, seed : int, optional
+        Number of runs, and the seed of their noise.
+    aided : bool, optional
+        True with the study's star frames.
+    star_covariance : array (n+1, 3, 3), optional
+        Covariance of the error of each frame, body axes, rad²; a perfect camera by default.
+    progress : callable, optional
+        Takes the share done.
+
+    Raises
+    ------
+    InputError
+        For a number of runs that is not allowed.
     """
     if not 1 <= runs <= MOST_RUNS:
         raise InputError("runs", f"{runs} is not allowed; it must be 1 to {MOST_RUNS}", runs)
@@ -109,8 +124,20 @@ def fly_noise(
     *,
     progress: Callable[[float, str], None] | None = None,
 ) -> NoiseEnsemble:
-    """The ensemble without and with the star tracker, on the same draws of sensor noise where the camera is
-    perfect; arguments and errors as `noise_ensemble`."""
+    """The ensemble without and with the star tracker, on the same draws of sensor noise where the camera is perfect.
+
+    Parameters
+    ----------
+    study, runs, seed, star_covariance
+        As `noise_ensemble`.
+    progress : callable, optional
+        Takes the share done and a few words.
+
+    Raises
+    ------
+    InputError
+        As `noise_ensemble`.
+    """
     from scipy.stats import chi2
 
     rms = []

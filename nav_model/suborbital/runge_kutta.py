@@ -22,7 +22,19 @@ def node_of(slope: int) -> int:
 
 @part
 def state_at(y: Array, k: Array, slope: int, h: float) -> Array:
-    """State (...) at which a slope, 0 to 3, is taken; k (4, ...) holds those before it, h is in seconds."""
+    """State at which a slope is taken.
+
+    Parameters
+    ----------
+    y : array (...)
+        State at the start of the step.
+    k : array (4, ...)
+        Slopes; those before `slope` are known.
+    slope : int
+        0 to 3.
+    h : float
+        Step, seconds.
+    """
     if slope == 0:
         return y.copy()
     return np.asarray(y + (h if slope == 3 else 0.5 * h) * k[slope - 1])

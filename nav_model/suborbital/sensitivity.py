@@ -72,7 +72,19 @@ class NoiseSpread:
 
 @part
 def unit_errors(c: Array, f: Array, w: Array, s: Array, acc: Array, turn: Array) -> None:
-    """Columns of C df and C domega for a unit of each sensor parameter, into acc and turn (3, 61)."""
+    """Columns of C df and C domega for a unit of each sensor parameter.
+
+    Parameters
+    ----------
+    c : array (3, 3)
+        Body to inertial axes.
+    f, w : array (3,)
+        Specific force [m/s²] and angular rate [rad/s] in body axes.
+    s : array (4,)
+        Sines of the oscillating terms: bias and matrix of the accelerometers, then of the gyros.
+    acc, turn : array (3, 61)
+        Take the columns.
+    """
     for a in range(3):
         for b in range(3):
             acc[a, BIAS + b] = c[a, b]
@@ -138,11 +150,18 @@ def _half_path(flight: TrueFlight) -> Array:
 
 
 def sensitivity(flight: TrueFlight, errors: ErrorSet, used: np.ndarray | None = None, every: int = 10) -> Sensitivity:
-    """Sensitivity matrix of a flight [B-4].
+    """Sensitivity matrix of a flight [B-4]. The gravity gradient is the spherical one.
 
-    errors supplies the oscillation periods only; used (n+1,) bool marks the steps with a star frame (None:
-    pure INS); every: output spacing in steps, a divisor of their number. The gravity gradient is the
-    spherical one.
+    Parameters
+    ----------
+    flight : TrueFlight
+        Of n steps.
+    errors : ErrorSet
+        Periods of the oscillating terms.
+    used : array (n+1,) of bool, optional
+        Steps with a star frame; a pure INS by default.
+    every : int, optional
+        Steps between outputs, a divisor of n.
     """
     n = flight.steps
     flight.require_spacing(every)
@@ -199,10 +218,21 @@ def white_noise_spread(
 ) -> NoiseSpread:
     """Standard deviation from white noise alone, against time [B-4].
 
-    accelerometer, gyro: root spectral densities, as `SensorErrors.white_noise`; used (n+1,) marks star frames;
-    frame_covariance (n+1, 3, 3) or (3, 3) is the covariance of the camera's
-    attitude error in body axes, rad² (None: a perfect camera). Each step is one transition, to second order, with
-    the noise added at its end, which is exact to the step over the flight time.
+    Each step is one transition, to second order, with the noise added at its end, which is exact to the step over the
+    flight time.
+
+    Parameters
+    ----------
+    flight : TrueFlight
+        Of n steps.
+    accelerometer, gyro : float
+        Root spectral densities, as `SensorErrors.white_noise`.
+    used : array (n+1,) of bool, optional
+        Steps with a star frame; a pure INS by default.
+    frame_covariance : array (n+1, 3, 3) or (3, 3), optional
+        Covariance of the camera's attitude error, body axes, rad²; a perfect camera by default.
+    every : int, optional
+        Steps between outputs.
     """
     n, h = flight.steps, flight.step_s
     flight.require_spacing(every)
@@ -255,7 +285,13 @@ class NoiseParts:
 def noise_parts(
     flight: TrueFlight, used: np.ndarray | None, frame_covariance: Array | None, every: int
 ) -> NoiseParts:
-    """White noise in parts; arguments as `white_noise_spread`."""
+    """White noise in parts.
+
+    Parameters
+    ----------
+    flight, used, frame_covariance, every
+        As `white_noise_spread`.
+    """
     unit = partial(white_noise_spread, flight, used=used, every=every)
     star = None if frame_covariance is None else unit(0.0, 0.0, frame_covariance=frame_covariance)
     return NoiseParts(unit(1.0, 0.0), unit(0.0, 1.0), star)

@@ -105,8 +105,21 @@ def select_stars(camera: StarCamera, sky: Sky, attitude_bi: Array) -> tuple[np.n
 def measure(
     camera: StarCamera, sky: Sky, attitude_bi: Array, chosen: np.ndarray, generator: np.random.Generator
 ) -> tuple[Array, Array, Array]:
-    """Noisy body directions, catalogue directions (n, k, 3) and weights (n, k), zero where there is no
-    star."""
+    """Noisy body directions, catalogue directions (n, k, 3) and weights (n, k), zero where there is no star.
+
+    Parameters
+    ----------
+    camera : StarCamera
+        Its noise.
+    sky : Sky
+        The catalogue.
+    attitude_bi : array (n, 3, 3)
+        Body to inertial axes.
+    chosen : array (n, k) of int
+        Stars in the field, -1 for none.
+    generator : numpy.random.Generator
+        Of the noise.
+    """
     weight = (chosen >= 0).astype(np.float64)
     reference = sky.direction[np.maximum(chosen, 0)]
     body = reference @ attitude_bi
@@ -125,7 +138,19 @@ def roll_sigma(camera: StarCamera, body: Array, weight: Array) -> Array:
 
 
 def gate(camera: StarCamera, body: Array, weight: Array, method: str = "SVD") -> tuple[np.ndarray, np.ndarray]:
-    """Frames that may be used, (n,) bool, and why the others may not, (n,) text (empty where used)."""
+    """Frames that may be used, (n,) bool, and why the others may not, (n,) text (empty where used).
+
+    Parameters
+    ----------
+    camera : StarCamera
+        Least number of stars and limit on the roll's sigma.
+    body : array (n, k, 3)
+        Measured directions, body axes.
+    weight : array (n, k)
+        Zero where there is no star.
+    method : str, optional
+        Key of `attitude.METHODS`, which has to be able to solve the frame.
+    """
     stars, roll = np.sum(weight > 0.0, axis=-1), roll_sigma(camera, body, weight)
     few, flat = stars < camera.least_stars, roll > camera.roll_limit_rad
     refused = ~solvable(method, body, weight)
@@ -190,7 +215,23 @@ class StarFrame:
 def star_frames(
     flight: TrueFlight, camera: StarCamera, sky: Sky, time_s: Array, seed: int = 1, method: str = "SVD"
 ) -> tuple[StarFrame, ...]:
-    """The star images at times (n,) of the flight, their noise from the seeds `seed`, `seed` + 1 and so on."""
+    """Star images at given times of the flight.
+
+    Parameters
+    ----------
+    flight : TrueFlight
+        The flight.
+    camera : StarCamera
+        The camera.
+    sky : Sky
+        The catalogue.
+    time_s : array (n,)
+        Times of the images.
+    seed : int, optional
+        Noise is from the seeds `seed`, `seed` + 1 and so on.
+    method : str, optional
+        Key of `attitude.METHODS`.
+    """
     attitude = attitude_at(flight, time_s)
     chosen, count = select_stars(camera, sky, attitude)
     measured = [
@@ -251,7 +292,14 @@ def track_stars(
 ) -> StarTrack:
     """Image, identify and solve every step of a flight (15000 frames on the reference flight), in chunks.
 
-    progress takes the share done after each chunk. A frame refused by the gate leaves the gyro attitude in force.
+    A frame refused by the gate leaves the gyro attitude in force.
+
+    Parameters
+    ----------
+    flight, camera, sky, method, seed
+        As `star_frames`.
+    progress : callable, optional
+        Takes the share done, after each chunk.
     """
     if method == "N-vector" and camera.least_stars < 3:
         reason = f"{camera.least_stars} is too few: the N-vector method needs at least 3 stars"

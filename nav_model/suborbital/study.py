@@ -123,12 +123,27 @@ def run_study(
 ) -> Study:
     """Integrate every case, with and without star tracker.
 
-    flight: a loaded trajectory, or inputs.flight where it has been flown already; measured: attitudes from star
-    images (`star_camera.track_stars`), taken by the case "all" in place of perfect frames; every: steps between two
-    points of the histories, a divisor of the flight's. The row "gravity model"
-    is an INS without any other error whose gravity is not the true one; when both are the same it asks what
-    a truth with J2 would cost, flying the reference flight again in that field (for a loaded trajectory it is
-    then zero). Raises InputError for bad input.
+    The row "gravity model" is an INS without any other error whose gravity is not the true one; when both are the
+    same it asks what a truth with J2 would cost, flying the reference flight again in that field (for a loaded
+    trajectory it is then zero).
+
+    Parameters
+    ----------
+    inputs : SuborbitalInputs, optional
+        The reference flight with GP-1 and a perfect camera by default.
+    flight : TrueFlight, optional
+        A loaded trajectory, or `inputs.flight` where it has been flown already.
+    measured : AttitudeFrames, optional
+        Attitudes from star images (`star_camera.track_stars`), taken by the case "all" in place of perfect frames.
+    every : int, optional
+        Steps between two points of the histories, a divisor of the flight's.
+    progress : callable, optional
+        Takes the share done.
+
+    Raises
+    ------
+    InputError
+        For bad input.
     """
     inputs = inputs or SuborbitalInputs()
     truth = flight or reference_flight(inputs.flight)

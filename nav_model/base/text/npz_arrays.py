@@ -30,13 +30,26 @@ _HEADER_ALLOWANCE = 4096
 def read_npz_arrays(
     data: bytes, file_name: str, most_bytes: int, kinds: str = "fiub", names: Container[str] | None = None
 ) -> dict[str, NDArray[Any]]:
-    """Numeric arrays of an NPZ archive by name: those in `names`, or all.
+    """Numeric arrays of an NPZ archive by name. Memory and time are bounded by `most_bytes`.
 
-    `kinds` are NumPy's letters of the dtypes that are allowed. Memory and time are bounded by `most_bytes`.
+    Parameters
+    ----------
+    data : bytes
+        The archive.
+    file_name : str
+        Name for messages.
+    most_bytes : int
+        Bytes of all arrays together, unpacked.
+    kinds : str, optional
+        NumPy's letters of the dtypes that are allowed.
+    names : container of str, optional
+        Arrays to read; all by default.
 
-    Raises InputError for a broken archive, members that are not .npy arrays, object (pickle) or text dtypes,
-    arrays whose header or directory entry declares more than `most_bytes` in total, and entries whose two sizes
-    disagree.
+    Raises
+    ------
+    InputError
+        For a broken archive, members that are not .npy arrays, object (pickle) or text dtypes, arrays whose header or
+        directory entry declares more than `most_bytes` in total, and entries whose two sizes disagree.
     """
     arrays: dict[str, NDArray[Any]] = {}
     what = "not a readable NPZ archive"

@@ -71,11 +71,23 @@ class NumberTable:
         yield from self.headers[:1]
 
     def columns(self, places: Sequence[int], most_rows: int, most_bytes: int, times: Collection[int] = ()) -> Columns:
-        """The columns at `places`, counted from zero; a field of those in `times` may be a date or a time of day [s].
+        """Read columns as numbers, (rows,) each.
 
-        Raises InputError under the file's name, with line and column: text or an infinity where a number belongs,
-        another number of fields than in the rows before, decimal commas beside decimal points, more than `most_rows`
-        rows, or more than `most_bytes` of numbers.
+        Parameters
+        ----------
+        places : sequence of int
+            Columns, counted from zero.
+        most_rows, most_bytes : int
+            Bounds of what is read: rows, and bytes of numbers.
+        times : collection of int, optional
+            Places of columns whose fields may be a date or a time of day, which are read as seconds.
+
+        Raises
+        ------
+        InputError
+            Under the file's name, with line and column: text or an infinity where a number belongs, another number of
+            fields than in the rows before, decimal commas beside decimal points, more than `most_rows` rows, or more
+            than `most_bytes` of numbers.
         """
         allowed = min(most_rows, most_bytes // (8 * max(1, len(places))))
         possible = 1 + max((self.content.count(end) for end in (b"\n", b"\r") if end in self.content), default=0)
