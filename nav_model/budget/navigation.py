@@ -74,7 +74,8 @@ class Outage:
     """Sigmas in real time against time since the last fix, arrays of one length: s, m, m/s, rad.
 
     ``position_*``, ``velocity_*`` and ``tilt`` are the polynomials [T-9], [T-10] with the residual biases in
-    quadrature; ``refined_*`` is [T-17] with the same biases. All without contributors.
+    quadrature; ``refined_*`` is [T-17] with the same biases. All start from the covariance just after a fix [T-8] and
+    are without contributors.
     """
 
     duration: float
@@ -145,7 +146,7 @@ def outage_of(model: RealTime, time: Array) -> Outage:
         refined_vertical=np.sqrt(refined[1]),
         perfect_start_horizontal=np.sqrt(perfect[0]),
         perfect_start_vertical=np.sqrt(perfect[1]),
-        initial_tilt=np.sqrt(growth.initial_tilt(model.closed.horizontal.p33, x.g, time)),
+        initial_tilt=np.sqrt(growth.initial_tilt(model.cycle.posterior.horizontal.p33, x.g, time)),
     )
 
 

@@ -23,11 +23,7 @@ _LOWEST, _HIGHEST = -500.0, 9000.0  # ground on Earth [m], from the Dead Sea's s
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
 
-CLOSED, DISCRETE, SERIES = (
-    "formula",
-    "discrete Riccati equation, exact",
-    "linear covariance propagation",
-)
+CLOSED, DISCRETE = "formula", "discrete Riccati equation, exact"
 """Methods of `provenance.toml` on which a slow GNSS error has an effect."""
 
 
@@ -47,6 +43,7 @@ _TABLE: dict[str, Provenance] = {
 _CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "rms over a fix interval")
 
 
+_AFTER_A_FIX = "from the covariance just after a fix [T-8]"
 _AUGMENTED_NOTE = "white noise only, without the slow GNSS error"
 
 
@@ -64,10 +61,10 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
     if not budget.design.gnss.correlated:
         return MappingProxyType(table)
     for key, entry in tuple(table.items()):
-        if key.startswith(("steady_state", "coast")) and entry.method == CLOSED:
+        if key.startswith("steady_state") and entry.method == CLOSED:
             table[key] = replace(entry, note=_AUGMENTED_NOTE)
-        elif entry.method == SERIES:
-            table[key] = replace(entry, note=f"{entry.note}; from the augmented filter's posterior")
+        elif entry.note.endswith(_AFTER_A_FIX):
+            table[key] = replace(entry, note=f"{entry.note}, of the augmented filter")
         elif entry.method == DISCRETE:
             table[key] = replace(
                 entry, method="augmented discrete Riccati equation", note=f"{entry.note}; slow GNSS error modelled"

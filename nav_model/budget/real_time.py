@@ -179,16 +179,24 @@ class RealTime:
 
     def polynomial_position(self, time: Array) -> tuple[Array, Array]:
         """Position variances by the polynomials, horizontal and vertical, with the residual biases. [T-9], [T-10]"""
-        x = self.x
-        bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
-        horizontal = growth.horizontal_growth(self.closed.horizontal, x.sigma_a, x.sigma_w, x.g, time).position
-        vertical = growth.vertical_growth(self.closed.vertical, x.sigma_a, time).position
-        return horizontal + bias_a**2 + bias_w**2, vertical + bias_a**2
+        bias_a, bias_w = growth.bias_position(self.x.bias, self.x.bias_w, self.x.g, time)
+        horizontal, vertical = self._polynomials(time)
+        return horizontal.position + bias_a**2 + bias_w**2, vertical.position + bias_a**2
+
+    def _polynomials(self, time: Array) -> tuple[growth.HorizontalGrowth, growth.VerticalGrowth]:
+        """Both channels by the polynomials, from the covariance just after a fix as `refined` is. [T-9], [T-10]
+
+        Any other moment of the cycle would let an outage begin with an error that the last fix has removed, or
+        without the slow error of the fixes, which no closed form has.
+        """
+        x, start = self.x, self.cycle.posterior
+        return (
+            growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time),
+            growth.vertical_growth(start.vertical, x.sigma_a, time),
+        )
 
     def coast_horizontal_velocity(self, time: Array) -> Array:
-        x = self.x
-        free = growth.horizontal_growth(self.closed.horizontal, x.sigma_a, x.sigma_w, x.g, time)
-        return self._with_drift(free.velocity, time)
+        return self._with_drift(self._polynomials(time)[0].velocity, time)
 
     def _with_drift(self, velocity: Array, time: Array) -> Array:
         """A horizontal velocity variance as a sigma with what both residual biases add."""
@@ -198,11 +206,10 @@ class RealTime:
     def coast_vertical_velocity(self, time: Array) -> Array:
         x = self.x
         drift_a, _ = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
-        return np.sqrt(growth.vertical_growth(self.closed.vertical, x.sigma_a, time).velocity + drift_a**2)
+        return np.sqrt(self._polynomials(time)[1].velocity + drift_a**2)
 
     def coast_tilt(self, time: Array) -> Array:
-        x = self.x
-        free = growth.horizontal_growth(self.closed.horizontal, x.sigma_a, x.sigma_w, x.g, time)
+        x, free = self.x, self._polynomials(time)[0]
         return np.sqrt(free.tilt + (x.bias / x.g) ** 2 + (x.bias_w * time) ** 2)  # b/g as before the outage
 
     def coast_heading(self, time: Array) -> Array:

@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.analytic import coast as growth
+from nav_model.analytic.discrete import Sawtooth
+from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
@@ -24,6 +26,7 @@ from nav_model.simulation.result import STATES, SimulationResult, chi_square_ban
 from nav_model.simulation.schedule import FIX, OUTPUT, plan
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import (
+    SLOW_STATES,
     Aids,
     FilterModel,
     GnssModel,
@@ -33,6 +36,7 @@ from nav_model.simulation.specification import (
     TriadModel,
 )
 from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.tuning import believed_covariance, tuning_of
 
 FloatArray = NDArray[np.float64]
 
@@ -82,7 +86,8 @@ class Chain:
 
     bare: the closed form without residual biases. fixes: as long after the last fix, by a settled filter on a flat
     Earth [T-8]. settling: the same filter from the study's start and through its outages. earth: the simulator's
-    filter with the design's white noises, flown straight and level. flight: the same along the study's flight.
+    filter with the design's white noises and slow GNSS error, flown straight and level. flight: the same along the
+    study's flight.
     velocity: of one fix, that the closed form has, as `closed_velocity_noise`.
     """
 
@@ -124,9 +129,12 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
             gnss.interval,
             velocity_noise=velocity_noise[0],
             vertical_velocity_noise=velocity_noise[1],
+            markov_noise=gnss.markov_noise,
+            vertical_markov_noise=gnss.vertical_markov_noise,
+            markov_time=gnss.markov_time,
         ),
         aiding=Aids(),
-        filter=FilterModel(states=9),
+        filter=FilterModel(states=9 + (SLOW_STATES if any(gnss.axis_markov_noise) else 0)),
         radar_time_offset=0.0,
     )
     schedule = plan(plain)
@@ -136,36 +144,46 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
     yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * schedule.outputs.time_s)
     flat = []
     since_fix = np.minimum((outputs - last) / imu.rate, longest)
-    white = RealTime(replace(x, slow=None))
-    for start, time_s in ((white.closed, schedule.coast_s), (white.cycle.posterior, since_fix)):
+    model, coasting = RealTime(x), schedule.coast_s > 0.0
+    average, posterior = model.at_last_fix, model.cycle.posterior
+    horizontal, vertical = (
+        [np.where(coasting, after, mean) for after, mean in zip(last, settled, strict=True)]
+        for last, settled in zip(posterior, average, strict=True)
+    )
+    by_formula = Sawtooth(Horizontal(*horizontal), Vertical(*vertical))
+    for start, time_s in ((by_formula, schedule.coast_s), (posterior, since_fix)):
         level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time_s)
         upright = growth.vertical_growth(start.vertical, x.sigma_a, time_s)
         variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
         flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
     earth, flight = (
-        fly_without_errors(s).filter_sigma[POSTERIOR] for s in (replace(plain, trajectory=_straight(spec)), plain)
+        fly_without_errors(s).filter_sigma[POSTERIOR, :, :9]
+        for s in (replace(plain, trajectory=_straight(spec)), plain)
     )
     return Chain(flat[0], flat[1], _settling(plain, float(x.g)), earth, flight, velocity_noise[0])
 
 
 def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
     """Sigmas (outputs, 9) just after the fix of the filter on a flat Earth, from the study's start. [T-1]"""
-    imu, gnss, start, events = spec.imu, spec.gnss, spec.initial, plan(spec).events
+    imu, gnss, events, tuning = spec.imu, spec.gnss, plan(spec).events, tuning_of(spec)
     accelerometer, gyro = (triad.random_walk * imu.vibration_factor for triad in (imu.accelerometer, imu.gyro))
     noises = [*gnss.axis_noise, *gnss.axis_velocity_noise]
-    covariance = np.diag([*np.repeat([start.position, start.velocity, start.tilt], 3)[:8], start.yaw]) ** 2
-    dynamics, force, none, work = np.zeros((9, 9)), np.array([0.0, 0.0, -gravity]), np.zeros(6), np.empty((4, 9, 9))
+    covariance, states = believed_covariance(spec), spec.filter.states
+    dynamics, force, work = np.zeros((9, 9)), np.array([0.0, 0.0, -gravity]), np.empty((4, states, states))
+    seen = np.eye(9, states)  # a fix shows the position with its slow error
+    for axis, state in enumerate(range(spec.filter.inertial, states)):
+        seen[axis, state] = tuning.slow_sigma[axis]
     dynamics[range(3), range(3, 6)] = 1.0
     dynamics[3, 7], dynamics[4, 6] = gravity, -gravity
     sigmas, before = [], 0
     for sample in np.flatnonzero(events & (FIX | OUTPUT)).tolist():
         elapsed = (sample - before) / imu.rate
-        propagate(covariance, dynamics, force, elapsed, accelerometer, gyro, none, none, work)
+        propagate(covariance, dynamics, force, elapsed, accelerometer, gyro, tuning.decay_rate, tuning.drive, work)
         before = sample
         for state, noise in enumerate(noises if events[sample] & FIX else ()):
-            update(covariance, np.eye(9)[state], 0.0, noise**2, np.zeros(9), work)
+            update(covariance, seen[state], 0.0, noise**2, np.zeros(states), work)
         if events[sample] & OUTPUT:
-            sigmas.append(np.sqrt(np.diagonal(covariance)))
+            sigmas.append(np.sqrt(np.diagonal(covariance)[:9]))
     return np.stack(sigmas)
 
 
@@ -268,7 +286,10 @@ def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str
             tuning.inertial > 9 and moving,
             f"{tuning.states} states, {tuning.inertial - 9} of them biases, which the formula leaves out",
         ),
-        (tuning.slow > 0, "the slow GNSS error, which the formula leaves out"),
+        (
+            not tuning.slow and any(spec.gnss.axis_markov_noise),
+            f"{tuning.states} states without the slow GNSS error, which the formula includes",
+        ),
         (tuning.process_noise_scale != 1.0, f"process noise setting ×{tuning.process_noise_scale:g}"),
         (tuning.gnss_noise_scale != 1.0, f"fix noise setting ×{tuning.gnss_noise_scale:g}"),
         (spec.gnss.velocity_noise != velocity, "velocity fixes"),

@@ -156,16 +156,26 @@ class DesignClosedForm:
 
     initial_yaw: sigma at the start [rad].
     Called with (coast_s, elapsed_s), both (outputs,), it gives the sigmas (outputs, 9) of `result.STATES`:
-    [T-3], [T-4] where fixes come, [T-9], [T-10] in an outage, residual biases in quadrature; yaw [T-5].
+    [T-3], [T-4] where fixes come, with what a slow GNSS error adds [T-8]; [T-9], [T-10] in an outage, from the
+    covariance just after its last fix. Residual biases in quadrature; yaw [T-5].
     """
 
     design: Design
     initial_yaw: float
 
     def __call__(self, coast_s: FloatArray, elapsed_s: FloatArray) -> FloatArray:
-        coast = analyse(self.design, coast_s).coast
-        level, upright, tilt = coast.position_horizontal, coast.position_vertical, coast.tilt
-        speed, sink = coast.velocity_horizontal, coast.velocity_vertical
+        budget = analyse(self.design, coast_s)
+        coast, settled = budget.coast, budget.steady_state.average
+        level, upright, speed, sink, tilt = (
+            np.where(coast_s > 0, drifting, settled[name])
+            for name, drifting in (
+                ("horizontal_position", coast.position_horizontal),
+                ("vertical_position", coast.position_vertical),
+                ("horizontal_velocity", coast.velocity_horizontal),
+                ("vertical_velocity", coast.velocity_vertical),
+                ("tilt", coast.tilt),
+            )
+        )
         density = self.design.imu.angle_random_walk * self.design.imu.vibration_factor
         yaw = np.sqrt(self.initial_yaw**2 + yaw_variance(density, elapsed_s))
         sigmas: FloatArray = np.stack([level, level, upright, speed, speed, sink, tilt, tilt, yaw], axis=1)

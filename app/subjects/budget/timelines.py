@@ -80,16 +80,16 @@ def _position_knowledge(budget: Budget) -> str:
     growth = steady.prior["horizontal_position"] / steady.posterior["horizontal_position"] - 1
     ratio = coast.refined_horizontal[-1] / coast.position_horizontal[-1]
     ratio_v = coast.refined_vertical[-1] / coast.position_vertical[-1]
-    slow = " A slow GNSS error enters the curves [T-17] only." if budget.design.gnss.correlated else ""
-    if budget.post_processed:
-        slow += (
-            " Smoothed with the fixes before and after the outage [P-3]; dashed curves are an outage in real time."
-        )
+    smoothed = (
+        " Smoothed with the fixes before and after the outage [P-3]; dashed curves are an outage in real time."
+        if budget.post_processed
+        else ""
+    )
     return (
         f"Formulas {_cited(budget)}, [T-9], [T-10]; before and after a fix [T-8]: the error grows by "
         f"{percent(growth)} between fixes; with Schuler and Coriolis terms [T-17], horizontal is "
         f"{_beside(ratio)} and vertical {_beside(ratio_v)} the simple formula at "
-        f"{number(coast.duration, given=True)} s.{slow}"
+        f"{number(coast.duration, given=True)} s.{smoothed}"
     )
 
 

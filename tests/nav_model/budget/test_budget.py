@@ -9,8 +9,10 @@ import riccati
 
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
+from nav_model.budget.inputs import inputs_of
 from nav_model.budget.navigation import COAST_POINTS
 from nav_model.budget.provenance import cautions
+from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
 from nav_model.design.figures import STEADY
@@ -216,10 +218,33 @@ def test_sar_numbers_hang_together():
 def test_along_track_takes_the_velocity_over_the_aperture():
     """Nearly that of mid-aperture, closed form with biases, times pi V T²/(lambda R); noise inside counts less."""
     design = BASE.replace({"coast.before_aperture": 20.0, "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6})
-    start, middle = analyse(design, [20.0, 22.5]).coast.velocity_horizontal
-    along = analyse(design).figure("along_track_quadratic_phase").sigma
+    model = RealTime(inputs_of(design))
+    model.at_last_fix = model.cycle.posterior  # where the outage starts
+    start, middle = model.coast_horizontal_velocity(np.array([20.0, 22.5]))
+    along = float(model.along_track_quadratic_phase)
     assert along == pytest.approx(math.pi * 100.0 * 25 * middle / (0.03 * 7000), rel=1e-3)
     assert along > 1.09 * math.pi * 100.0 * 25 * start / (0.03 * 7000)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 10.0, 60.0])
+def test_velocity_and_tilt_in_an_outage_start_with_the_slow_error_of_the_fixes(seconds):
+    """SciPy's discrete solver on the augmented channel, then its matrix exponential: the LN-100 under SBAS."""
+    design = parse_design('[imu]\npreset = "LN-100"\n[gnss]\npreset = "SBAS"\ninterval = "1 s"')
+    imu, gnss, g = design.imu, design.gnss, design.flight.gravity
+    decay, unit = math.exp(-1 / gnss.correlation_time), np.array([1, 1, g, 1.0])
+    oracle = {}
+    for fix, size in ((gnss.position_noise, 3), (gnss.vertical_position_noise, 2)):
+        axis = [part[:size, :size] for part in riccati.channel(imu.velocity_random_walk, imu.angle_random_walk, g)]
+        phi, q = (np.pad(part, (0, 1)) for part in riccati.van_loan(*axis, 1.0))
+        phi[size, size], q[size, size] = decay, gnss.correlated_noise**2 * (1 - decay**2)
+        row, scale = np.eye(1, size + 1) + np.eye(1, size + 1, size), unit[[*range(size), 3]]
+        start = riccati.settled(phi, q, row, fix**2, scale)[1][:size, :size]
+        free, added = riccati.van_loan(*axis, seconds)
+        oracle[size] = np.sqrt(np.diag(free @ start @ free.T + added))
+    coast = analyse(design, [seconds]).coast
+    assert coast.velocity_horizontal[0] == pytest.approx(oracle[3][1], rel=1e-6)
+    assert coast.tilt[0] == pytest.approx(oracle[3][2], rel=1e-6)
+    assert coast.velocity_vertical[0] == pytest.approx(oracle[2][1], rel=1e-6)
 
 
 def test_an_aperture_beyond_an_hour_is_refused_by_key():

@@ -8,6 +8,7 @@ import pytest
 
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.figures import FIGURES, REQUIRED, STEADY
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -99,6 +100,19 @@ def test_no_added_error_makes_a_figure_smaller(processing):
             after = figures(replace(inputs_of(design.replace(changes)), processing=processing))
             for name, figure in before.items():
                 assert after[name] >= figure * (1 - 1e-4), (source, name, design.content_hash, changes)
+
+
+@pytest.mark.long
+def test_no_outage_improves_a_velocity_or_a_tilt():
+    """From the error before a fix on, which an outage as long as the interval has reached, none becomes smaller."""
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        design = Design(random_values(rng))
+        x = replace(inputs_of(design), steady_state="prior")
+        model, seconds = RealTime(x), float(x.interval) * np.geomspace(1.0, 1000.0, 30)
+        for name in ("horizontal_velocity", "vertical_velocity", "tilt"):
+            curve = np.append(model.value(name), model.value(f"coast_{name}", seconds))
+            assert np.all(np.diff(curve) > -1e-9 * curve[0]), (name, design.content_hash)
 
 
 @pytest.mark.parametrize("position", [0.02, 1.0])
