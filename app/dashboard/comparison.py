@@ -87,7 +87,7 @@ class ComparisonChoice(PlainScript):
 
 
 def _before(old: Design, new: Design) -> str:
-    """What a design before a change is called: the value of the one input that is another now."""
+    """Name of a design before a change: the value of the one input that is another now."""
     changed = [
         (part, name)
         for part, names in INPUTS.items()

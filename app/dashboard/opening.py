@@ -1,4 +1,4 @@
-"""What a new page knows of its browser: the tab in its address, dark or light, narrow or wide.
+"""Facts of a new page about its browser: the tab in its address, dark or light, narrow or wide.
 
 A browser tells the server nothing of these, so a script in the page puts them into a cookie before it connects.
 Without cookies the page starts with the first tab, light and wide.

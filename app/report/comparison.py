@@ -63,7 +63,7 @@ def comparison_chapter(
 
 
 def closing_words(budgets: Sequence[Budget]) -> str:
-    """How many of two or more designs close, as a title."""
+    """A title with the number of two or more designs that close."""
     count, closing = len(budgets), sum(budget.verdict.closes for budget in budgets)
     if closing == count:
         return f"{'Both' if count == 2 else f'All {count}'} designs meet their requirements"

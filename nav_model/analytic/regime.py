@@ -1,4 +1,4 @@
-"""Which sensor limits the horizontal channel: gyro dominance of designs and of the catalogue. [T-6], [T-7]"""
+"""The sensor that limits the horizontal channel: gyro dominance of designs and of the catalogue. [T-6], [T-7]"""
 
 import numpy as np
 from numpy.typing import ArrayLike

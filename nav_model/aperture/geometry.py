@@ -61,7 +61,7 @@ def cell_length(
 
 
 def hidden(squint: ArrayLike, grazing_angle: ArrayLike) -> NDArray[np.bool_]:
-    """Whether no line of sight has both angles [rad]."""
+    """True where no line of sight has both angles [rad]."""
     return np.asarray(np.cos(squint) < np.sin(grazing_angle) - 1e-12)
 
 

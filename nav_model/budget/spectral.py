@@ -1,4 +1,4 @@
-"""What vibration, unsensed motion and oscillator do outside the main lobe. [P-9], [P-11]"""
+"""Effects of vibration, unsensed motion and oscillator outside the main lobe. [P-9], [P-11]"""
 
 from dataclasses import dataclass
 

@@ -156,7 +156,7 @@ class Design:
 
     @property
     def allocation(self) -> Allotment | None:
-        """How limits are split among sources, where the design says so."""
+        """Split of the limits among sources, where the design has one."""
         return self.entries.allocation
 
     def __getitem__(self, key: str) -> Value:
@@ -213,7 +213,7 @@ class Design:
         return new
 
     def uses(self, key: str) -> bool:
-        """Whether the number under `key` is given and counts beside the other inputs."""
+        """True if the number under `key` is given and counts beside the other inputs."""
         return quantity(key).used_in(getattr(self, key.partition(".")[0]))
 
     def unit(self, key: str) -> str:
@@ -221,7 +221,7 @@ class Design:
         return quantity(key).plain_unit(self.written.get(key, ""))
 
     def scale(self, key: str) -> str:
-        """What follows the number under `key` as a person writes it: its unit, or "m CEP"."""
+        """The part after the number under `key` as a person writes it: its unit, or "m CEP"."""
         written = self.written.get(key, "")
         return written if written and ":" not in written else self.unit(key)
 
@@ -261,7 +261,7 @@ class Design:
 
 
 def _identity(key: str, value: Any) -> Any:
-    """What a text or a table counts as in a hash."""
+    """Value of a text or a table in a hash."""
     if not isinstance(value, tuple):
         return value
     declaration = declaration_of(key)

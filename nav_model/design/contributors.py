@@ -43,7 +43,7 @@ _LONGEST = 200  # characters of a text
 
 
 class OneSigma:
-    """What a user adds under a name with a size: `value` in SI, its `dimension`, and the `unit` it was written in.
+    """Entry of a user with a name and a size: `value` in SI, its `dimension`, and the `unit` it was written in.
 
     `table` is the name of its tables in a design file.
     """
@@ -56,7 +56,7 @@ class OneSigma:
 
     @property
     def where(self) -> str:
-        """How messages name it."""
+        """Name of the entry in messages."""
         return f"{self.table}[{quoted(self.name)[1:-1]}]"
 
     def refuse_accuracy(self, where: str) -> None:

@@ -27,7 +27,7 @@ _ACCURACY = re.compile(r"\d[\d.]*\s*-?\s*(?:σ|sigma|%)|\b(?:peak|p-p|pk)", re.I
 
 
 class SheetValues(NamedTuple):
-    """What the rows say: inputs in SI, the units they are written in, the text each came from, and what was not
+    """Content of the rows: inputs in SI, the units they are written in, the text each came from, and what was not
     understood, with the reason."""
 
     changes: dict[str, float]

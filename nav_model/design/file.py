@@ -26,7 +26,7 @@ ORIGINS = "origins"
 """The table of a design file that says where values came from, each under its dotted key in quotes."""
 MAX_BYTES = 250_000  # a design is two kilobytes; a quarter of a second is the most that any text of this size takes
 KEY_VALUE = 'KEY=VALUE, for example imu.angle_random_walk="0.3 °/√h"'
-"""How a change on top of a file is written."""
+"""Form of a change on top of a file."""
 _MAX_TEXT = 10_000
 
 
@@ -42,7 +42,7 @@ def read_design(path: str | Path) -> Design:
 
 
 def read_bytes(path: str | Path, most: int = MAX_BYTES) -> bytes:
-    """What a file holds, up to one byte more than it may (by default, than a design may).
+    """Content of a file, up to one byte more than it may have (by default, than a design may).
 
     Raises
     ------

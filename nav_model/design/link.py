@@ -24,7 +24,7 @@ from nav_model.design.user_entries import ENTRY_KEYS, read_entries
 _MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
 STUDY_PREFIX = "study."
-"""What the names of a suborbital study's inputs start with, where they stand beside a design's."""
+"""Start of the names of a suborbital study's inputs, where they stand beside a design's."""
 SETTINGS = ("simulation", "trajectory", "sar", "explore", "search", "map", "uncertainty", "review")
 """The studies, questions and reviews whose settings stand beside a design's inputs, their names behind a point:
 ``sar.runs=200``."""

@@ -46,7 +46,7 @@ def offered(content: str, kind: Kind) -> Mapping[str, Entry]:
 
 
 def named_apart(names: Iterable[str]) -> str:
-    """Which of these names `offered` gave, in a sentence; empty where none."""
+    """A sentence with those of the names that `offered` gave; empty where none."""
     apart = [name for name in names if name.endswith(_OFFER)]
     has = ", ".join(name.removesuffix(_OFFER) for name in apart)
     return f"The product's catalogue has {has}; yours: {', '.join(apart)}." if apart else ""

@@ -102,7 +102,7 @@ _PX4_RANGES = {
     "EKF2_GYR_NOISE": (0.0001, 0.1), "EKF2_ACC_NOISE": (0.01, 1.0), "EKF2_GPS_P_NOISE": (0.01, 10.0),
     "EKF2_GPS_V_NOISE": (0.01, 5.0), "EKF2_GYR_B_NOISE": (0.0, 0.01), "EKF2_ACC_B_NOISE": (0.0, 0.01),
 }  # fmt: skip
-"""What PX4 allows, as its files of parameters say."""
+"""Bounds of PX4, as its files of parameters say."""
 
 
 def _beyond(value: float, low: float, high: float) -> str:

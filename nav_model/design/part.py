@@ -16,7 +16,7 @@ class Part(param.Parameterized):
     section: ClassVar[str] = ""
     title: ClassVar[str] = ""
     optional: ClassVar[bool] = False
-    """Whether files and reports leave the section out while nothing in it is given."""
+    """True if files and reports leave the section out while nothing in it is given."""
 
     @classmethod
     def inputs(cls) -> dict[str, Input]:
@@ -28,7 +28,7 @@ class Part(param.Parameterized):
         }
 
     def given(self) -> bool:
-        """Whether the section is written: always, unless it is optional and all its inputs have their defaults."""
+        """True if the section is written: always, unless it is optional and all its inputs have their defaults."""
         return not self.optional or any(getattr(self, name) != q.default for name, q in self.inputs().items())
 
 

@@ -7,7 +7,7 @@ REAL_TIME, POST_PROCESSED = "real time", "post-processed"
 
 
 class Processing(Part):
-    """Whether the trajectory for the image is computed in real time or after the flight."""
+    """Processing of the trajectory for the image: in real time, or after the flight."""
 
     section = "processing"
     title = "Processing"

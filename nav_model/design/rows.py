@@ -104,7 +104,7 @@ class Rows(Table):
         )
 
     def link(self, value: tuple[Row, ...]) -> str:
-        """The same with a colon in each row: links go without spaces."""
+        """Text for a link, with a colon in each row: links go without spaces."""
         return ";".join(self.show((row,)).replace("Hz ", "Hz:", 1) for row in value)
 
 

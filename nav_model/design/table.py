@@ -152,7 +152,7 @@ class Table(Declared, param.Parameter[Any]):
         return "; ".join(map(", ".join, self._written(self.cells(value, digits, bare=False))))
 
     def link(self, value: Any) -> str:
-        """The same, shorter: numbers in their usual units, without them."""
+        """Text for a link, shorter than in a file: numbers in their usual units, without them."""
         return ";".join(map(",".join, self._written(self.cells(value))))
 
     def cells(self, value: Any, digits: int | None = None, *, bare: bool = True) -> list[list[str]]:

@@ -1,4 +1,4 @@
-"""What a user adds to a design beside its inputs: contributors, limits on any value, and how limits are allocated."""
+"""Entries of a user beside a design's inputs: contributors, limits on any value, and the allocation of limits."""
 
 import math
 from collections.abc import Mapping
@@ -94,7 +94,7 @@ class Limit(OneSigma):
 
 @dataclass(frozen=True)
 class Lock(OneSigma):
-    """What a source may take of a requirement, set by hand: more than zero, at the confidence of the limit."""
+    """Allowance of a source in a requirement, set by hand: more than zero, at the confidence of the limit."""
 
     requirement: str
     name: str
@@ -111,7 +111,7 @@ class Lock(OneSigma):
 
 @dataclass(frozen=True)
 class Allotment:
-    """How limits are split among their sources.
+    """Split of limits among their sources.
 
     ``required`` holds the values [SI] of inputs that suppliers' sheets require, with the units they were written in,
     frozen when the design had the hash ``frozen``; empty where the sheets follow the design.
@@ -173,7 +173,7 @@ class UserEntries:
                     raise InputError(entry.table, f"are too many. Give at most {MOST}.")
 
     def tables(self) -> dict[str, Any]:
-        """What a design file has of it; `read_entries` takes it back."""
+        """Tables for a design file; `read_entries` takes them back."""
         content: dict[str, Any] = {
             "contributors": [entry.record() for entry in self.contributors],
             "limits": [entry.record() for entry in self.limits],
@@ -192,7 +192,7 @@ class UserEntries:
 
 
 def read_entries(tables: Mapping[str, Any]) -> UserEntries:
-    """What the tables of a design file under `ENTRY_KEYS` say; others are not looked at.
+    """Read the tables of a design file under `ENTRY_KEYS`; others are not looked at.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def read_limits(tables: Any, contributors: tuple[Contributor, ...] = ()) -> tupl
 
 
 def read_allocation(table: Any, limits: tuple[Limit, ...] = ()) -> Allotment:
-    """How limits are split, from the table ``[allocation]`` of a design file.
+    """Read the table ``[allocation]`` of a design file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What to improve first: exact logarithmic sensitivities of a figure to every input.
+"""Inputs to improve first: exact logarithmic sensitivities of a figure to every input.
 
 The derivative is a complex step through the same closed forms that give the figure (`nav_model.budget.figures`): the
 input is multiplied by 1 + i·10⁻²⁰ and the imaginary part read off. Nothing is subtracted, so the derivative is
@@ -34,7 +34,7 @@ SENSORS: Mapping[str, str] = {key: source for key in VARIABLES if (source := qua
 
 @dataclass(frozen=True)
 class InputSensitivity:
-    """How one figure depends on one input, or on a contributor of the user's own, whose name is the ``label``.
+    """Dependence of a figure on one input, or on a contributor of the user's own, whose name is the ``label``.
 
     ``slope`` is d ln(figure)/d ln(input). ``halved`` and ``doubled`` are the figure's exact relative change when
     the input is halved or doubled (-0.31: 31 % less), NaN where that can be neither bought nor flown.
@@ -48,12 +48,12 @@ class InputSensitivity:
 
     @property
     def coarser(self) -> bool:
-        """Whether the change that helps makes the image coarser."""
+        """True if the change that helps makes the image coarser."""
         return self.key == "radar.azimuth_resolution" or (self.key == "radar.aperture_time" and self.slope > 0)
 
     @property
     def bought(self) -> bool:
-        """Whether what changes is a part or an installation, not the geometry of flight and radar."""
+        """True if a part or an installation changes, not the geometry of flight and radar."""
         return self.key.partition(".")[0] not in ("flight", "radar")
 
 
@@ -81,7 +81,7 @@ def rank(design: Design, figure: str) -> tuple[InputSensitivity, ...]:
 
 
 def _of_contributors(design: Design, figure: str) -> Iterator[InputSensitivity]:
-    """The same of each contributor that enters the figure."""
+    """Sensitivity to each contributor that enters the figure."""
     x = inputs_of(design)
     parts = x.contributors.entering(figure, x.processing)
 
@@ -149,7 +149,7 @@ def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> 
 
 
 def _in_reach(key: str, now: float, factor: float) -> bool:
-    """Whether a scaled input can be bought or flown: an angle within what people explore."""
+    """True if a scaled input can be bought or flown: an angle within what people explore."""
     declaration = quantity(key)
     if declaration.dimension == "angle":
         low, high = usual_range(key)

@@ -1,4 +1,4 @@
-"""Which sensors meet the requirements: every inertial unit with every receiver class."""
+"""Sensors that meet the requirements: every inertial unit with every receiver class."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -58,7 +58,7 @@ class Candidate:
 
     @property
     def pair(self) -> str:
-        """What the unit and the receiver are called together."""
+        """Name of the unit and the receiver together."""
         return f"{self.imu} with {self.gnss}"
 
 
@@ -183,7 +183,7 @@ def one_currency(entries: Iterable[Entry]) -> str:
 
 
 def _offered(parts: Sequence[Entry], key: str) -> float | None:
-    """What the parts cost, weigh or take together; None where one does not say it."""
+    """Price, mass or power of the parts together; None where one does not say it."""
     values = [part.offer[key].value for part in parts if key in part.offer]
     return sum(values) if len(values) == len(parts) else None
 

@@ -29,7 +29,7 @@ _NOT_FLOWN = float("nan")
 
 @dataclass(frozen=True)
 class SweepFlight:
-    """What is flown for every design: times in seconds, `trajectory` a name or a file's samples."""
+    """Flight of every design: times in seconds, `trajectory` a name or a file's samples."""
 
     runs: int = 100
     seed: int = 1

@@ -73,13 +73,13 @@ class SweepPlan:
 
     @property
     def rows(self) -> int:
-        """How many designs."""
+        """Number of designs."""
         lengths = [len(axis.values) for axis in self.axes]
         return lengths[0] if self.together else math.prod(lengths)
 
     @property
     def parts(self) -> int:
-        """How many pieces of work."""
+        """Number of pieces of work."""
         return -(-self.rows // self.rows_per_part)
 
     @property

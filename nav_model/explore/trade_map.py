@@ -22,7 +22,7 @@ SIZE = 64
 """Points along a side."""
 
 RESULTS = (ALL, *OF_BUDGET)
-"""What a map can show: a figure at the confidence asked for, or the largest value over limit."""
+"""Results that a map can show: a figure at the confidence asked for, or the largest value over limit."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class TradeMap:
 
 
 def is_log(key: str) -> bool:
-    """Whether an input's axis is logarithmic: angles and altitude are not."""
+    """True if an input's axis is logarithmic: angles and altitude are not."""
     declaration = quantity(key)
     return declaration.dimension != "angle" and declaration.limits[0] >= 0
 

@@ -68,7 +68,7 @@ class Probability:
 
 @dataclass(frozen=True)
 class UncertainVerdict:
-    """How likely a design closes.
+    """Probability that a design closes.
 
     ``margin`` holds the 5, 50 and 95 % quantiles of the tightest margin; ``each`` the probability of every
     requirement by itself; ``limiting`` how often each is the tightest. ``histogram``: edges of bins of the tightest

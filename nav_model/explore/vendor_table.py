@@ -126,7 +126,7 @@ class Given(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What the entry is called in a message."""
+        """Name of the entry in a message."""
         return f"{self.column} {self.text} {f'after {self.outage:g} s' if self.outage else 'without an outage'}"
 
 
@@ -140,7 +140,7 @@ class Implied(NamedTuple):
 
     @property
     def determined(self) -> bool:
-        """Whether the rows say the value, to a factor of three."""
+        """True if the rows say the value, to a factor of three."""
         return self.factor < 3
 
 
@@ -158,7 +158,7 @@ class Contradiction(NamedTuple):
 
 @dataclass(frozen=True)
 class Inversion:
-    """What rows of a table imply.
+    """Implications of the rows of a table.
 
     Attributes
     ----------
@@ -348,7 +348,7 @@ class _Fit:
         return unknowns, cost
 
     def factors(self, point: Array) -> list[float]:
-        """What the digits leave open of each unknown: two sigmas of even errors within the roundings."""
+        """Factors that the digits leave open for each unknown: two sigmas of even errors within the roundings."""
         _, sizes, axes = np.linalg.svd(self.slopes(point)[1])
         sizes = np.pad(sizes, (0, len(axes) - len(sizes)))
         spread = np.sqrt((axes**2 / np.maximum(sizes, 1e-6)[:, None] ** 2).sum(axis=0) / 3)

@@ -43,7 +43,7 @@ def agreement(flown: SarStudy, fast: SarStudy) -> tuple[Agreement, ...]:
 
 
 def agreement_sentence(agreements: tuple[Agreement, ...]) -> str:
-    """Whether the engines agree, and where they differ."""
+    """A sentence on whether the engines agree, and where they differ."""
     different = [row for row in agreements if not row.agrees]
     if not different:
         worst = max(agreements, key=lambda row: abs(row.ratio - 1) / row.error)

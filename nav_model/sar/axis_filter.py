@@ -140,7 +140,7 @@ def draw_fresh(model: AxisModel, runs: int, random: np.random.Generator, step: f
 
 
 def _stretches(time: Array, fix_time: Array) -> list[tuple[int, slice]]:
-    """Which of the times lie between each fix and the next."""
+    """Slices of the times between each fix and the next."""
     edges = np.searchsorted(time, [*(fix_time - 1e-9), np.inf])
     return [(k, slice(a, b)) for k, (a, b) in enumerate(pairwise(edges))]
 

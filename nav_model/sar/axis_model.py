@@ -71,7 +71,7 @@ def inertial_drift(model: AxisModel, step: ArrayLike) -> tuple[Array, Array]:
 
 
 def filter_drift(model: AxisModel, step: ArrayLike) -> tuple[Array, Array]:
-    """The same for the filter's states: (..., m, m)."""
+    """Transition and noise of a step for the filter's states: (..., m, m)."""
     phi, noise = inertial_drift(model, step)
     if not model.slow_sigma:
         return phi, noise

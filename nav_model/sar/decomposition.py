@@ -58,7 +58,7 @@ def polynomial_basis(samples: int, order: int) -> Array:
 
 
 def autofocus(history: ArrayLike, order: int = 1) -> Array:
-    """What is left of histories (..., n) when the polynomial of degree `order` (1: the line) is removed."""
+    """Histories (..., n) without their polynomial of degree `order` (1: the line)."""
     history = np.asarray(history, float)
     if order < 1:
         raise ValueError(f"autofocus_order: {order}; 1 (line only) or more is needed")

@@ -47,7 +47,7 @@ class FlownSmoother:
         return FlownSmoother(self.prior[:fixes], self.posterior[:fixes], self.transition[: fixes - 1], *nodes)
 
     def correction(self, time: Array, prior: Array, posterior: Array) -> Array:
-        """What to add to the flown filter's position error (runs, n, 3) at ``time`` (n,) [s in the flight].
+        """Correction to add to the flown filter's position error (runs, n, 3) at ``time`` (n,) [s in the flight].
 
         At a fix the error just after it is meant.
 

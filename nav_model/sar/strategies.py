@@ -34,7 +34,7 @@ class Strategy(NamedTuple):
 
     @property
     def causal(self) -> bool:
-        """Whether its output is available in flight."""
+        """True if its output is available in flight."""
         return self.timing == IN_FLIGHT
 
 
@@ -52,7 +52,7 @@ STRATEGIES: tuple[Strategy, ...] = (
 )
 STRATEGY_KEYS: tuple[str, ...] = tuple(strategy.key for strategy in STRATEGIES)
 NAMES: dict[str, str] = {strategy.key: strategy.name for strategy in STRATEGIES}
-"""What each strategy is called, wherever a person reads of it."""
+"""Name of each strategy, wherever a person reads of it."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The same chunks on a Dask distributed cluster (the `cluster` extra)."""
+"""Chunks of runs on a Dask distributed cluster (the `cluster` extra)."""
 
 from collections.abc import Iterator
 from concurrent.futures import Executor

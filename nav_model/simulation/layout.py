@@ -16,7 +16,7 @@ QUATERNION: Final = 6
 VELOCITY_CHANGE: Final = 10
 """The last sample's, for the terms of the Earth and of transport in the middle of the step."""
 WITHHELD: Final = 13
-"""What rounding has so far withheld from latitude and longitude (2)."""
+"""Remainders that rounding has so far withheld from latitude and longitude (2)."""
 STATE_LENGTH: Final = 15
 
 # The filter's error states (9, 15 or 21, and 3 more for a slow GNSS error), see `kalman`; velocity as above.

@@ -210,7 +210,7 @@ FILE_BOUNDS: Final = FileBounds(
         "yaw_deg": 1e6,  # unwrapped through many turns
     },
 )
-"""What a trajectory file may hold: hours of an aircraft's log, where north and heading are defined."""
+"""Bounds of a trajectory file: hours of an aircraft's log, where north and heading are defined."""
 _LARGEST_ACCELERATION: Final = 300.0
 _LARGEST_RATE: Final = math.radians(1000.0)
 

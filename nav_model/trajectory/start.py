@@ -67,7 +67,7 @@ def settled_start(study: SimulationSpec, states: States, start: TruthStates) -> 
 
 
 def _started_with(states: States, covariance: FloatArray) -> States:
-    """The same states, of which the filter begins with a covariance (m, m), and so do the errors that it knows.
+    """Copy of the states, of which the filter begins with a covariance (m, m), and so do the errors that it knows.
 
     Each column of its Cholesky factor, biases before attitude, velocity and position, goes to its state's source.
     Where one state of the filter is for several errors of a sensor, each has its part of the variance.

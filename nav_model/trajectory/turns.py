@@ -68,7 +68,7 @@ def way_between(
         return [_corner_legs(arcs, straight, wider * radius, ahead, lead) if arcs else [] for arcs, straight in kinds]
 
     def straights(legs: list[complex]) -> FloatArray:
-        """What the turns leave of each leg [m]."""
+        """Straight part that the turns leave of each leg [m]."""
         angles = np.angle(np.array(legs[1:]) / np.array(legs[:-1]))
         turns = (turn_by(float(angle), speed, plan.bank) for angle in angles)
         before = np.array([0.0, *(turn.before for turn in turns), 0.0])

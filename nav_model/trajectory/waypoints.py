@@ -47,7 +47,7 @@ class Plan:
         return self.waypoints[number].speed or self.speed
 
     def room(self, *speeds: float) -> float:
-        """How far it takes to fly one speed after the other [m]."""
+        """Distance that it takes to fly one speed after the other [m]."""
         return sum(0.5 * (u + v) * float(time_to_change(u, v, self.acceleration)) for u, v in pairwise(speeds))
 
 
@@ -119,5 +119,5 @@ def _corners(first: Waypoint, north: FloatArray, east: FloatArray) -> tuple[Floa
 
 
 def named(number: int, point: Waypoint) -> str:
-    """How messages name a waypoint, counted from 1."""
+    """Name of a waypoint in messages, counted from 1."""
     return f"waypoint {number}" + (f" ({point.line})" if point.line else "")

@@ -1,4 +1,4 @@
-"""What the inputs of the design have in common, and the plain ones: a choice and a table."""
+"""Base of the design's inputs, and the plain ones: a choice and a table."""
 
 from typing import Generic, TypeVar
 

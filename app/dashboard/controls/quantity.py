@@ -65,7 +65,7 @@ def _source(design: Design, key: str) -> tuple[str, str]:
 
 
 def _against_catalogue(design: Design, key: str) -> tuple[str, str]:
-    """What the section's catalogue entry has for an input."""
+    """Value of an input in the section's catalogue entry."""
     section, _, name = key.rpartition(".")
     entry = entry_of(design, section)
     if entry is None:

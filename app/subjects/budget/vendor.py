@@ -54,7 +54,7 @@ def vendor_block(design: Design, key: str, unit: str = "") -> TableBlock:
 
 
 def implied_blocks(design: Design, inversion: Inversion) -> list[Block]:
-    """What rows imply, and what contradicts what."""
+    """Blocks of what rows imply, and of what contradicts what."""
     blocks: list[Block] = []
     if inversion.contradictions:
         others = "the closest noise gives" if inversion.several else "the others imply"

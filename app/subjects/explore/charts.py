@@ -25,7 +25,7 @@ _GIVEN = ("flight.gravity", "flight.latitude")  # inputs that are not chosen to 
 
 
 def rank_chart(design: Design, figure: str) -> RankChart:
-    """What halving (or doubling, where that helps) each input takes off a figure."""
+    """Chart of what halving (or doubling, where that helps) each input takes off a figure."""
     label = label_of(figure)
     bars = tuple(
         bar for item in rank(design, figure) if item.key not in _GIVEN and (bar := _bar(item, label)) is not None

@@ -22,7 +22,7 @@ class Question(pn.viewable.Viewer, param.ParameterizedABC):
 
     session = required(Session)
     of_design: ClassVar[bool] = True
-    """Whether what the answer says is always of the current design, its processing too."""
+    """True if the answer is always of the current design, its processing too."""
     biases: Biases = "design"
     """Residual biases that the answer assumes."""
     answer: Answer = declared(param.ClassSelector(class_=Answer, default=NO_LIMIT, instantiate=False))

@@ -46,7 +46,7 @@ class Swept:
 
 
 class SweepPanel(Question):
-    """What to vary, and how many designs that is; then the table."""
+    """Inputs to vary, and how many designs that is; then the table."""
 
     of_design = False  # a sweep may be of an earlier one; its table says the processing
 

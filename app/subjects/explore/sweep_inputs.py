@@ -1,4 +1,4 @@
-"""What a sweep on the page varies: a row for each input, and the equivalent sweep file."""
+"""Inputs that a sweep on the page varies: a row for each, and the equivalent sweep file."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -32,7 +32,7 @@ EXAMPLE = ("imu.angle_random_walk", "gnss.position_noise")
 
 
 def input_labels() -> dict[str, str]:
-    """What people read -> dotted key, for every input that a figure depends on as a number."""
+    """Label -> dotted key, for every input that a figure depends on as a number."""
     return {f"{_TITLES[key.partition('.')[0]]}: {quantity(key).label}": key for key in VARIABLES}
 
 
@@ -70,7 +70,7 @@ def chosen_rows(rows: Rows, before: Rows, design: Design) -> Rows:
 
 
 def _names(key: str) -> dict[str, Any]:
-    """What an input that is no number may be, by its text."""
+    """Options of an input that is no number, by their text."""
     if key in PRESET_KEYS:
         return {name: name for name in catalogue(kind_of(key.partition(".")[0]))}
     declared = declaration_of(key)
@@ -79,7 +79,7 @@ def _names(key: str) -> dict[str, Any]:
 
 
 def _spec(row: Mapping[str, str], design: Design) -> Any:
-    """What a sweep file says of an input."""
+    """Entry of a sweep file for an input."""
     key = row["input"]
     if key not in VARIABLES:
         names = _names(key)

@@ -237,7 +237,7 @@ class LibraryView(View):
 
 @dataclass(frozen=True)
 class _Listing:
-    """What a look into the library brings: designs, all tags, the histories that are unfolded, and whether only some
+    """Result of a look into the library: designs, all tags, the histories that are unfolded, and whether only some
     designs were looked for."""
 
     designs: tuple[Saved, ...]
@@ -248,7 +248,7 @@ class _Listing:
 
     @property
     def revisions(self) -> Iterator[Revision]:
-        """What is listed: each design, with its revisions where they are unfolded."""
+        """Rows of the list: each design, with its revisions where they are unfolded."""
         for saved in self.designs[:_SHOWN]:
             yield saved
             yield from self.histories.get(saved.design, ())
@@ -294,7 +294,7 @@ def _row(revision: Revision, listing: _Listing) -> Row:
 
 
 def _answer(listing: _Listing) -> Answer:
-    """What is in the library, in a line."""
+    """Content of the library, in a line."""
     closing = sum(saved.closes is True for saved in listing.designs)
     what = counted(len(listing.designs), "design") + (" found" if listing.narrowed else " saved")
     sentence = f"{closing} of {len(listing.designs)} close." if closing else "No design closes."

@@ -36,7 +36,7 @@ def state_of(review: Review) -> Answer:
 
 
 def ending(review: Review) -> tuple[str, str]:
-    """What a signature makes of a review in which all is decided: its colour, and the word."""
+    """Ending of a review in which all is decided, by a signature: its colour, and the word."""
     if review.rejected():
         return "bad", "rejected"
     if waived := review.waivers():

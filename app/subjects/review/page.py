@@ -78,7 +78,7 @@ class ReviewPage(View):
         self._room.follow(wanted=False)
 
     async def _turn(self, _: param.parameterized.Event) -> None:
-        """A turn brings what others have written meanwhile; what was said about another part goes."""
+        """On changing tabs, load other people's edits and clear the old message."""
         self._place.objects = [self._parts[self._switch.value]]
         self._tell()
         self._room.follow(wanted=self._at_review)

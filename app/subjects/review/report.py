@@ -40,7 +40,7 @@ def owner_tables(review: Review) -> tuple[Block, ...]:
 
 
 def outcome(review: Review) -> Answer:
-    """How the review ended, or where it is: one word, and what it depends on."""
+    """End of the review, or where it is: one word, and what it depends on."""
     undecided, waived, rejected = len(review.open_points()), len(review.waivers()), len(review.rejected())
     signed = f"Signed off by {review.signed_by}, {moment(review.signed)}." if review.signed else "Not signed."
     if not review.intact:
@@ -86,7 +86,7 @@ def front_page(review: Review) -> Chapter:
 
 
 def conditions(review: Review) -> Block:
-    """What was accepted although it is not met, and what was rejected, each with its reason."""
+    """Requirements accepted although they are not met, and those rejected, each with its reason."""
     standing = [decision for point in review.rejected() if (decision := review.standing(*point))]
     rows = tuple(_decided(review, decision) for decision in (*review.waivers(), *standing))
     if not rows:
@@ -115,7 +115,7 @@ _PROMISE = (
 
 
 def audit_table(review: Review) -> TableBlock:
-    """What was frozen, by whom, with which program, and whether it is signed and intact."""
+    """Record of the review: what was frozen, by whom, with which program, and whether it is signed and intact."""
     signed = f"{review.signed_by}, {moment(review.signed)}" if review.signed else "not signed"
     intact = Cell("verified", tone="good") if review.intact else Cell(f"BROKEN: {review.doubt}", tone="bad")
     rows: list[Row] = [
@@ -179,7 +179,7 @@ def decided_word(decision: Decision, *, met: bool) -> Cell:
 
 
 def comment_table(review: Review) -> TableBlock:
-    """What was said, in order."""
+    """Comments, in order."""
     rows = tuple(
         (str(c.number), f"D{c.place}: {subject_label(c.subject)}", c.comment, _by(c)) for c in review.comments
     )
@@ -203,7 +203,7 @@ def decision_table(review: Review) -> TableBlock:
 
 
 def subject_label(subject: str) -> str:
-    """What a comment or a decision is about, in words."""
+    """Subject of a comment or a decision, in words."""
     section, _, name = subject.partition(".")
     if name in INPUTS.get(section, {}):
         return f"input {in_sentence(INPUTS[section][name].label)}"

@@ -209,7 +209,7 @@ class ReviewRoom(View):
             await self.refresh()
 
     def _offer(self, review: Review) -> None:
-        """What can be commented on; what was chosen stays chosen where it can."""
+        """Offer the subjects of a comment; the chosen one stays chosen where it can."""
         self._design.options = {
             f"D{item.place}: {shortened(r.name, 30)}": item.place
             for item, r in zip(review.items, review.revisions, strict=True)

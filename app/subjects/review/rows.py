@@ -24,7 +24,7 @@ def _judged(review: Review, place: int, name: str) -> tuple[Verdict, Check, Chec
 
 
 def frozen_designs(review: Review) -> str:
-    """What the rows of decisions are about, and how the figures in them are judged."""
+    """A sentence on the designs of the rows of decisions, and on how their figures are judged."""
     return "; ".join(
         f"D{item.place}: {shortened(rev.name, 40)}, revision {rev.number}, {judged(rev.budget().verdict)}"
         for item, rev in zip(review.items, review.revisions, strict=True)

@@ -229,7 +229,7 @@ class LogPanel(pn.viewable.Viewer):
 
 
 class StaticResult(View):
-    """What a log at rest says."""
+    """Result of a log at rest."""
 
     def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
         super().__init__()
@@ -289,7 +289,7 @@ def _static_tables(analysis: LogAnalysis) -> str:
 
 
 class MotionResult(View):
-    """What a log in motion says."""
+    """Result of a log in motion."""
 
     def __init__(self, session: Session, adopt: Callable[[Callable[[], Adoption]], None]) -> None:
         super().__init__()

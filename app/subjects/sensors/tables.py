@@ -73,7 +73,7 @@ def _duration(seconds: float) -> str:
 
 
 def offer(result: LogAnalysis) -> Answer:
-    """What the log offers to the design: one random walk per triad, or why there is none."""
+    """Offer of the log to the design: one random walk per triad, or why there is none."""
     lines = []
     for quantity, title in (("gyro", "Angle random walk"), ("accelerometer", "Velocity random walk")):
         if not any(axis.quantity == quantity for axis in result.axes):
@@ -141,7 +141,7 @@ def _coefficient_cell(axis: AxisNoise, term: str) -> CellLike:
 
 
 def remedies(result: LogAnalysis) -> tuple[Bullets, ...]:
-    """Which log would resolve the coefficients that this one does not, each once."""
+    """Logs that would resolve the coefficients that this one does not, each once."""
     axes: dict[tuple[str, str], list[str]] = {}
     for axis in result.axes:
         for term, remedy in axis.would_resolve.items():

@@ -73,7 +73,7 @@ class StudyControls(View):
 
     @property
     def inputs(self) -> SimulationInputs:
-        """What is in force."""
+        """Inputs in force."""
         return read_study_inputs(self.texts)
 
     def take(self, texts: dict[str, str]) -> None:

@@ -240,7 +240,7 @@ class SimulatePage(StudyPage[Flown]):
             self._say(f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}.")
 
     def _specification(self) -> SimulationSpec:
-        """What the fields ask for.
+        """Specification that the fields ask for.
 
         Raises
         ------

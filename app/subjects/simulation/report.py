@@ -56,7 +56,7 @@ def another_design(study: SimulationStudy, design: Design) -> str:
 
 
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:
-    """What was run and found, then the charts."""
+    """Sections of a report: the runs and their results, then the charts."""
     drawn = (draw for draw in CHARTS if study.result.spec.outages or draw is not outage_chart)
     tables = (tell(study, key) for tell in (run_table, sigma_table, departures, conditions_list))
     return (

@@ -33,7 +33,7 @@ class Flown:
 
     @property
     def partial(self) -> bool:
-        """Whether runs are missing."""
+        """True while runs are missing."""
         return self.study.result.spec.runs < self.wanted
 
 

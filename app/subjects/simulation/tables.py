@@ -23,7 +23,7 @@ _UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0), "attitude": ("°", 1
 
 
 def verdict(study: SimulationStudy) -> Answer:
-    """Whether the filter's covariance describes the errors of the runs."""
+    """Answer to whether the filter's covariance describes the errors of the runs."""
     result = study.result
     nees = result.nees
     word, tone = "✓ Consistent", "good"
@@ -47,7 +47,7 @@ def verdict(study: SimulationStudy) -> Answer:
 
 
 def conditions_list(study: SimulationStudy, _: str) -> Bullets:
-    """How the simulation differs from what the formulas assume."""
+    """Differences of the simulation from what the formulas assume."""
     return Bullets(study.conditions, "How the simulation differs from the formulas' assumptions")
 
 

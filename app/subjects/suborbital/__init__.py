@@ -1,1 +1,1 @@
-"""Which errors of an INS a star tracker corrects over a suborbital flight."""
+"""Suborbital: the errors of an INS that a star tracker corrects over a suborbital flight."""

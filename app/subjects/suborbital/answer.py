@@ -22,7 +22,7 @@ _CARDS = {
 
 
 def answer(page: Content) -> tuple[Answer, KeyFigures]:
-    """What the tracker repairs, in a line and in figures."""
+    """Effect of the tracker, in a line and in figures."""
     study = page.study
     before, after = map(_size, final_total(study))
     what = f"from {_metres(before)} to {_metres(after)}"

@@ -22,7 +22,7 @@ from nav_model.suborbital.settings import Settings
 
 
 class CameraNoisePanel(pn.viewable.Viewer):
-    """What the camera's noise costs over three decades of it."""
+    """Cost of the camera's noise, over three decades of it."""
 
     run = required(Run)
 

@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
 
 @contextmanager
 def study_progress(of: str = "") -> Iterator[Callable[[float, str], None]]:
-    """What a study tells of its progress, on standard error after ``of``."""
+    """Progress of a study, on standard error after ``of``."""
     with show_progress() as show:
         yield lambda share, what: show(f"{of}{what}", share)
 
@@ -94,7 +94,7 @@ def _asked(options: argparse.Namespace) -> tuple[Settings, Design | None, tuple[
 
 
 def _is_of_design(key: str) -> bool:
-    """Whether a key is one of a design, or of a section that only designs have; what both have is the study's."""
+    """True for a key of a design, or of a section that only designs have; what both have is the study's."""
     ours = {name.partition(".")[0] for name in DEFAULTS.values}
     section = key.partition(".")[0]
     return key not in DEFAULTS.values and (key in (*TOP_KEYS, *all_keys()) or section in INPUTS.keys() - ours)

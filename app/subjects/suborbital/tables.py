@@ -124,7 +124,7 @@ def source_table(page: Content) -> TableBlock:
 
 
 def gap_table(page: Content) -> TableBlock:
-    """How far the linear answers are from the integrated ones."""
+    """Distance of the linear answers from the integrated ones."""
     plain = page.matrix_gap
     study = page.survey.study
     rows = [k for k, kind in enumerate(study.kinds) if kind != "gravity"]
@@ -174,7 +174,7 @@ def method_table(page: Content) -> TableBlock:
 
 
 def gravity_table(page: Content) -> TableBlock:
-    """What a wrong gravity model costs an otherwise perfect INS."""
+    """Cost of a wrong gravity model for an otherwise perfect INS."""
     return _table(
         "gravity-mismatch",
         "Cost of a mismatched gravity model",

@@ -121,7 +121,7 @@ class StudyViews(View):
         }
 
     def last_moment(self, seconds: int) -> None:
-        """How far the time slider of the star frames goes."""
+        """Set the end of the time slider of the star frames."""
         self.moment = min(self.moment, seconds)
         self.param.moment.bounds = (0, seconds)
 
@@ -134,7 +134,7 @@ class StudyViews(View):
         )
 
     def say_coming(self, progress: str) -> None:
-        """How far the first study is, in the views that wait for it."""
+        """Show the progress of the first study in the views that wait for it."""
         self._coming.object = f"{_COMING}<p class='quiet'>{escape(progress)}</p>"
 
     @param.depends("page", watch=True)

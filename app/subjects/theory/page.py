@@ -92,7 +92,7 @@ def _folded(place: str, title: str, note: str, body: str, *, opened: bool = Fals
 
 
 def validation_answer() -> Answer:
-    """How many of the comparisons are independent of this product, and with what."""
+    """Count of the comparisons that are independent of this product, and with what."""
     rows = record().rows
     kinds = Counter(row.kind for row in rows)
     counts = [f"{kinds[kind]} against {name}" for kind, name in INDEPENDENT.items() if kinds[kind]]
@@ -105,7 +105,7 @@ def validation_answer() -> Answer:
 
 
 def validation() -> str:
-    """What each result was compared with."""
+    """Table of what each result was compared with."""
     rows = record().rows
     ours = sum(row.kind not in INDEPENDENT for row in rows)
     text = (

@@ -15,7 +15,7 @@ from nav_model.design.parts import INPUTS
 
 Kind = Literal["imu", "radar", "gnss"]
 STATUSES = ("confirmed", "secondary", "assumed", "unconfirmed")
-"""How a value came here, from best to worst; anything but the first is marked wherever it is shown."""
+"""Reliability of a value, from best to worst; anything but the first is marked wherever it is shown."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class SourcedValue:
 
     @property
     def confirmed(self) -> bool:
-        """Whether the value was read in the source named."""
+        """True if the value was read in the source named."""
         return self.status == "confirmed"
 
 
@@ -70,7 +70,7 @@ class Entry:
 
     @property
     def in_run(self) -> Mapping[str, SourcedValue]:
-        """Those of `extra` that may serve as residual biases."""
+        """Values of `extra` that may serve as residual biases."""
         return {name: item for name, item in self.extra.items() if item.kind == "in-run"}
 
 
@@ -79,7 +79,7 @@ OFFERED: dict[str, dict[str, float]] = {
     "mass": {"g": 1e-3, "kg": 1.0, "lb": 0.45359237, "oz": 0.028349523125},
     "power": {"mW": 1e-3, "W": 1.0},
 }
-"""What an offer may say, and the units in SI; a price has the three letters of its currency (ISO 4217)."""
+"""Values of an offer beside its errors, and the units in SI; a price has its currency's three letters (ISO 4217)."""
 
 _AMOUNT = re.compile(r"\s*(\d+(?:\.\d+)?(?:[eE][+-]?\d{1,2})?)\s*(\S*)\s*")
 _LONGEST_NAME = 100

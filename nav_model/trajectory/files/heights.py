@@ -11,7 +11,7 @@ from nav_model.trajectory.waypoints import Waypoint
 MOST_WAYPOINTS = 2000
 _MOST_NAME = 80
 Reference = Literal["none", "home", "ground", "sea", "ellipsoid"]
-"""What a height is above; "none": it does not count."""
+"""Zero of a height; "none": it does not count."""
 
 
 class Heights:

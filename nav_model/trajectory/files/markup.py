@@ -28,7 +28,7 @@ _ENTRY = b"PK\x01\x02"
 
 _RECORDED = "recorded track"
 _CHOSEN = (_RECORDED, "DJI mission", "route", "track", "path", "point")
-"""What is flown of a file that has several of them."""
+"""Kinds of shape in the order in which one is flown of a file that has several."""
 _KML = {"Track": _RECORDED, "LineString": "path", "Point": "point", "Polygon": "area"}
 _REFERENCES: dict[str, Reference] = {
     "absolute": "sea", "relativeToGround": "ground", "relativeToSeaFloor": "ground",
@@ -50,7 +50,7 @@ class Place(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """What is drawn or recorded in a file: its noun, its name, its places, and what their heights are above."""
+    """Drawing or recording of a file: its noun, its name, its places, and the zero of their heights."""
 
     noun: str
     name: str
@@ -147,7 +147,7 @@ def _xml(content: bytes, heights: Heights) -> Element:
 
 
 def _segment(shape: Shape, heights: Heights) -> RecordedSegment:
-    """What was recorded, with its times."""
+    """Recording of a shape, with its times."""
     rows = []
     for number, point in enumerate(shape.places, 1):
         where = f"{shape.name or 'track'}, place {number}"
@@ -215,7 +215,7 @@ def _track(track: Element, heights: Heights) -> Iterator[Place]:
 
 
 def _mission(folder: Element, line: str, heights: Heights) -> Shape:
-    """What a drone executes; lines are where its camera is triggered again and again, else each leg."""
+    """Mission that a drone executes; lines are where its camera is triggered again and again, else each leg."""
     marks = [mark for mark in folder.iterfind("{*}Placemark") if mark.find("{*}executeHeight") is not None]
     shooting: set[int] = set()
     for group in folder.iterfind(".//{*}actionGroup"):

@@ -22,7 +22,7 @@ _GIVE = f"Give a {KINDS} file."
 
 @dataclass(frozen=True)
 class FlightFile:
-    """What a file holds: the waypoints of a plan, or a flight as it was flown; and what was read, in a sentence."""
+    """Content of a file: the waypoints of a plan, or a flight as it was flown; and what was read, in a sentence."""
 
     name: str
     waypoints: tuple[Waypoint, ...]
@@ -44,7 +44,7 @@ def read_file(path: str | Path, height: float | None = None, ground: float | Non
 
 
 def parse_file(content: bytes, name: str, height: float | None = None, ground: float | None = None) -> FlightFile:
-    """What a file holds, whose name is for messages alone.
+    """Read a file, whose name is for messages alone.
 
     height: of places that have none; ground: of the ground, or of the take-off, of places whose heights are above it;
     both [m above the ellipsoid].

@@ -56,7 +56,7 @@ def _records(content: bytes, doubles: int) -> Array:
 
 
 def _goes_on(records: Array) -> bool:
-    """Whether records begin with times of a week or a day that mostly increase, by less than a minute."""
+    """True if records begin with times of a week or a day that mostly increase, by less than a minute."""
     if len(records) < 2:
         return False
     steps = np.diff(records[:, 0])
@@ -65,7 +65,7 @@ def _goes_on(records: Array) -> bool:
 
 
 def _in_degrees(samples: Array, speed: Array) -> bool:
-    """Whether latitudes and longitudes are degrees: beyond the poles in radians, or the way between places is that of
+    """True if latitudes and longitudes are degrees: beyond the poles in radians, or the way between places is that of
     the velocities only so. Without motion they are radians, as the format says."""
     if np.abs(samples[:, 1]).max() > 0.5 * math.pi or np.abs(samples[:, 2]).max() > 2.0 * math.pi:
         return True

@@ -21,7 +21,7 @@ _KEYS = vocabulary("flight")
 _ATTITUDE = ("roll", "pitch", "yaw")
 _USUAL = {"time": ("time", "s"), **dict.fromkeys(("latitude", "longitude", *_ATTITUDE), ("angle", "°"))}
 _ABOVE: dict[str, Reference] = {"ellipsoid": "ellipsoid", "sea": "sea", "height": "ellipsoid", "ground": "ground"}
-"""What the columns of heights are above, the one that is taken first."""
+"""Columns of heights, the one that is taken first before the others -> the zero of their heights."""
 _PREFIX = re.compile(r"(osd|gps|field|position|pos|nav|ins|custom)[._ ](?=.)")
 _NO_UNIT = ("", "360", "180", "local", "utc", "gps", "wgs84", "msl", "agl", "true")
 _FINER = {"ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
@@ -139,7 +139,7 @@ def _columns(table: NumberTable, heights: Heights) -> tuple[dict[str, _Column], 
 
 
 def _meaning(cell: str, place: int, heights: Heights) -> tuple[str, _Column] | None:
-    """What a column of a flight is, where its name is known."""
+    """Quantity and column of a flight, where the name is known."""
     for name, unit, sure in parted(cell.strip()):
         plain = re.sub(r"[\W\d_]", "", _PREFIX.sub("", name.lower()))
         key, rank = _KEYS.get(plain, ("", 0))

@@ -45,12 +45,12 @@ class Content:
 
     @property
     def exact(self) -> bool:
-        """Whether the curves are those of the last run, not moved."""
+        """True if the curves are those of the last run, not moved."""
         return self.study is self.survey.study
 
     @property
     def how(self) -> str:
-        """Which answer the curves are."""
+        """Kind of answer that the curves are."""
         every = show_in(self.study.flight.step_s, "s", "time", given=True)
         run = f"Integrated INS [B-3] with sensor errors [B-1], RK4 at {every}; with tracker [B-7]"
         return run if self.exact else f"{run}; then moved by the linear sensitivity matrix [B-4]"
@@ -76,7 +76,7 @@ class Content:
 
     @cached_property
     def matrix_gap(self) -> Gap:
-        """What the plain product S p would be off by at the inputs of the last exact run."""
+        """Error of the plain product S p at the inputs of the last exact run."""
         return matrix_gap(self.survey.study)
 
     @property

@@ -102,7 +102,7 @@ def _body(page: Content, key: str, title: str, label: str, nodes: Array, scale: 
 
 
 def gravity_chart(page: Content) -> Chart:
-    """How far the gravity models are apart, by height."""
+    """Distance between the gravity models, by height."""
     height = np.linspace(0.0, 1.0e6, 101)
     latitude = float(page.study.flight.latitude_rad[0])
     g = compare_gravity(latitude, height)
