@@ -103,7 +103,7 @@ def test_impulse_responses_of_nine_strategies_500_seeds(benchmark):
     benchmark.extra_info.update(responses=9 * 500, cpu_s=cost, beside="zero-padded FFT x64", times_over=full / cost)
 
 
-@pytest.mark.parametrize("slow", [None, SlowError(1.0, 300.0)], ids=["white", "slow"])
+@pytest.mark.parametrize("slow", [None, SlowError(1.0, 1.0, 300.0)], ids=["white", "slow"])
 @pytest.mark.parametrize("squint", [0.0, 0.5])
 def test_map_of_winners_100_by_100(benchmark, slow, squint):
     """With the settled filter of every fix noise; beside SciPy's Riccati solver for those alone, point by point."""

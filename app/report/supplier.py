@@ -30,6 +30,7 @@ from nav_model.design.figures import RESPONSE
 from nav_model.design.parts import declaration_of
 from nav_model.design.user_entries import Allotment
 from nav_model.equations.literature import WORKS
+from nav_model.explore.margins import value_of
 from nav_model.explore.supplier import (
     AVERAGING,
     CONFIDENCE,
@@ -144,7 +145,12 @@ def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
     if unit == "gnss":
         slow = "none"
         if design.gnss.correlated:
-            slow = f"{text_of('gnss.correlated_noise')} for {text_of('gnss.correlation_time')}"
+            vertical = cast("float", value_of(design, "gnss.vertical_correlated_noise"))
+            slow = (
+                f"{text_of('gnss.correlated_noise')} horizontal, "
+                f"{input_in_words(design, 'gnss.vertical_correlated_noise', vertical)} vertical, "
+                f"for {text_of('gnss.correlation_time')}"
+            )
         return (
             f"Fixes every {design.gnss.interval:g} s. Errors independent from fix to fix, per axis.",
             f"Slow error (ionosphere, multipath) assumed in addition to these values: {slow}.",

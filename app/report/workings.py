@@ -30,7 +30,8 @@ from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _WITHOUT_FORMULA: tuple[str, ...] = (
-    "motion.", "oscillator.", "gnss.correlated_noise", "gnss.correlation_time", "processing.leg_after",
+    "motion.", "oscillator.", "gnss.correlated_noise", "gnss.vertical_correlated_noise", "gnss.correlation_time",
+    "processing.leg_after",
 )  # fmt: skip
 """How the keys of inputs begin that no formula follows."""
 _STEP = 1e-6

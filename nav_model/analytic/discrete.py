@@ -37,9 +37,11 @@ class Cycle(NamedTuple):
 
 
 class SlowError(NamedTuple):
-    """First-order Gauss-Markov error of the fixes: ``sigma`` [m] per axis, ``correlation_time`` [s]."""
+    """First-order Gauss-Markov error of the fixes: 1σ of a horizontal axis and of the vertical one [m],
+    ``correlation_time`` [s]."""
 
-    sigma: ArrayLike
+    horizontal: ArrayLike
+    vertical: ArrayLike
     correlation_time: ArrayLike
 
 

@@ -21,7 +21,7 @@ def settled_cycle(
     interval: ArrayLike,
     sigma_fix: tuple[ArrayLike, ArrayLike],
     sigma_velocity: tuple[ArrayLike, ArrayLike] | None = None,
-    slow: tuple[ArrayLike, ArrayLike] | None = None,
+    slow: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
 ) -> tuple[Channels, Channels, Array]:
     """Covariances of both channels just before a fix and just after it. [T-8]
 
@@ -35,8 +35,8 @@ def settled_cycle(
         One fix, 1σ [m], horizontal and vertical.
     sigma_velocity : pair of array_like, optional
         Its velocity, 1σ [m/s].
-    slow : pair of array_like, optional
-        Slow error of the position fixes, estimated: 1σ [m], correlation time [s].
+    slow : three of array_like, optional
+        Slow error of the position fixes, estimated: 1σ [m], horizontal and vertical, correlation time [s].
 
     Returns
     -------
@@ -52,7 +52,7 @@ def settled_cycle(
     r, v, gyro = np.stack(fixes[:2]), np.stack(fixes[2:4]), np.stack([gyro, 0 * gyro])
     # The fix interval is the unit of time, the noise of a fix that of length.
     qa, qw = (a * h * np.sqrt(h) / r) ** 2, (gyro * h * h * np.sqrt(h) / r) ** 2
-    step = drift(1.0, qa, qw, None if slow is None else ((fixes[4] / r) ** 2, fixes[5] / h + 0 * r))
+    step = drift(1.0, qa, qw, None if slow is None else ((np.stack(fixes[4:6]) / r) ** 2, fixes[6] / h + 0 * r))
     size = step.noise.shape[-1]
     fix = np.zeros((*r.shape, size, size), np.result_type(r, v, h))
     fix[..., 0, 0] = 1

@@ -155,12 +155,19 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
     gnss, radar = design.gnss, design.radar
     factor = value("imu.vibration_factor")
     fix = value("gnss.position_noise")
+    fix_vertical = value("gnss.vertical_position_noise") if given("gnss.vertical_position_noise") else fix
     wavelength, squint = SPEED_OF_LIGHT / value("radar.frequency"), value("radar.squint_angle")
     slant_range, speed = value("radar.slant_range"), value("flight.speed")
     velocity = value("gnss.velocity_noise") if given("gnss.velocity_noise") else None
     slow = None
     if gnss.correlated:
-        slow = SlowError(value("gnss.correlated_noise"), value("gnss.correlation_time"))
+        horizontal = value("gnss.correlated_noise")
+        vertical = (
+            value("gnss.vertical_correlated_noise")
+            if given("gnss.vertical_correlated_noise")
+            else horizontal * fix_vertical / fix
+        )
+        slow = SlowError(horizontal, vertical, value("gnss.correlation_time"))
     resolution = value("radar.azimuth_resolution")
     aperture = (
         value("radar.aperture_time")
@@ -172,7 +179,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         sigma_w=value("imu.angle_random_walk") * factor,
         interval=value("gnss.interval"),
         fix=fix,
-        fix_vertical=value("gnss.vertical_position_noise") if given("gnss.vertical_position_noise") else fix,
+        fix_vertical=fix_vertical,
         slow=slow,
         g=value("flight.gravity"),
         bias_a=value("imu.accelerometer_bias"),

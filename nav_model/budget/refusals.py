@@ -30,7 +30,7 @@ def refused(design: Design) -> Iterator[None]:
 
 _TOGETHER = (
     "gnss.correlated_noise", "imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise",
-    "gnss.interval", "gnss.velocity_noise",
+    "gnss.interval", "gnss.velocity_noise", "gnss.vertical_correlated_noise",
 )  # fmt: skip
 
 

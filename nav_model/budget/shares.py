@@ -102,7 +102,11 @@ def _stepped(x: Inputs) -> tuple[list[str], list[str], Inputs]:
     for name, factor in zip(seen, _factors(len(seen), len(seen) + bool(beside)), strict=True):
         for field in SIZES[name]:
             value = getattr(x, field)
-            changes[field] = value._replace(sigma=value.sigma * factor) if field == "slow" else value * factor
+            if isinstance(value, SlowError):
+                level, upright = value.horizontal * factor, value.vertical * factor
+                changes[field] = SlowError(level, upright, value.correlation_time)
+            else:
+                changes[field] = value * factor
     fast = dict(x.fast)
     for name, row in zip(beside, _factors(len(beside), len(beside) + 1), strict=True):
         factor = row[:, None]

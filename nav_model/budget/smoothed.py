@@ -21,13 +21,15 @@ from nav_model.processing.smoother import SmoothedError
 
 def channels(x: Inputs) -> tuple[Channel, Channel]:
     """Inputs of the smoother for a horizontal axis and the vertical one."""
-    slow = (None, None) if x.slow is None else (as_numbers(x.slow.sigma), as_numbers(x.slow.correlation_time))
+    level = upright = time = None
+    if x.slow is not None:
+        level, upright, time = map(as_numbers, x.slow)
     horizontal, vertical, interval = x.velocity, x.velocity_vertical, x.velocity_interval
     if horizontal is None:
         vertical = interval = None
     return (
-        Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, horizontal, interval, *slow),
-        Channel(x.sigma_a, None, x.fix_vertical, x.interval, vertical, interval, *slow),
+        Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, horizontal, interval, level, time),
+        Channel(x.sigma_a, None, x.fix_vertical, x.interval, vertical, interval, upright, time),
     )
 
 

@@ -30,7 +30,9 @@ _T = TypeVar("_T")
 
 BASE_LINE = "gnss.baseline"
 """Key of the distance from the base station."""
-ON_BASE_LINE = ("gnss.position_noise", "gnss.vertical_position_noise", "gnss.correlated_noise")
+ON_BASE_LINE = (
+    "gnss.position_noise", "gnss.vertical_position_noise", "gnss.correlated_noise", "gnss.vertical_correlated_noise",
+)  # fmt: skip
 """Inputs that may grow with it: "1 cm + 1 ppm"."""
 _NO_ERRORS = ("requirements", "flight", "coast", "radar", "motion", "oscillator")
 """Sections whose inputs are no errors of a 1σ."""
@@ -85,8 +87,8 @@ class BaseQuantity(Declared, param.Number[_T]):
     """A number with a dimension; see `Quantity`."""
 
     __slots__ = [
-        "alternative", "datasheet", "dimension", "instead", "needs", "short", "since", "slider", "source", "typical",
-        "unit", "unless", "variable", "when_empty",
+        "alternative", "datasheet", "dimension", "in_ratio", "instead", "needs", "short", "since", "slider", "source",
+        "typical", "unit", "unless", "variable", "when_empty",
     ]  # fmt: skip
 
     dimension: str
@@ -98,6 +100,7 @@ class BaseQuantity(Declared, param.Number[_T]):
     slider: bool
     when_empty: str
     instead: str
+    in_ratio: tuple[str, ...]
     source: str
     needs: tuple[str, ...]
     unless: str
@@ -119,6 +122,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         slider: bool = False,
         when_empty: str = "none",
         instead: str = "",
+        in_ratio: tuple[str, ...] = (),
         source: str = "",
         needs: tuple[str, ...] = (),
         unless: str = "",
@@ -133,7 +137,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         self.typical = typical
         self.alternative = alternative
         self.slider = slider
-        self.when_empty, self.instead = when_empty, instead
+        self.when_empty, self.instead, self.in_ratio = when_empty, instead, in_ratio
         self.source = source
         self.needs, self.unless = needs, unless
         self.variable = variable
@@ -363,6 +367,8 @@ class OptionalQuantity(BaseQuantity[float | None]):
         What that means, as the page says it.
     instead : str
         Input of the same section whose value then holds.
+    in_ratio : pair of str
+        Inputs of the same section by whose ratio that value is then multiplied: first over second.
     """
 
     def __init__(self, **params: Any) -> None:

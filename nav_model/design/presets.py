@@ -28,7 +28,7 @@ def filled(entry: Entry, baseline: float | None = None) -> tuple[dict[str, Value
     items = values_of(entry, baseline)
     values: dict[str, Value] = {"preset": entry.name}
     if "position_noise" in items:  # without a slow error or vertical noise in the entry there is none
-        values |= {"vertical_position_noise": None, "correlated": False}
+        values |= {"vertical_position_noise": None, "correlated": False, "vertical_correlated_noise": None}
     values |= {name: item.value for name, item in items.items()}
     units = {name: item.unit for name, item in items.items() if item.unit}
     section = entry.kind

@@ -56,10 +56,13 @@ def label_of(result: str) -> str:
 
 
 def value_of(values: Mapping[str, Value] | Design, key: str) -> Value:
-    """The value of a numeric input, or of the one that holds where it is left out."""
-    declaration = quantity(key)
+    """The value of a numeric input, or what holds where it is left out."""
+    declaration, section = quantity(key), key.partition(".")[0]
     if (value := values[key]) is None and declaration.instead:
-        return values[f"{key.partition('.')[0]}.{declaration.instead}"]
+        value = value_of(values, f"{section}.{declaration.instead}")
+        if declaration.in_ratio:
+            over, under = (value_of(values, f"{section}.{name}") for name in declaration.in_ratio)
+            value = cast("float", value) * cast("float", over) / cast("float", under)
     return value
 
 

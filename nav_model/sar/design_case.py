@@ -79,6 +79,7 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
     samples = min(max(math.ceil(needed), _LEAST_SAMPLES), _MOST_SAMPLES)
     x = inputs_of(design)
     velocities = x.velocity_of_fix or (0.0, 0.0)
+    slow_level, slow_upright = (0.0, 0.0) if x.slow is None else (x.slow.horizontal, x.slow.vertical)
     level, down = (
         AxisModel(
             accelerometer_noise=float(x.sigma_a),
@@ -89,12 +90,15 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
             accelerometer_bias=design.imu.accelerometer_bias,
             gyro_bias=design.imu.gyro_bias,
             horizontal=horizontal,
-            slow_sigma=design.gnss.correlated_noise if design.gnss.correlated else 0.0,
+            slow_sigma=float(np.asarray(slow)),
             slow_time=design.gnss.correlation_time,
             velocity_sigma=float(velocity),
             leg_after=design.processing.leg_after,
         )
-        for noise, velocity, horizontal in ((x.fix, velocities[0], True), (x.fix_vertical, velocities[1], False))
+        for noise, velocity, slow, horizontal in (
+            (x.fix, velocities[0], slow_level, True),
+            (x.fix_vertical, velocities[1], slow_upright, False),
+        )
     )
     return DesignCase(
         models=(level, level, down),

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.analytic.discrete import SlowError
 from nav_model.base.arrays import Array
 from nav_model.sar.axis_filter import Fixes, carried, draw_fresh, filtered, filtered_in_leg, navigated, smoothed
 from nav_model.sar.axis_model import (
@@ -53,8 +52,8 @@ def weight_of(model: AxisModel, aperture_time: float, fixes: int) -> float:
         gyro_bias=model.gyro_bias if model.horizontal else 0.0,
     ).quadratic
     white = fit_quadratic_sigma(model.gnss_sigma, model.fix_interval, aperture_time, fixes) ** 2
-    slow = slow_fit(SlowError(model.slow_sigma, model.slow_time), model.fix_interval, aperture_time, fixes).quadratic
-    return float(shrunk_weight(inertial, white + slow))
+    slow = slow_fit(model.slow_time, model.fix_interval, aperture_time, fixes).quadratic
+    return float(shrunk_weight(inertial, white + model.slow_sigma**2 * slow))
 
 
 def simulate_histories(

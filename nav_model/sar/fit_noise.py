@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.discrete import SlowError
 from nav_model.base.arrays import Array
 
 _DIRECT = 2048  # lags summed one by one; beyond, the sum is an integral to one part in its square
@@ -22,9 +21,9 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 class SlowFit(NamedTuple):
     """Of the line and the quadratic fitted at n fixes, at the ends of the aperture.
 
-    ``slope``: variance [m²/s²] of the line's slope. ``quadratic``: variance [m²] of the quadratic at the ends
-    of the aperture. ``quadratic_from_start`` [m]: the quadratic there for an error of 1 m at the first fix that
-    then decays: what correlates it with the state at the start of the aperture.
+    ``slope``: variance [1/s²] of the line's slope over that of the slow error. ``quadratic``: likewise of the
+    quadratic at the ends of the aperture. ``quadratic_from_start`` [m]: the quadratic there for an error of 1 m at
+    the first fix that then decays: what correlates it with the state at the start of the aperture.
     """
 
     slope: Array
@@ -32,22 +31,30 @@ class SlowFit(NamedTuple):
     quadratic_from_start: Array
 
 
-def slow_fit(slow: SlowError | None, fix_interval: ArrayLike, aperture_time: ArrayLike, fixes: ArrayLike) -> SlowFit:
-    """The slow error's part in the fit; zeros without one, and where there are too few fixes to fit.
+def slow_fit(
+    correlation_time: float | None, fix_interval: ArrayLike, aperture_time: ArrayLike, fixes: ArrayLike
+) -> SlowFit:
+    """Part in the fit of a slow error of 1 m, 1σ; zeros without one, and where there are too few fixes to fit.
 
-    ``slow`` of one number each; the rest broadcast. ``fixes`` is rounded down to whole ones.
+    Parameters
+    ----------
+    correlation_time : float, optional
+        Of the slow error, s; None without one.
+    fix_interval, aperture_time : array_like
+        s.
+    fixes : array_like
+        In the aperture, rounded down to whole ones. They broadcast together.
     """
     t, dt, n = np.broadcast_arrays(
         *(np.asarray(x, float) for x in (aperture_time, fix_interval, np.floor(np.asarray(fixes, float) + 1e-9)))
     )
     parts = np.zeros((3, *n.shape))
-    if slow is not None:
-        sigma, tau = float(np.asarray(slow.sigma)), float(np.asarray(slow.correlation_time))
+    if correlation_time is not None:
         pairs, place = np.unique(np.stack([n.ravel(), dt.ravel()]), axis=1, return_inverse=True)
-        sums = np.array([_sums(int(count), step / tau) for count, step in pairs.T]).T
+        sums = np.array([_sums(int(count), step / correlation_time) for count, step in pairs.T]).T
         parts = sums[:, np.ravel(place)].reshape(3, *n.shape)
         bend = 6 * (t / (2 * dt)) ** 2  # 6 i² leads the quadratic polynomial; i counts fixes
-        parts = np.stack([(2 * sigma / dt) ** 2 * parts[0], (sigma * bend) ** 2 * parts[1], bend * parts[2]])
+        parts = np.stack([(2 / dt) ** 2 * parts[0], bend**2 * parts[1], bend * parts[2]])
     return SlowFit(*parts)
 
 

@@ -55,9 +55,9 @@ class Conditions:
     ``fast``: variances along the line of sight that no strategy changes (vibration, unsensed motion, oscillator), of
     the quadratic and after autofocus [m²].
     ``vertical_gnss_sigma``: as the horizontal one unless given. ``turn_rate`` [rad/s]: V / R. ``fixes``: in the
-    aperture, floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``. ``slow``: of the fixes, numbers;
-    ``start`` is then that of the filter that estimates it, and ``slow_with_tilt`` [m rad] the covariance of its
-    tilt error with the slow error itself. ``smoothed``: of the whole-leg smoother [m²].
+    aperture, floor(T / dt) + 1 unless given. Only strategy 3 carries ``coast_time``. ``slow``: of the fixes, of one
+    correlation time; ``start`` is then that of the filter that estimates it, and ``slow_with_tilt`` [m rad] the
+    covariance of its tilt error with the slow error itself. ``smoothed``: of the whole-leg smoother [m²].
     ``post_processed``: whether the image is made after the flight. ``contributors``: the user's own, which enter the
     phases of every strategy; ``to_phase`` [rad/m] is what they need.
     """
@@ -118,10 +118,10 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     coasted = total(phase_budget(*sensors, t, c.coast_time, c.grazing_angle, c.autofocus_order))
     rest = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, max(c.autofocus_order, 2))).detrended
 
-    slow = slow_fit(c.slow, dt, t, n)
-    across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2 + slow.quadratic
+    slow, slow_level, slow_upright = _slow_fits(c, t, dt, n)
+    across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2 + slow_level * slow.quadratic
     vertical_sigma = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
-    down = fit_quadratic_sigma(vertical_sigma, dt, t, n) ** 2 + slow.quadratic
+    down = fit_quadratic_sigma(vertical_sigma, dt, t, n) ** 2 + slow_upright * slow.quadratic
     held = ins_variances(
         t, c.accelerometer_noise, c.gyro_noise, c.start.p33, 0.0, c.gravity, c.accelerometer_bias, c.gyro_bias
     ).quadratic
@@ -194,18 +194,26 @@ def _bent_by_the_turn(c: Conditions) -> tuple[Array, ...]:
             + bent_variance(turn.down, *vertical)
         )
 
-    started, fitted = free(0.0), _bent_fit(c, t, dt, n, turn, slow_fit(c.slow, dt, t, n))
+    started, fitted = free(0.0), _bent_fit(c, t, dt, n, turn)
     return started, free(c.coast_time), fitted, np.where(n > 2, fitted, started)
 
 
-def _bent_fit(c: Conditions, t: Array, dt: Array, n: Array, turn: Turn, slow: SlowFit) -> Array:
+def _slow_fits(c: Conditions, t: Array, dt: Array, n: Array) -> tuple[SlowFit, Array, Array]:
+    """The fit of a slow error of 1 m, and the variances [m²] of the slow error, horizontal and vertical."""
+    if c.slow is None:
+        return slow_fit(None, dt, t, n), np.zeros(()), np.zeros(())
+    fit = slow_fit(float(np.asarray(c.slow.correlation_time)), dt, t, n)
+    return fit, np.square(c.slow.horizontal), np.square(c.slow.vertical)
+
+
+def _bent_fit(c: Conditions, t: Array, dt: Array, n: Array, turn: Turn) -> Array:
+    slow, slow_level, slow_upright = _slow_fits(c, t, dt, n)
     white = np.where(n > 2, 12 / (n * (n**2 - 1) + (n <= 2)), 0.0) / dt**2
     vertical = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
-    lever = t**2 / 4
-    return np.asarray(
-        lever * (turn.along[..., 1] ** 2 + turn.across[..., 1] ** 2) * (np.square(c.gnss_sigma) * white + slow.slope)
-        + lever * turn.down[..., 1] ** 2 * (np.square(vertical) * white + slow.slope)
-    )
+    level = np.square(c.gnss_sigma) * white + slow_level * slow.slope
+    upright = np.square(vertical) * white + slow_upright * slow.slope
+    across = turn.along[..., 1] ** 2 + turn.across[..., 1] ** 2
+    return np.asarray(t**2 / 4 * (across * level + turn.down[..., 1] ** 2 * upright))
 
 
 def _of_acceleration(c: Conditions) -> tuple[Array, Array]:

@@ -82,7 +82,7 @@ def specification(
         raise InputError("outage", f"{longest:g} s are too long. Give at most {LONGEST_OUTAGE:g} s.", longest)
     if late := [start for start, _ in outages if start >= duration]:
         raise InputError("outage", f"{late[0]:g} s is after the flight, which ends at {duration:g} s.", late[0])
-    slow = gnss.correlated_noise if gnss.correlated else 0.0
+    slow = inputs_of(design).slow
     gyro = more.triad("gyro", imu.angle_random_walk, imu.gyro_bias)
     accelerometer = more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias)
     biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
@@ -97,8 +97,8 @@ def specification(
             position_noise=gnss.position_noise,
             vertical_position_noise=gnss.vertical_position_noise,
             interval=gnss.interval,
-            markov_noise=slow,
-            vertical_markov_noise=slow,
+            markov_noise=0.0 if slow is None else float(np.asarray(slow.horizontal)),
+            vertical_markov_noise=0.0 if slow is None else float(np.asarray(slow.vertical)),
             markov_time=gnss.correlation_time,
             velocity_noise=velocity[0],
             vertical_velocity_noise=velocity[1],

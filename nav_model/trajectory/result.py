@@ -170,7 +170,7 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
     heading_ratio = study.initial.yaw * EARTH_RATE * math.cos(x.latitude) / (sigma_w * math.sqrt(horizontal))
     slowest, known = 1 / min(horizontal, vertical), s_vertical**2
     if x.slow is not None:
-        sigma, time = (float(np.asarray(value)) for value in (x.slow.sigma, x.slow.correlation_time))
+        sigma, time = (float(np.asarray(value)) for value in (x.slow.vertical, x.slow.correlation_time))
         slowest, known = max(slowest, time), known + 2 * sigma**2 * time
     gravity = 2 * g / MEAN_RADIUS * math.sqrt(known) / sigma_a
     cases = (

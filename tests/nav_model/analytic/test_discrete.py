@@ -55,13 +55,13 @@ def test_slow_error_cycle(fleet, reference, compared, ratio_off):
     a, w, g, dt, fix, up = (
         x[few] for x in (fleet.sigma_a, fleet.sigma_w, fleet.g, fleet.interval, fleet.sigma, fleet.sigma_vertical)
     )
-    ours = cycle(a, w, g, dt, fix, up, SlowError(sigma, correlation))
+    ours = cycle(a, w, g, dt, fix, up, SlowError(sigma, sigma[::-1], correlation))
     off = []
     for i in range(n):
         exact = reference.discrete(a[i], w[i], fix[i], dt[i], g[i], slow=(sigma[i], correlation[i]))
         off.append(ratio_off(ours.prior.horizontal.matrix()[i], exact.prior[:3, :3]))
         off.append(ratio_off(ours.posterior.horizontal.matrix()[i], exact.posterior[:3, :3]))
-        exact = reference.discrete(a[i], 0.0, up[i], dt[i], g[i], order=2, slow=(sigma[i], correlation[i]))
+        exact = reference.discrete(a[i], 0.0, up[i], dt[i], g[i], order=2, slow=(sigma[n - 1 - i], correlation[i]))
         off.append(ratio_off(_vertical_matrix(ours.prior.vertical, i), exact.prior[:2, :2]))
         off.append(ratio_off(_vertical_matrix(ours.posterior.vertical, i), exact.posterior[:2, :2]))
     off = np.concatenate([part.ravel() for part in off])

@@ -30,9 +30,11 @@ LATE = (8.3e-4, 1.45e-4, 9.8, 0.1, 30.0, (30.0, 3.0), 0.001)
 @pytest.mark.parametrize(("case", "off"), [*((case, 1e-9) for case in CASES), (LATE, 1e-5)])
 def test_against_eighty_digits(case, off, reference):
     a, w, g, h, r, slow, v = case
-    before, after, slow_with_tilt = settled_cycle(a, w, g, h, (r, r), None if v is None else (v, v), slow)
+    rising = None if slow is None else (1.7 * slow[0], slow[1])  # of heights
+    both = None if rising is None else (slow[0], *rising)
+    before, after, slow_with_tilt = settled_cycle(a, w, g, h, (r, r), None if v is None else (v, v), both)
     exact = reference.doubled(a, w, g, h, r, slow, 80, v)
-    upright = reference.doubled(a, 1e-40, g, h, r, slow, 110, v)
+    upright = reference.doubled(a, 1e-40, g, h, r, rising, 110, v)
     for (level, vertical), matrix, other in zip((before, after), exact, upright, strict=True):
         _close(level.matrix(), matrix, 3, off)
         _close(np.array([[vertical.v11, vertical.v12], [vertical.v12, vertical.v22]]), other, 2, off)
@@ -85,7 +87,7 @@ def test_no_design_is_out_of_reach():
     low, high = np.log([1e-6, 1e-8, 1e-3, 1e-3, 1e-3, 0.1, 1e-3]), np.log([1.0, 1.0, 3600.0, 1e4, 1e3, 1e5, 1e2])
     a, w, h, r, share, tau, v = np.exp(low + rng.random((4_000, 7)) * (high - low)).T
     white = [variances(ends) for ends in zip(horizontal_cycle(a, w, 9.8, h, r), vertical_cycle(a, h, r), strict=True)]
-    slow = np.minimum(share * r, 1e3), tau
+    slow = *[np.minimum(share * r, 1e3)] * 2, tau
     fixes = (r, r), (v, v)
     with_velocity = [variances(ends) for ends in settled_cycle(a, w, 9.8, h, *fixes)[:2]]
     for least, result in (
@@ -103,17 +105,17 @@ def test_no_design_is_out_of_reach():
 
 @pytest.mark.parametrize("velocity", [None, 0.03])
 def test_a_complex_step_gives_the_derivative(velocity):
-    case = np.array([*CASES[0][:5], *CASES[0][5]])
+    case = np.array([*CASES[0][:5], *[CASES[0][5][0]] * 2, CASES[0][5][1]])
 
     def tilt(x):
         fixes = (x[4], x[4]), None if velocity is None else (velocity, velocity)
         return settled_cycle(*x[:4], *fixes, tuple(x[5:]))[0][0].p33
 
-    for i in range(7):
+    for i in range(8):
         stepped = case.astype(complex)
         stepped[i] *= 1 + 1e-20j
         slope = tilt(stepped).imag / tilt(stepped).real / 1e-20
-        f = np.log([float(tilt(case * (1 + k * 1e-3 * (np.arange(7) == i)))) for k in (-2, -1, 1, 2)])
+        f = np.log([float(tilt(case * (1 + k * 1e-3 * (np.arange(8) == i)))) for k in (-2, -1, 1, 2)])
         assert slope == pytest.approx((f[0] - 8 * f[1] + 8 * f[2] - f[3]) / 12e-3, abs=1e-8)
 
 
@@ -121,9 +123,9 @@ def test_a_row_that_settles_late_or_never_leaves_the_others():
     fixes = np.array([1.0, 1e-6, 1e4, 1e200, 1e-200, 0.02])
     arguments = 8.3e-4, 1.45e-4, 9.8, 1.0
     with np.errstate(all="ignore"):
-        together = settled_cycle(*arguments, (fixes, fixes), (0.05, 0.05), (3.0, 600.0))
+        together = settled_cycle(*arguments, (fixes, fixes), (0.05, 0.05), (3.0, 3.0, 600.0))
     for n in (0, 1, 2, 5):
-        alone = settled_cycle(*arguments, (fixes[n], fixes[n]), (0.05, 0.05), (3.0, 600.0))
+        alone = settled_cycle(*arguments, (fixes[n], fixes[n]), (0.05, 0.05), (3.0, 3.0, 600.0))
         for some, single in zip(together[:2], alone[:2], strict=True):
             for array, value in zip(variances(some), variances(single), strict=True):
                 assert array[n] == pytest.approx(float(value), rel=1e-9)

@@ -38,6 +38,7 @@ def random_values(rng):
     if rng.random() < 0.4:
         size = values["gnss.position_noise"] * between(rng, 0.1, 10)
         values |= {"gnss.correlated": True, "gnss.correlated_noise": size}
+        values["gnss.vertical_correlated_noise"] = size * between(rng, 0.3, 3)  # else by the noise
         values["gnss.correlation_time"] = between(rng, 0.5, 2000)
     if rng.random() < 0.3:
         values["coast.before_aperture"] = between(rng, 0.1, 60)
@@ -67,14 +68,14 @@ NOISE = ((0.1, 1e-6, "phase noise"), (10.0, 1e-10, "phase noise"))
 GROWING = (
     "imu.velocity_random_walk", "imu.angle_random_walk", "imu.accelerometer_bias", "imu.gyro_bias",
     "imu.vibration_factor", "gnss.position_noise", "gnss.vertical_position_noise", "gnss.velocity_noise",
-    "gnss.correlated_noise",
+    "gnss.correlated_noise", "gnss.vertical_correlated_noise",
 )  # fmt: skip
 
 
 def more_errors(rng, design):
     """One design for each source of error that is added, or that becomes larger."""
     for key in GROWING:
-        if design[key] and (key != "gnss.correlated_noise" or design.gnss.correlated):
+        if design[key] and ("correlated_noise" not in key or design.gnss.correlated):
             yield key, {key: design[key] * between(rng, 1.001, 3)}
     if not design.gnss.correlated:
         yield "a slow error", {

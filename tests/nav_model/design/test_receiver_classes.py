@@ -33,6 +33,7 @@ def typed(name: str, baseline: float) -> Design:
     return EXAMPLE.replace({
         "gnss.position_noise": axis, "gnss.vertical_position_noise": up + slope_up * 1e-6 * baseline,
         "gnss.correlated": True, "gnss.correlated_noise": axis, "gnss.correlation_time": time,
+        "gnss.vertical_correlated_noise": up + slope_up * 1e-6 * baseline,
     })  # fmt: skip
 
 
@@ -89,6 +90,7 @@ def test_the_base_line_moves_noise_and_slow_error_of_the_class() -> None:
     far = chosen("gnss.preset=RTK").replace({"gnss.baseline": 20e3})
     assert far.gnss.position_noise == far.gnss.correlated_noise == pytest.approx(28e-3 / math.sqrt(2), rel=1e-12)
     assert far.gnss.vertical_position_noise == pytest.approx(35e-3, rel=1e-12)
+    assert far.gnss.vertical_correlated_noise == far.gnss.vertical_position_noise
     assert deviations(far, "gnss") == frozenset()
     for design in (far, far.replace({"gnss.correlation_time": 60.0}), chosen("gnss.preset=PPP")):
         for back in (parse_design(format_design(design)), from_query(to_query(design))):

@@ -47,7 +47,8 @@ EVERYTHING = Design(
     {
         "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6,
         "gnss.vertical_position_noise": 2.0, "gnss.velocity_noise": 0.1, "gnss.vertical_velocity_noise": 0.2,
-        "gnss.velocity_interval": 0.5, "gnss.correlated": True, "coast.before_aperture": 2.0,
+        "gnss.velocity_interval": 0.5, "gnss.correlated": True, "gnss.vertical_correlated_noise": 2.0,
+        "coast.before_aperture": 2.0,
         "radar.squint_angle": 0.2, "processing.mode": POST_PROCESSED, "processing.scene_height_error": 5.0,
         "motion.lines": ((20.0, 1.0, "acceleration"),), "motion.imu_bandwidth": 200.0, "motion.delay": 2e-3,
         "motion.rectification": 5e-7, "oscillator.frequency": 1e8,

@@ -170,7 +170,7 @@ def test_sampled_filter_with_velocity(slow, compared):
             seen = np.array([[1.0, 0, 0, 1], [0, 1, 0, 0]])
         unit = np.array([1, h, g * h * h, 1.0])[: len(q)]
         prior, posterior = riccati.settled(phi, q, seen, np.diag([r * r, v * v]), unit)
-        error = None if slow is None else SlowError(*map(np.array, slow))
+        error = None if slow is None else SlowError(*map(np.array, (slow[0], *slow)))
         ours = cycle(a, w, g, h, r, r, error, (v, v))
         for end, theirs in ((ours.prior, prior), (ours.posterior, posterior)):
             p = end.horizontal

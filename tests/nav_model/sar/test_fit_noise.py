@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from nav_model.analytic.discrete import SlowError
 from nav_model.sar.fit_noise import slow_fit
 
 
-def pairwise(n, dt, span, sigma, tau):
-    """Least squares at the fixes, the covariance of the errors written out in full."""
+def pairwise(n, dt, span, tau):
+    """Least squares at the fixes, the covariance of the errors written out in full; for 1 m."""
     time = dt * (np.arange(n) - (n - 1) / 2)
-    covariance = sigma**2 * np.exp(-np.abs(time[:, None] - time) / tau)
+    covariance = np.exp(-np.abs(time[:, None] - time) / tau)
     line = np.linalg.pinv(np.vander(time, 2))[0]
     quadratic = np.linalg.pinv(np.vander(time / (span / 2), 3))[0]
     return line @ covariance @ line, quadratic @ covariance @ quadratic, quadratic @ np.exp(-(time - time[0]) / tau)
@@ -29,15 +28,15 @@ def pairwise(n, dt, span, sigma, tau):
 )
 def test_fit_of_a_slow_error(n, dt, tau, accuracy):
     span = (n - 0.7) * dt
-    result = slow_fit(SlowError(0.8, tau), dt, span, n + 0.3)
-    np.testing.assert_allclose(result, pairwise(n, dt, span, 0.8, tau), rtol=accuracy)
+    result = slow_fit(tau, dt, span, n + 0.3)
+    np.testing.assert_allclose(result, pairwise(n, dt, span, tau), rtol=accuracy)
 
 
 def test_it_broadcasts_and_needs_fixes():
     spans = np.array([[0.5, 1.5, 2.5, 9.5]])
-    result = slow_fit(SlowError(1.0, 20.0), np.array([[1.0], [0.5]]), spans, spans / np.array([[1.0], [0.5]]) + 1)
+    result = slow_fit(20.0, np.array([[1.0], [0.5]]), spans, spans / np.array([[1.0], [0.5]]) + 1)
     assert result.quadratic.shape == (2, 4)
     assert result.quadratic[0, 1] == 0.0  # two fixes: no quadratic
-    assert result.quadratic[0, 3] == pytest.approx(pairwise(10, 1.0, 9.5, 1.0, 20.0)[1])
-    assert result.quadratic[1, 3] == pytest.approx(pairwise(20, 0.5, 9.5, 1.0, 20.0)[1])
+    assert result.quadratic[0, 3] == pytest.approx(pairwise(10, 1.0, 9.5, 20.0)[1])
+    assert result.quadratic[1, 3] == pytest.approx(pairwise(20, 0.5, 9.5, 20.0)[1])
     assert not np.any(slow_fit(None, 1.0, spans, spans + 1))

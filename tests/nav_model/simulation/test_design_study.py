@@ -61,7 +61,7 @@ def test_every_input_reaches_its_place() -> None:
     assert (spec.imu.rate, spec.imu.vibration_factor) == (200.0, 4.0)
     assert spec.gnss.axis_noise == (0.5, 0.5, 0.8)
     assert (spec.gnss.interval, spec.gnss.markov_time) == (0.2, 77.0)
-    assert (spec.gnss.markov_noise, spec.gnss.vertical_markov_noise) == (1.5, 1.5)
+    assert (spec.gnss.markov_noise, spec.gnss.vertical_markov_noise) == (1.5, pytest.approx(1.5 * 0.8 / 0.5))
     flight = spec.trajectory
     assert (flight.kind, flight.speed, flight.height) == ("climb", 90.0, 4000.0)
     assert (flight.latitude, flight.heading) == (-0.6, 1.2)

@@ -52,7 +52,7 @@ def by_gravity(design: Design) -> float:
     x = inputs_of(design)
     density = float(x.fix_vertical) ** 2 * float(x.interval)
     if x.slow is not None:
-        density += 2 * float(x.slow.sigma) ** 2 * float(x.slow.correlation_time)  # [P-2]
+        density += 2 * float(x.slow.vertical) ** 2 * float(x.slow.correlation_time)  # [P-2]
     return 0.3 * GRAVITY_GRADIENT * math.sqrt(density) / float(x.sigma_a)
 
 
