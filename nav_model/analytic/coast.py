@@ -53,7 +53,13 @@ def horizontal_growth(
 
 
 def carried(start: Horizontal, sigma_a: ArrayLike, sigma_w: ArrayLike, g: ArrayLike, time: ArrayLike) -> Horizontal:
-    """Covariance of a horizontal channel `time` seconds after the last fix, every element; as `horizontal_growth`."""
+    """Covariance of a horizontal channel `time` seconds after the last fix, every element.
+
+    Parameters
+    ----------
+    start, sigma_a, sigma_w, g, time
+        As `horizontal_growth`.
+    """
     sigma_a, sigma_w, g, t = (as_numbers(x) for x in (sigma_a, sigma_w, g, time))
     p, a, w = start, sigma_a**2, sigma_w**2
     grown = horizontal_growth(start, sigma_a, sigma_w, g, t)
@@ -78,7 +84,13 @@ def vertical_growth(start: Vertical, sigma_a: ArrayLike, time: ArrayLike) -> Ver
 
 
 def perfect_start(sigma_a: ArrayLike, sigma_w: ArrayLike, g: ArrayLike, time: ArrayLike) -> tuple[Array, Array]:
-    """Position variances [m²], horizontal and vertical, of an INS without initial error. [T-11]"""
+    """Position variances [m²], horizontal and vertical, of an INS without initial error. [T-11]
+
+    Parameters
+    ----------
+    sigma_a, sigma_w, g, time
+        As `horizontal_growth`.
+    """
     sigma_a, sigma_w, g, t = (as_numbers(x) for x in (sigma_a, sigma_w, g, time))
     vertical = sigma_a**2 * t**3 / 3
     return vertical + g**2 * sigma_w**2 * t**5 / 20, vertical
@@ -108,6 +120,18 @@ def bias_position(
 def bias_velocity(
     accelerometer_bias: ArrayLike, gyro_bias: ArrayLike, g: ArrayLike, time: ArrayLike
 ) -> tuple[Array, Array]:
-    """Velocity errors [m/s], 1σ, from residual biases: b t and g d t²/2 (the second horizontal only)."""
+    """Velocity errors [m/s], 1σ, from residual biases: b t and g d t²/2 (the second horizontal only).
+
+    Parameters
+    ----------
+    accelerometer_bias : array_like
+        b, m/s².
+    gyro_bias : array_like
+        d, rad/s.
+    g : array_like
+        m/s².
+    time : array_like
+        Seconds since the last fix.
+    """
     b, d, g, t = (as_numbers(x) for x in (accelerometer_bias, gyro_bias, g, time))
     return b * t, g * d * t**2 / 2

@@ -61,7 +61,17 @@ def fix_density(sigma_gnss: ArrayLike, interval: ArrayLike) -> Array:
 
 def gyro_dominance(sigma_a: ArrayLike, sigma_w: ArrayLike, s: ArrayLike, g: ArrayLike) -> Array:
     """Gyro dominance kappa: large when the gyro limits the horizontal channel, small when the accelerometer does.
-    [T-6]"""
+    [T-6]
+
+    Parameters
+    ----------
+    sigma_a, sigma_w : array_like
+        Velocity random walk [m/s/√s], angle random walk [rad/√s].
+    s : array_like
+        Density of the fixes, `fix_density` [m·√s].
+    g : array_like
+        m/s².
+    """
     sigma_a, sigma_w, s, g = (as_numbers(x) for x in (sigma_a, sigma_w, s, g))
     kappa: Array = 2 * np.sqrt(2) * g * sigma_w * np.sqrt(s) / sigma_a**1.5
     return kappa
@@ -136,7 +146,15 @@ def _with_velocity(a: Array, w: Array, s: Array, s_v: Array) -> Horizontal:
 
 
 def horizontal_from_position(p11: Array, sigma_w: Array, s: Array, g: Array) -> Horizontal:
-    """The other elements of [T-3], given the variance of position."""
+    """The other elements of [T-3], given the variance of position.
+
+    Parameters
+    ----------
+    p11 : array
+        Variance of position, m².
+    sigma_w, s, g : array
+        As `gyro_dominance`.
+    """
     ratio = p11 / s  # [m/√s]; powers of s itself would leave the range of floats sooner
     return Horizontal(
         p11=p11,

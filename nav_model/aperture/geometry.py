@@ -36,9 +36,20 @@ def aperture_time(
     window: str,
     squint: ArrayLike = 0.0,
 ) -> Array:
-    """Aperture time [s] that gives the azimuth resolution [m] with the window. [S-3]
+    """Aperture time [s] that gives the azimuth resolution with the window. [S-3]
 
-    Resolution is across the line of sight; ``squint`` [rad] foreshortens the track by its cosine.
+    Resolution is across the line of sight; squint foreshortens the track by its cosine.
+
+    Parameters
+    ----------
+    wavelength, slant_range, resolution : array_like
+        m.
+    speed : array_like
+        m/s.
+    window : str
+        Key of `WINDOW_WIDTH`.
+    squint : array_like, optional
+        rad.
 
     Raises
     ------
@@ -54,7 +65,19 @@ def aperture_time(
 def cell_length(
     wavelength: ArrayLike, slant_range: ArrayLike, speed: ArrayLike, aperture: ArrayLike, squint: ArrayLike = 0.0
 ) -> Array:
-    """Azimuth cell lambda R/(2 V T) [m], across the line of sight: peak to first null, unweighted. [S-3]"""
+    """Azimuth cell lambda R/(2 V T) [m], across the line of sight: peak to first null, unweighted. [S-3]
+
+    Parameters
+    ----------
+    wavelength, slant_range : array_like
+        m.
+    speed : array_like
+        m/s.
+    aperture : array_like
+        Seconds.
+    squint : array_like, optional
+        rad.
+    """
     wavelength, slant_range, speed, aperture = (as_numbers(x) for x in (wavelength, slant_range, speed, aperture))
     length: Array = wavelength * slant_range / (2 * speed * np.cos(as_numbers(squint)) * aperture)
     return length

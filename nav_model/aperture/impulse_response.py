@@ -120,9 +120,18 @@ def response_curve(
     extent_cells: float = 20.0,
     zero_padding: int = 16,
 ) -> tuple[Array, Array]:
-    """The response itself: cells from the true position, and power [dB over the error-free peak].
+    """Cells (m,) from -extent to +extent of the true position, and power (..., m) in dB over the error-free peak.
 
-    ``aperture`` (..., N); returns cells (m,) from -extent to +extent and power (..., m).
+    Parameters
+    ----------
+    aperture : array_like (..., N)
+        Complex samples.
+    window : str, optional
+        Weighting.
+    extent_cells : float, optional
+        On each side.
+    zero_padding : int, optional
+        Points a cell.
     """
     cells, power = near_power(aperture, window, extent_cells, zero_padding)
     with np.errstate(divide="ignore"):
@@ -130,7 +139,13 @@ def response_curve(
 
 
 def near_power(aperture: ArrayLike, window: Window, extent_cells: float, zero_padding: int) -> tuple[Array, Array]:
-    """`response_curve`, its power as a ratio; fast where extents are few, as what depends on one alone is kept."""
+    """`response_curve`, its power as a ratio; fast where extents are few, as what depends on one alone is kept.
+
+    Parameters
+    ----------
+    aperture, window, extent_cells, zero_padding
+        As `response_curve`.
+    """
     aperture = np.asarray(aperture, complex)
     samples = aperture.shape[-1]
     weights = weights_of(window, aperture_positions(samples))

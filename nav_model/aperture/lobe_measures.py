@@ -13,6 +13,24 @@ TIE = 1 - 1e-9
 
 
 def measure_periodic(power: Array, padding: int, null: float, samples: int) -> tuple[float, ...]:
+    """Measures of a power response that is known over a whole period; as `measure_line`.
+
+    Parameters
+    ----------
+    power : array (samples × padding,)
+        Of one period.
+    padding : int
+        Points a cell.
+    null : float
+        Cells from the peak to the first null of the error-free response.
+    samples : int
+        Of the aperture.
+
+    Raises
+    ------
+    ValueError
+        For an aperture of zeros.
+    """
     length = len(power)
     highest = float(power.max())
     if highest == 0.0:
@@ -28,7 +46,21 @@ def measure_periodic(power: Array, padding: int, null: float, samples: int) -> t
 def measure_line(
     power: Array, peak: int, padding: int, null: float, total_energy: float, origin: int
 ) -> tuple[float, ...]:
-    """Measures of a sampled power response about index `peak`; `origin` is the index of zero shift."""
+    """Measures of a sampled power response about its peak.
+
+    Parameters
+    ----------
+    power : array
+        Samples.
+    peak, origin : int
+        Index of the peak, and of zero shift.
+    padding : int
+        Points a cell.
+    null : float
+        Cells from the peak to the first null of the error-free response.
+    total_energy : float
+        Of the whole period, in cells.
+    """
     offset, top = _vertex(power, peak)
     centre = peak + offset
     half = top / 2

@@ -70,6 +70,15 @@ def polynomial_curve(
     """`response_curve` of the phase ``quadratic x² + cubic x³``, without and with the cubic: power [dB] is (2, m).
 
     By quadrature where that is fast, otherwise from the samples of `response_curve`.
+
+    Parameters
+    ----------
+    quadratic_rad, cubic_rad : float
+        At the ends of the aperture, where x is ±1.
+    window : str
+        Weighting.
+    extent_cells : float
+        On each side.
     """
     spread = _spread(quadratic_rad, cubic_rad)
     if spread > _FAST_SPREADS[-1]:

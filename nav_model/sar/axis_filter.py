@@ -41,7 +41,21 @@ class Fixes(NamedTuple):
 
 
 def filtered(model: AxisModel, start: Array, covariance: Array, at_fixes: Array, fixes: Fixes) -> Filtered:
-    """From the error ``start`` (runs, m) just after the first fix; ``at_fixes`` (3, runs, k) is the noise path."""
+    """The filter's errors and covariances at every fix of the aperture.
+
+    Parameters
+    ----------
+    model : AxisModel
+        Noise and fixes of the axis.
+    start : array (runs, m)
+        Error just after the first fix.
+    covariance : array (m, m)
+        Of that error.
+    at_fixes : array (3, runs, k)
+        Noise path at the fixes.
+    fixes : Fixes
+        Noise of the fixes.
+    """
     priors, posteriors, prior_covariances, covariances = [start], [start], [covariance], [covariance]
     phi, q = filter_drift(model, model.fix_interval)
     h, phi_inertial = fix_rows(model), inertial_drift(model, model.fix_interval)[0]
@@ -101,7 +115,17 @@ def filtered_in_leg(
 
 
 def navigated(done: Filtered, at_fixes: Array, sampled: Array, time: Array, fix_time: Array) -> Array:
-    """The filter's error (3, runs, n) between the fixes, from the noise path at the fixes and at the times."""
+    """The filter's error (3, runs, n) between the fixes, from the noise path at the fixes and at the times.
+
+    Parameters
+    ----------
+    done : Filtered
+        Errors at the fixes.
+    at_fixes, sampled : array (3, runs, k), array (3, runs, n)
+        Noise path at the fixes, and at the times.
+    time, fix_time : array (n,), array (k,)
+        Seconds in the aperture.
+    """
     error = sampled.copy()
     for k, span in _stretches(time, fix_time):
         error[:, :, span] += carried(done.posterior[k][:, :3] - at_fixes[:, :, k].T, time[span] - fix_time[k])
@@ -109,7 +133,19 @@ def navigated(done: Filtered, at_fixes: Array, sampled: Array, time: Array, fix_
 
 
 def smoothed(model: AxisModel, done: Filtered, position: Array, time: Array, fix_time: Array) -> Array:
-    """Position error (runs, n) of the smoother that has all fixes of `done`, from the filter's between the fixes."""
+    """Position error (runs, n) of the smoother that has all fixes of `done`, from the filter's between the fixes.
+
+    Parameters
+    ----------
+    model : AxisModel
+        Noise and fixes of the axis.
+    done : Filtered
+        Errors at the fixes.
+    position : array (runs, n)
+        The filter's error.
+    time, fix_time : array (n,), array (k,)
+        Seconds in the aperture.
+    """
     phi = filter_drift(model, model.fix_interval)[0]
     transitions = np.broadcast_to(phi, (len(done.prior) - 1, *phi.shape))
     at_fixes = rts_smooth(done.posterior, done.covariance, done.prior, done.prior_covariance, transitions)
@@ -133,7 +169,19 @@ def carried(state: Array, age: Array) -> Array:
 
 
 def draw_fresh(model: AxisModel, runs: int, random: np.random.Generator, step: float) -> Array:
-    """Innovation of the slow error of the fixes after a step [s], (runs,)."""
+    """Innovation of the slow error of the fixes after a step, (runs,).
+
+    Parameters
+    ----------
+    model : AxisModel
+        Its slow error.
+    runs : int
+        Number of runs.
+    random : numpy.random.Generator
+        Of the draws.
+    step : float
+        Seconds.
+    """
     if not model.slow_sigma:
         return np.zeros(runs)
     return model.slow_sigma * math.sqrt(-math.expm1(-2 * step / model.slow_time)) * random.standard_normal(runs)

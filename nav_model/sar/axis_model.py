@@ -143,7 +143,19 @@ def draw_state(covariance: Array, runs: int, random: np.random.Generator) -> Arr
 
 
 def noise_path(model: AxisModel, time: Array, runs: int, random: np.random.Generator) -> Array:
-    """Error (3, runs, n) that the noise alone builds up from zero at time[0], exact at the times given."""
+    """Error (3, runs, n) that the noise alone builds up from zero at time[0], exact at the times given.
+
+    Parameters
+    ----------
+    model : AxisModel
+        Noise of the axis.
+    time : array (n,)
+        Seconds.
+    runs : int
+        Number of runs.
+    random : numpy.random.Generator
+        Of the draws.
+    """
     h = np.diff(time)
     s, r = model.accelerometer_noise**2, model.tilt_noise
     draws = random.standard_normal((3, runs, len(h)))

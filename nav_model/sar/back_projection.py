@@ -17,8 +17,23 @@ def project_pulses(
 ) -> NDArray[np.complex128]:
     """Sum over pulses of profile(R - r0) exp(j wavenumber (R - r0)) at each pixel (z = 0), linear between bins.
 
-    ``profiles`` (P, bins) with range offset zero in bin bins // 2; ``position`` (P, 3).
-    Image (len(y), len(x)).
+    Parameters
+    ----------
+    profiles : array (P, bins)
+        Range profiles, with range offset zero in bin bins // 2.
+    position : array (P, 3)
+        Antenna at each pulse, m.
+    reference_range : array (P,)
+        r0 of each pulse, m.
+    bin_size, wavenumber : float
+        m; rad/m of range.
+    x, y : array
+        Pixels, m.
+
+    Returns
+    -------
+    array (len(y), len(x))
+        Complex image.
     """
     image = np.zeros((len(y), len(x)), np.complex128)
     bins = profiles.shape[1]

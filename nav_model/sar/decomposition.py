@@ -98,7 +98,23 @@ def fix_rate_harmonics(history: ArrayLike, time: ArrayLike, fix_interval: float,
     """Amplitude (..., harmonics) of the ripple at 1, 2, ... times the fix rate, smooth part removed.
 
     Amplitude of a sinusoid of the same energy there; an amplitude p [rad] of phase makes paired echoes of
-    20 log10(p/2) dB at n = k T / fix_interval cells. Harmonics above half the sampling rate: ValueError.
+    20 log10(p/2) dB at n = k T / fix_interval cells.
+
+    Parameters
+    ----------
+    history : array_like (..., n)
+        Error or phase over the aperture.
+    time : array_like (n,)
+        Seconds, evenly spaced.
+    fix_interval : float
+        Seconds.
+    harmonics : int, optional
+        Number of them.
+
+    Raises
+    ------
+    ValueError
+        For harmonics above half the sampling rate.
     """
     history, time = np.asarray(history, float), np.asarray(time, float)
     step = float(time[1] - time[0])

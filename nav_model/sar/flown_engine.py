@@ -94,10 +94,25 @@ def fly_axes(
 ) -> list[StrategyErrors]:
     """Every strategy on each axis (along, across, down) of runs first_run .. first_run + runs - 1.
 
-    ``models`` give 5w its weight; histories are of ``rate`` [Hz]. The result does not depend on which process flies
-    them.
+    The result does not depend on which process flies them.
 
-    Raises ArithmeticError where the filter's covariance stops being positive definite.
+    Parameters
+    ----------
+    flight : ApertureFlight
+        The simulator's flights.
+    models : tuple of AxisModel
+        Of the axes; they give 5w its weight.
+    aperture_time, rate : float
+        Seconds, and samples per second of the histories.
+    seed, first_run, runs : int
+        Of the simulator's runs.
+    tuning : Tuning
+        Gains of the strategies 6 and 7.
+
+    Raises
+    ------
+    ArithmeticError
+        Where the filter's covariance stops being positive definite.
     """
     flown = histories(flight, aperture_time, rate, seed, first_run, runs)
     fixes = len(flown[0].fix_time)
@@ -110,7 +125,13 @@ def fly_axes(
 def histories(
     flight: ApertureFlight, aperture_time: float, rate: float, seed: int, first_run: int, runs: int
 ) -> list[NavigationHistories]:
-    """Error histories (runs, n) of the three axes over the aperture, n = T rate + 1."""
+    """Error histories (runs, n) of the three axes over the aperture, n = T rate + 1.
+
+    Parameters
+    ----------
+    flight, aperture_time, rate, seed, first_run, runs
+        As `fly_axes`.
+    """
     from nav_model.simulation.schedule import plan
     from nav_model.simulation.single_run import POSTERIOR, PRIOR, fly
 

@@ -105,9 +105,18 @@ def back_project(
 ) -> _ComplexArray:
     """Complex image (len(y), len(x)) on the plane z = 0, mean over pulses and frequencies: amplitude 1 stays 1.
 
-    ``range_error`` (P,) [m] is added to the range assumed for every pixel. ``window`` weights both the pulses and
-    the frequencies.
     A pulse adds nothing to pixels farther than half the unambiguous range from its reference.
+
+    Parameters
+    ----------
+    history : PhaseHistory
+        Pulses, frequencies and positions.
+    x, y : array_like
+        Pixels, m.
+    range_error : array_like (P,), optional
+        Added to the range assumed for every pixel, m.
+    window : str, optional
+        Weights both the pulses and the frequencies.
     """
     from nav_model.sar.back_projection import project_pulses
 
@@ -149,9 +158,19 @@ def point_target_image(
 ) -> Array:
     """Focused point target in dB over the error-free peak, shape (..., azimuth, range).
 
-    ``range_error`` (..., n) [m] from end to end of the aperture; both the phase it makes and the walk through
-    the range cells of ``range_cell`` = c / (2 B) [m] are kept. Each strategy's errors stacked on the leading
-    axis give images on one scale.
+    Both the phase that a range error makes and the walk through the range cells are kept. Each strategy's errors
+    stacked on the leading axis give images on one scale.
+
+    Parameters
+    ----------
+    range_error : array_like (..., n)
+        m, from end to end of the aperture.
+    wavelength, range_cell : float
+        m; the cell is c / (2 B).
+    azimuth_cells, range_cells : array_like
+        Places of the pixels, in cells from the target.
+    window : str, optional
+        In azimuth and in range.
     """
     error = np.asarray(range_error, float)
     x = np.linspace(-1, 1, error.shape[-1])

@@ -67,6 +67,15 @@ def range_error(
     |r - dp| - |r| written without cancellation; to first order it is -u(t) . dp(t) [S-1], but an INS that is
     tens of metres off has a second-order part of millimetres. Detrend after this, never before: the
     direction rotates, so an along-track velocity error bends the phase [S-2].
+
+    Parameters
+    ----------
+    geometry : ApertureGeometry
+        Of the aperture.
+    time : array_like (n,)
+        Seconds, from end to end of the aperture.
+    along, across, down : array_like (..., n), optional
+        Position errors, m.
     """
     vectors = ranges_to_target(geometry, time)
     distance = np.linalg.norm(vectors, axis=1)

@@ -49,11 +49,25 @@ def point_pictures(budget: Budget, residual: ArrayLike) -> Pictures:
 def uploaded_pictures(
     name: str, data: bytes, time: ArrayLike, residual: ArrayLike, half_width: float, pixels: int = 256
 ) -> Pictures:
-    """Images of a user's phase history, as it is and with each residual (k, n) [m]: (1 + k, y, x), brightest at 0 dB.
+    """Images of a user's phase history, as it is and with each residual: (1 + k, y, x), brightest at 0 dB.
 
     The residual, which belongs to the design's aperture, is laid over the file's pulses from first to last; the
-    phase it makes is that of the file's wavelength. The picture is +- ``half_width`` [m] about the scene centre,
-    on the plane z = 0, under a Taylor window.
+    phase it makes is that of the file's wavelength. The plane is z = 0, the window Taylor.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file.
+    data : bytes
+        The file.
+    time : array_like (n,)
+        Seconds in the design's aperture.
+    residual : array_like (k, n)
+        m.
+    half_width : float
+        The picture is ± this about the scene centre, m.
+    pixels : int, optional
+        On a side.
 
     Raises
     ------

@@ -28,8 +28,14 @@ def rts_smooth(
 ) -> Array:
     """Smoothed states (k, ..., m) from the forward pass of a Kalman filter at k fixes.
 
-    ``posterior_state``, ``prior_state``: (k, ..., m) just after and just before each fix, estimates or errors
-    alike (the recursion is linear); covariances (k, m, m); ``phi``: (k - 1, m, m) from fix i to fix i + 1.
+    Parameters
+    ----------
+    posterior_state, prior_state : array (k, ..., m)
+        Just after and just before each fix, estimates or errors alike (the recursion is linear).
+    posterior_covariance, prior_covariance : array (k, m, m)
+        Of these.
+    phi : array (k - 1, m, m)
+        Transition from fix i to fix i + 1.
     """
     gains = smoother_gain(posterior_covariance[:-1], phi, prior_covariance[1:])
     smoothed = np.array(posterior_state, float)

@@ -114,7 +114,23 @@ def quadratic_correction(
     """Strategies 5 and 5w: INS minus the quadratic fitted to INS - GNSS, its curvature times `weight`.
 
     The fit is least squares at the fixes, in the basis that is orthogonal over them, so the weight acts on
-    the quadratic alone. Raises ValueError for fewer than three fixes, which determine no quadratic.
+    the quadratic alone.
+
+    Parameters
+    ----------
+    time, fix_time : array (n,), array (k,)
+        Seconds in the aperture.
+    ins_position : array (..., n)
+        Error of the INS, m.
+    gnss_error : array (..., k)
+        Error of each fix, m.
+    weight : float, optional
+        1 for strategy 5.
+
+    Raises
+    ------
+    ValueError
+        For fewer than three fixes, which determine no quadratic.
     """
     if len(fix_time) < 3:
         raise ValueError(f"fix_time: {len(fix_time)} fixes in the aperture; a quadratic fit needs at least 3")
@@ -138,6 +154,20 @@ def tracking_filter(
 
     Starts from the filter; a_INS is taken as the velocity increments of the INS. Semi-implicit Euler at the
     sampling rate, which needs wn times the step well below one.
+
+    Parameters
+    ----------
+    time : array (n,)
+        Seconds.
+    ins_velocity, filter_position, filter_velocity : array (..., n)
+        Errors, m/s and m.
+    tuning : Tuning
+        wn and zeta.
+
+    Raises
+    ------
+    ValueError
+        For a natural frequency that is too fast for the steps.
     """
     steps = np.diff(time)
     stiffness, drag = tuning.natural_frequency**2, 2 * tuning.damping * tuning.natural_frequency
@@ -170,6 +200,17 @@ def damping_loop(
     Velocity and attitude are corrected at once, and applied corrections are fed back, so the output is the filter's
     error minus the pending part of its corrections: r' = -kp r - ki integral(r). The loop is settled (nothing
     pending) at the start of the aperture.
+
+    Parameters
+    ----------
+    time, fix_time : array (n,), array (k,)
+        Seconds in the aperture.
+    filter_position : array (..., n)
+        Error of the filter, m.
+    filter_correction : array (..., k)
+        Change of its position at each fix, m.
+    tuning : Tuning
+        kp and ki.
     """
     age = time[None, :] - fix_time[:, None]
     pending = np.where(age >= -1e-9, _pi_decay(np.maximum(age, 0.0), tuning), 0.0)

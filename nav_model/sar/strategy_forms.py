@@ -27,8 +27,22 @@ def ins_variances(
     accelerometer_bias: ArrayLike = 0.0,
     gyro_bias: ArrayLike = 0.0,
 ) -> PhaseVariances:
-    """Strategies 2 and 3, variances [m^2]: the quadratic at the aperture ends [S-5], and what the line leaves,
+    """Strategies 2 and 3, variances [m²]: the quadratic at the aperture ends [S-5], and what the line leaves.
+
     [T-15] with the coast of [S-5].
+
+    Parameters
+    ----------
+    aperture_time, coast_time : array_like
+        Seconds.
+    accelerometer_noise, gyro_noise : array_like
+        Velocity random walk [m/s/√s], angle random walk [rad/√s].
+    tilt_variance : array_like
+        At the last fix, rad².
+    gravity, accelerometer_bias : array_like, optional
+        m/s².
+    gyro_bias : array_like, optional
+        rad/s.
     """
     sensors = (tilt_variance, accelerometer_noise, gyro_noise, accelerometer_bias, gyro_bias)
     return total(phase_budget(*sensors, gravity, aperture_time, coast_time, _ALONG_THE_AXIS))
@@ -44,8 +58,17 @@ def fit_quadratic_sigma(
 ) -> Array:
     """Standard deviation [m] of the quadratic that GNSS noise puts at the aperture ends [S-7].
 
-    ``fixes``: how many fixes are fitted; N = T / dt as in [C] unless given (an aperture with a fix at both
-    ends holds one more, and its noise is lower). Infinite below three fixes, where nothing is determined.
+    Infinite below three fixes, where nothing is determined.
+
+    Parameters
+    ----------
+    gnss_sigma : array_like
+        Of a fix, m.
+    fix_interval, aperture_time : array_like
+        Seconds.
+    fixes : array_like, optional
+        Number of fixes that are fitted; N = T / dt as in [C] by default (an aperture with a fix at both ends holds
+        one more, and its noise is lower).
     """
     t, dt = np.asarray(aperture_time, float), np.asarray(fix_interval, float)
     n = np.asarray(t / dt if fixes is None else fixes, float)
@@ -64,10 +87,19 @@ def shrunk_weight(ins_quadratic: ArrayLike, fit_quadratic: ArrayLike) -> Array:
 def shrunk_residual_variance(
     ins_quadratic: ArrayLike, fit_quadratic: ArrayLike, beyond_quadratic: ArrayLike, covariance: ArrayLike = 0.0
 ) -> Array:
-    """Strategy 5w: mean variance [m^2] after the line: 4/45 of the quadratic left, plus the rest.
+    """Strategy 5w: mean variance [m²] after the line: 4/45 of the quadratic left, plus the rest.
 
     The quadratic left is var_INS var_GNSS / (var_INS + var_GNSS): below both, so 5w loses to neither 2 nor 5 on
-    one axis. With a slow GNSS error the two quadratics have a ``covariance``, which the weight leaves out.
+    one axis.
+
+    Parameters
+    ----------
+    ins_quadratic, fit_quadratic : array_like
+        Variances of the quadratics of INS and fit, m².
+    beyond_quadratic : array_like
+        Mean variance of the rest, m².
+    covariance : array_like, optional
+        Of the two quadratics, m², with a slow GNSS error; the weight leaves it out.
     """
     weight = shrunk_weight(ins_quadratic, fit_quadratic)
     with np.errstate(invalid="ignore"):
