@@ -151,8 +151,7 @@ def not_flown(design: Design) -> tuple[str, ...]:
     }
     if not (uncounted := [name for name, rows in given.items() if rows]):
         return ()
-    bias = " and the bias caused by vibration" if given[VIBRATION] and motion.rectification else ""
-    return (f"The runs leave out the design's {', '.join(uncounted)}{bias}; the Budget page includes them [P-8].",)
+    return (f"The runs leave out the design's {', '.join(uncounted)}; the Budget page includes them [P-8].",)
 
 
 def levels(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:

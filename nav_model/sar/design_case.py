@@ -87,8 +87,8 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
             gnss_sigma=float(noise),
             fix_interval=interval,
             gravity=design.flight.gravity,
-            accelerometer_bias=design.imu.accelerometer_bias,
-            gyro_bias=design.imu.gyro_bias,
+            accelerometer_bias=float(x.bias),
+            gyro_bias=float(x.bias_w),
             horizontal=horizontal,
             slow_sigma=float(np.asarray(slow)),
             slow_time=design.gnss.correlation_time,
@@ -242,8 +242,8 @@ def flight_cautions(budget: Budget) -> tuple[str, ...]:
     ]
     if design.imu.accelerometer_bias or design.imu.gyro_bias:
         cautions.append(
-            "Its residual biases act from take-off and the filter does not estimate them. Tilt absorbs most of an "
-            "accelerometer bias, so the image suffers less than the formulas and the error model predict."
+            "Its residual biases act while no fix comes: on the free INS, not on strategies that take fixes in the "
+            "aperture. In the error model they act on those too."
         )
     if design.gnss.correlated:
         cautions.append(

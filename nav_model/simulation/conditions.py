@@ -9,7 +9,7 @@ from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
 from nav_model.simulation.departures import closed_velocity_noise, unmodelled
-from nav_model.simulation.specification import SimulationSpec, TriadModel
+from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 
@@ -31,15 +31,11 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
     if more:
         listed = ", ".join(f"{_named(key)} {STUDY_KEYS[key].show(value)}" for key, value in more.items())
         sentences.append(f"Simulated in addition to the design and not in the formulas: {listed}.")
-    if design.imu.accelerometer_bias or design.imu.gyro_bias:
-        filter_knows = (
-            f"the filter of {spec.filter.states} states estimates them, so an outage starts with smaller biases than "
-            "the formulas assume"
-            if spec.filter.inertial > 9
-            else f"the filter of {spec.filter.states} states does not estimate them, so its covariance is "
-            "optimistic; in level flight tilt absorbs most of an accelerometer bias"
+    if spec.imu.accelerometer.residual_bias or spec.imu.gyro.residual_bias:
+        sentences.append(
+            "Residual biases, drawn for each run, act from the last fix on while no fix comes. The formulas include "
+            "the tilt that cancels an accelerometer bias while fixes come, the runs do not."
         )
-        sentences.append(f"Residual biases are constant turn-on biases, drawn for each run: {filter_knows}.")
     if design.gnss.correlated:
         known = (
             f"estimated by the filter of {spec.filter.states} states"
@@ -72,7 +68,7 @@ def _of_the_filter(spec: SimulationSpec) -> list[str]:
         sentences.append(
             f"The filter has no state for {', '.join(missing)}: expect an optimistic verdict where it matters."
         )
-    mixed = [name for name, m in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)) if _mixed(m)]
+    mixed = [name for name, m in (("gyro", spec.imu.gyro), ("accelerometer", spec.imu.accelerometer)) if m.mixed]
     if spec.filter.inertial == 15 and mixed:
         sentences.append(
             f"The {' and '.join(mixed)} bias is a Gauss-Markov process on top of a constant or a random walk, and "
@@ -84,10 +80,6 @@ def _of_the_filter(spec: SimulationSpec) -> list[str]:
         listed = " and ".join(f"{_named(key)} {value:g}" for key, value in scales.items())
         sentences.append(f"The filter is mistuned on purpose: {listed}, applied to standard deviations.")
     return sentences
-
-
-def _mixed(model: TriadModel) -> bool:
-    return model.bias_instability > 0.0 and (model.turn_on_bias > 0.0 or model.rate_random_walk > 0.0)
 
 
 def _named(key: str) -> str:

@@ -24,7 +24,7 @@ from nav_model.design import Design
 from nav_model.simulation.kalman import propagate, update
 from nav_model.simulation.result import STATES, SimulationResult, chi_square_band
 from nav_model.simulation.schedule import FIX, OUTPUT, plan
-from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
+from nav_model.simulation.single_run import POSTERIOR, coast, fly_without_errors
 from nav_model.simulation.specification import (
     SLOW_STATES,
     Aids,
@@ -41,7 +41,7 @@ from nav_model.simulation.tuning import believed_covariance, tuning_of
 FloatArray = NDArray[np.float64]
 
 CAUSES: Final = {
-    "biases": "the formula includes the residual biases, this covariance does not",
+    "biases": "the formula includes the tilt that cancels the residual accelerometer bias, this covariance does not",
     "fixes": "the filter's sawtooth between fixes, of which the formula gives the average [T-8]",
     "settling": "settling; the formula holds for steady state",
     "earth": "Schuler, Coriolis and transport terms, gravity with height, local gravity [T-17]",
@@ -84,10 +84,10 @@ class Departure:
 class Chain:
     """The covariances between closed form and filter as sigmas (outputs, 9), in the order of `STATES`.
 
-    bare: the closed form without residual biases. fixes: as long after the last fix, by a settled filter on a flat
-    Earth [T-8]. settling: the same filter from the study's start and through its outages. earth: the simulator's
-    filter with the design's white noises and slow GNSS error, flown straight and level. flight: the same along the
-    study's flight.
+    bare: the closed form without the tilt that cancels an accelerometer bias. fixes: as long after the last fix, by a
+    settled filter on a flat Earth [T-8]. settling: the same filter from the study's start and through its outages.
+    earth: the simulator's filter with the design's white noises and slow GNSS error, flown straight and level.
+    flight: the same along the study's flight.
     velocity: of one fix, that the closed form has, as `closed_velocity_noise`.
     """
 
@@ -118,8 +118,8 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
     plain = replace(
         spec,
         imu=ImuModel(
-            TriadModel(random_walk=imu.gyro.random_walk),
-            TriadModel(random_walk=imu.accelerometer.random_walk),
+            TriadModel(random_walk=imu.gyro.random_walk, residual_bias=imu.gyro.residual_bias),
+            TriadModel(random_walk=imu.accelerometer.random_walk, residual_bias=imu.accelerometer.residual_bias),
             imu.rate,
             imu.vibration_factor,
         ),
@@ -141,21 +141,30 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
     fixes, outputs = (np.flatnonzero(schedule.events & kind) for kind in (FIX, OUTPUT))
     last = np.concatenate([[0], fixes])[np.searchsorted(fixes, outputs, side="right")]
     longest = np.where(schedule.coast_s > 0.0, np.inf, gnss.interval)  # after an outage the next fix may be late
-    yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * schedule.outputs.time_s)
+    coasted = schedule.coast_s
+    b, d, g = imu.accelerometer.residual_bias, imu.gyro.residual_bias, x.g
+    (place_a, place_w), (speed_a, speed_w) = (
+        grown(b, d, g, coasted) for grown in (growth.bias_position, growth.bias_velocity)
+    )
+    yaw = np.sqrt(spec.initial.yaw**2 + x.sigma_w**2 * schedule.outputs.time_s + (d * coasted) ** 2)
     flat = []
     since_fix = np.minimum((outputs - last) / imu.rate, longest)
-    model, coasting = RealTime(x), schedule.coast_s > 0.0
+    model, coasting = RealTime(x), coasted > 0.0
     average, posterior = model.at_last_fix, model.cycle.posterior
     horizontal, vertical = (
         [np.where(coasting, after, mean) for after, mean in zip(last, settled, strict=True)]
         for last, settled in zip(posterior, average, strict=True)
     )
     by_formula = Sawtooth(Horizontal(*horizontal), Vertical(*vertical))
-    for start, time_s in ((by_formula, schedule.coast_s), (posterior, since_fix)):
+    for start, time_s in ((by_formula, coasted), (posterior, since_fix)):
         level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time_s)
         upright = growth.vertical_growth(start.vertical, x.sigma_a, time_s)
-        variances = [*(level.position,) * 2, upright.position, *(level.velocity,) * 2, upright.velocity]
-        flat.append(np.stack([*map(np.sqrt, (*variances, level.tilt, level.tilt)), yaw], axis=1))
+        place, speed = level.position + place_a**2 + place_w**2, level.velocity + speed_a**2 + speed_w**2
+        down = [upright.position + place_a**2, upright.velocity + speed_a**2]
+        tilt = level.tilt + (d * coasted) ** 2
+        flat.append(
+            np.stack([*map(np.sqrt, (place, place, down[0], speed, speed, down[1], tilt, tilt)), yaw], axis=1)
+        )
     earth, flight = (
         fly_without_errors(s).filter_sigma[POSTERIOR, :, :9]
         for s in (replace(plain, trajectory=_straight(spec)), plain)
@@ -165,7 +174,8 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
 
 def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
     """Sigmas (outputs, 9) just after the fix of the filter on a flat Earth, from the study's start. [T-1]"""
-    imu, gnss, events, tuning = spec.imu, spec.gnss, plan(spec).events, tuning_of(spec)
+    imu, gnss, schedule, tuning = spec.imu, spec.gnss, plan(spec), tuning_of(spec)
+    events = schedule.events
     accelerometer, gyro = (triad.random_walk * imu.vibration_factor for triad in (imu.accelerometer, imu.gyro))
     noises = [*gnss.axis_noise, *gnss.axis_velocity_noise]
     covariance, states = believed_covariance(spec), spec.filter.states
@@ -175,13 +185,24 @@ def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
         seen[axis, state] = tuning.slow_sigma[axis]
     dynamics[range(3), range(3, 6)] = 1.0
     dynamics[3, 7], dynamics[4, 6] = gravity, -gravity
-    sigmas, before = [], 0
+    sigmas, before, unabsorbed = [], 0, np.zeros((6, 9))
     for sample in np.flatnonzero(events & (FIX | OUTPUT)).tolist():
         elapsed = (sample - before) / imu.rate
         propagate(covariance, dynamics, force, elapsed, accelerometer, gyro, tuning.decay_rate, tuning.drive, work)
+        if schedule.unaided[sample]:
+            coast(
+                covariance,
+                unabsorbed,
+                work[0],
+                dynamics,
+                elapsed,
+                tuning.residual_accelerometer,
+                tuning.residual_gyro,
+            )
         before = sample
         for state, noise in enumerate(noises if events[sample] & FIX else ()):
             update(covariance, seen[state], 0.0, noise**2, np.zeros(states), work)
+            unabsorbed[:] = 0.0
         if events[sample] & OUTPUT:
             sigmas.append(np.sqrt(np.diagonal(covariance)[:9]))
     return np.stack(sigmas)
@@ -280,7 +301,7 @@ def cause_in_words(key: str, spec: SimulationSpec, velocity: float | None) -> st
 def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str]:
     """Inputs that the filter models and the closed form does not."""
     gyro, accelerometer, tuning = spec.imu.gyro, spec.imu.accelerometer, spec.filter
-    moving = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
+    moving = gyro.biased or accelerometer.biased
     cases = (
         (
             tuning.inertial > 9 and moving,
@@ -304,7 +325,7 @@ def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str
 def unmodelled(spec: SimulationSpec) -> list[str]:
     """Inputs that are simulated but not modelled by the filter, or modelled differently."""
     triads, tuning = (spec.imu.gyro, spec.imu.accelerometer), spec.filter
-    biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in triads)
+    biased = any(m.biased for m in triads)
     cases = (
         (tuning.inertial == 9 and biased, f"biases, which {tuning.states} states do not include"),
         (not tuning.slow and any(spec.gnss.axis_markov_noise), "the slow GNSS error"),

@@ -59,19 +59,19 @@ def specification(
 ) -> SimulationSpec:
     """The study of a design.
 
-    The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases as
-    turn-on biases: constant through a run, drawn anew for each. GNSS takes the fix noise, horizontal and
-    vertical, the interval, the velocity noise, and the slow error where it is switched on; a velocity noise in `more`
-    holds for all axes. Two antennas, barometer, errors of lever arm and time, the bank that loses fixes and what
-    follows a loss are those of the design's section [trajectory]. The flight starts at the design's latitude,
-    altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas [T-3] on all axes,
-    position with the slow error of the fixes where the filter knows it, so that little time is spent settling; yaw
-    starts at 0.1°.
+    The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases, that of
+    vibration among them: drawn for each run, they act from the last fix on while no fix comes. GNSS takes the fix
+    noise, horizontal and vertical, the interval, the velocity noise, and the slow error where it is switched on; a
+    velocity noise in `more` holds for all axes. Two antennas, barometer, errors of lever arm and time, the bank that
+    loses fixes and what follows a loss are those of the design's section [trajectory]. The flight starts at the
+    design's latitude, altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas
+    [T-3] on all axes, position with the slow error of the fixes where the filter knows it, so that little time is
+    spent settling; yaw starts at 0.1°.
 
     trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as a file gives.
     duration, outages, every: s. states: of the filter, as `FILTER_STATES` has them; 0 for one that knows what the
-    design declares: 9, or 15 where a bias, constant or varying, is not zero, and 3 more for a slow GNSS error. more:
-    sensor errors, receiver and tuning beyond the design.
+    design and `more` declare: 9; 15 where a sensor has a bias, constant or varying; 21 where one has both; and 3 more
+    for a slow GNSS error. more: sensor errors, receiver and tuning beyond the design.
 
     Raises InputError naming the key of the design, or the option, that cannot be flown.
     """
@@ -84,8 +84,9 @@ def specification(
         raise InputError("outage", f"{late[0]:g} s is after the flight, which ends at {duration:g} s.", late[0])
     slow = inputs_of(design).slow
     gyro = more.triad("gyro", imu.angle_random_walk, imu.gyro_bias)
-    accelerometer = more.triad("accelerometer", imu.velocity_random_walk, imu.accelerometer_bias)
-    biased = any(m.turn_on_bias or m.bias_instability or m.rate_random_walk for m in (gyro, accelerometer))
+    accelerometer = more.triad("accelerometer", imu.velocity_random_walk, float(inputs_of(design).bias))
+    triads = gyro, accelerometer
+    inertial = 21 if any(m.mixed for m in triads) else 15 if any(m.biased for m in triads) else 9
     return SimulationSpec(
         imu=ImuModel(
             gyro=gyro,
@@ -110,7 +111,7 @@ def specification(
         ),
         aiding=Aids(section.heading_noise, section.barometer_noise),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
-        filter=more.filter(states or (15 if biased else 9) + (SLOW_STATES if slow else 0)),
+        filter=more.filter(states or inertial + (SLOW_STATES if slow else 0)),
         initial=InitialSigma(
             position=settled["horizontal_position"],
             velocity=settled["horizontal_velocity"],
@@ -157,7 +158,7 @@ class DesignClosedForm:
     initial_yaw: sigma at the start [rad].
     Called with (coast_s, elapsed_s), both (outputs,), it gives the sigmas (outputs, 9) of `result.STATES`:
     [T-3], [T-4] where fixes come, with what a slow GNSS error adds [T-8]; [T-9], [T-10] in an outage, from the
-    covariance just after its last fix. Residual biases in quadrature; yaw [T-5].
+    covariance just after its last fix. Residual biases in quadrature; yaw [T-5], and in an outage the gyro's.
     """
 
     design: Design
@@ -176,8 +177,9 @@ class DesignClosedForm:
                 ("tilt", coast.tilt),
             )
         )
-        density = self.design.imu.angle_random_walk * self.design.imu.vibration_factor
-        yaw = np.sqrt(self.initial_yaw**2 + yaw_variance(density, elapsed_s))
+        imu = self.design.imu
+        density, drift = imu.angle_random_walk * imu.vibration_factor, imu.gyro_bias * coast_s
+        yaw = np.sqrt(self.initial_yaw**2 + yaw_variance(density, elapsed_s) + drift**2)
         sigmas: FloatArray = np.stack([level, level, upright, speed, speed, sink, tilt, tilt, yaw], axis=1)
         return sigmas
 

@@ -34,7 +34,8 @@ FloatArray = NDArray[np.float64]
 class FilterTuning(NamedTuple):
     """What the filter assumes: white densities of the IMU; variance of one sample's rate [rad^2/s^2], which acts on
     the lever arm; decay [1/s] and drive of its states beyond the first nine; sigma of the slow error of the fixes (3)
-    [m], which has states where the filter knows it."""
+    [m], which has states where the filter knows it; and of the residual biases [m/s²], [rad/s], which act while no
+    fix comes."""
 
     accelerometer_density: float
     gyro_density: float
@@ -42,6 +43,8 @@ class FilterTuning(NamedTuple):
     decay_rate: FloatArray
     drive: FloatArray
     slow_sigma: FloatArray
+    residual_accelerometer: float
+    residual_gyro: float
 
 
 def reported(truth: TruthStates, noise: FloatArray, arm: FloatArray) -> FloatArray:

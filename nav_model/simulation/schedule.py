@@ -25,7 +25,8 @@ class Schedule:
 
     fix_noise: (fixes, MEASURED), as `fix_noise` gives it. error_map: (outputs, 3, 3), filter's attitude error to
     roll, pitch and yaw error.
-    coast_s: time since the start of the outage an output falls in, 0 outside outages.
+    coast_s: time since the start of the outage an output falls in, 0 outside outages. unaided: time since the last
+    fix of a position at each sample (`steps` + 1) [s], 0 where the next one comes in time.
     """
 
     events: NDArray[np.uint8]
@@ -35,6 +36,7 @@ class Schedule:
     fix_noise: FloatArray
     error_map: FloatArray
     coast_s: FloatArray
+    unaided: FloatArray
 
 
 def samples_at_multiples(interval: float, spec: SimulationSpec) -> NDArray[np.int64]:
@@ -115,7 +117,20 @@ def _plan(spec: SimulationSpec) -> Schedule:
         fix_noise=noise,
         error_map=euler_error_map(truth.euler[:, 1], truth.euler[:, 2]),
         coast_s=in_outage(spec, outputs / rate)[1],
+        unaided=since_last(fixes[np.isfinite(noise[:, POSITION])] / rate, np.arange(spec.steps + 1) / rate, spec),
     )
+
+
+def since_last(fixes: FloatArray, time_s: FloatArray, spec: SimulationSpec) -> FloatArray:
+    """Time since the last of some `fixes` [s] at each time of a flight, 0 where the next comes within an interval.
+
+    The flight begins with a fix. At a fix after a longer time it is that time.
+    """
+    ends = np.concatenate([[0.0], fixes, [np.inf]])
+    after = np.maximum(np.searchsorted(ends, time_s - 0.5 / spec.imu.rate), 1)
+    gap = np.minimum(ends[after], spec.duration) - ends[after - 1]
+    longest = spec.gnss.interval + 1.0 / spec.imu.rate
+    return np.asarray(np.where(gap > longest, time_s - ends[after - 1], 0.0))
 
 
 def plan(spec: SimulationSpec) -> Schedule:

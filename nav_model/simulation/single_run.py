@@ -123,6 +123,55 @@ def _write(
         error[ATTITUDE + i], variance[ATTITUDE + i] = angle, spread
 
 
+@part
+def coast(
+    covariance: FloatArray,
+    unabsorbed: FloatArray,
+    phi: FloatArray,
+    dynamics: FloatArray,
+    dt: float,
+    accelerometer: float,
+    gyro: float,
+) -> None:
+    """Residual biases over a step of `dt` s without a fix, in a covariance that has been propagated.
+
+    Parameters
+    ----------
+    covariance : array (n, n)
+        Changed: of the error after the step.
+    unabsorbed : array (6, 9)
+        Changed: what one sigma of each bias, accelerometers then gyros, has made of the first nine states.
+    phi, dynamics : arrays (n, n), (9, n)
+        Transition of the step, and F.
+    dt : float
+        s.
+    accelerometer, gyro : float
+        Residual biases, 1 sigma [m/s²], [rad/s].
+    """
+    drive, moved = np.empty(BIASES), np.empty(BIASES)
+    for channel in range(TRIADS):
+        axis, made = channel % 3, unabsorbed[channel]
+        # b t of velocity and b t²/2 of position; d t of attitude, which tilts the specific force.
+        for i in range(BIASES):
+            drive[i] = 0.0
+        if channel < GYRO:
+            drive[VELOCITY + axis], drive[POSITION + axis] = accelerometer * dt, accelerometer * dt * dt / 2.0
+        else:
+            drive[ATTITUDE + axis] = gyro * dt
+            for i in range(3):
+                jerk = gyro * dynamics[VELOCITY + i, ATTITUDE + axis]
+                drive[VELOCITY + i], drive[POSITION + i] = jerk * dt * dt / 2.0, jerk * dt * dt * dt / 6.0
+        for i in range(BIASES):
+            moved[i] = 0.0
+            for j in range(BIASES):
+                moved[i] += phi[i, j] * made[j]
+        for i in range(BIASES):
+            for j in range(BIASES):
+                covariance[i, j] += moved[i] * drive[j] + drive[i] * moved[j] + drive[i] * drive[j]
+        for i in range(BIASES):
+            made[i] = moved[i] + drive[i]
+
+
 @kernel
 def _advance_run(
     state: FloatArray,
@@ -132,6 +181,7 @@ def _advance_run(
     increments: FloatArray,
     dt: float,
     events: NDArray[np.uint8],
+    unaided: FloatArray,
     gyro: Triad,
     accelerometer: Triad,
     imu_noise: np.random.Generator,
@@ -154,6 +204,7 @@ def _advance_run(
     # Samples in turn; then vectors of working space.
     window, scratch, force, rate = np.zeros((3, 6)), np.empty(6), np.zeros(3), np.empty(3)
     estimate, state_error, bias_error = np.zeros(n), np.empty(inertial), np.empty(len(bias))
+    unabsorbed = np.zeros((TRIADS, BIASES))
     quaternion = state[QUATERNION : QUATERNION + 4]
     write_matrix(quaternion, matrix)
     # Not a literal 0, for which Numba would compile what takes these indices a second time.
@@ -199,6 +250,16 @@ def _advance_run(
                 tuning.drive,
                 work,
             )
+            if unaided[k] > 0.0:
+                coast(
+                    covariance,
+                    unabsorbed,
+                    work[0],
+                    dynamics,
+                    elapsed,
+                    tuning.residual_accelerometer,
+                    tuning.residual_gyro,
+                )
             for i in range(3):
                 force[i] = 0.0
             for i in range(inertial - BIASES):
@@ -226,6 +287,11 @@ def _advance_run(
                 )
                 correct(state, bias, slow, estimate)
                 write_matrix(quaternion, matrix)
+                # What residual biases had made is estimated now; a barometer alone shows the vertical one.
+                all_axes = math.isfinite(believed[fix, POSITION])
+                for i in range(TRIADS):
+                    for j in range(BIASES):
+                        unabsorbed[i, j] *= 0.0 if all_axes or i == ACCELEROMETER + 2 else 1.0
                 fix += 1
             # A filter with one state for the bias of a sensor estimates the sum of its constant and its varying part.
             if events[k] & OUTPUT:
@@ -264,6 +330,10 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     start_noise, imu_noise, gnss_noise = (np.random.Generator(np.random.PCG64(s)) for s in sequence.spawn(3))
     gyro = draw_triad(imu.gyro, imu.rate, imu.vibration_factor, start_noise)
     accelerometer = draw_triad(imu.accelerometer, imu.rate, imu.vibration_factor, start_noise)
+    increments, residual = schedule.increments, (imu.accelerometer.residual_bias, imu.gyro.residual_bias)
+    if any(residual):
+        acting = np.concatenate([[0.0], schedule.unaided > 0.0]) / imu.rate
+        increments = increments + acting[:, None] * np.repeat(residual, 3) * start_noise.standard_normal(6)
     sigma = initial_sigma(spec)
     draw = sigma[:9] * start_noise.standard_normal(9) * (1.0 if noisy else 0.0)
     bias = np.zeros(12)
@@ -287,9 +357,10 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         bias,
         slow,
         believed_covariance(spec),
-        schedule.increments,
+        increments,
         1.0 / imu.rate,
         schedule.events,
+        schedule.unaided,
         gyro,
         accelerometer,
         imu_noise,

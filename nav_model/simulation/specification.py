@@ -83,6 +83,7 @@ class TriadModel:
     rate_random_walk: density of the white noise that drives a random walk of the output [unit / sqrt(s)].
     scale_factor, misalignment: drawn once per run, each axis [-], each of the six small angles [rad].
     quantization: size of one count of the integrated output (angle rad, velocity m/s); 0 for none.
+    residual_bias: what the filter has not absorbed at the last fix [unit]; it acts from there on while no fix comes.
     """
 
     random_walk: float = 0.0
@@ -93,10 +94,21 @@ class TriadModel:
     scale_factor: float = 0.0
     misalignment: float = 0.0
     quantization: float = 0.0
+    residual_bias: float = 0.0
 
     def __post_init__(self) -> None:
         others = tuple(f.name for f in fields(self) if f.name != "correlation_time")
         _check(self, positive=("correlation_time",), non_negative=others)
+
+    @property
+    def biased(self) -> bool:
+        """Whether it has a bias that a filter estimates, constant or varying."""
+        return bool(self.turn_on_bias or self.bias_instability or self.rate_random_walk)
+
+    @property
+    def mixed(self) -> bool:
+        """Whether it has a Gauss-Markov bias and another, of which one state holds the sum as a random walk alone."""
+        return bool(self.bias_instability and (self.turn_on_bias or self.rate_random_walk))
 
 
 @dataclass(frozen=True)

@@ -35,12 +35,18 @@ def _correlation_time() -> Any:
     return _input(_TRIAD.correlation_time, "time", "s", (1e-3, 1e9), "Correlation time", doc)
 
 
+_TURN_ON = (
+    "Constant through a flight, 1σ per axis, drawn for each run. The filter estimates it, unlike the residual bias."
+)
+
+
 class Gyro(Part):
     """Gyroscope errors in addition to the white noise and the residual bias of the design."""
 
     section = "gyro"
     title = "Gyros"
 
+    turn_on_bias = _nothing("angular rate", "°/h", 1e5 * DEGREE_PER_HOUR, "Turn-on bias", _TURN_ON)
     bias_instability = _nothing(
         "angular rate",
         "°/h",
@@ -67,6 +73,7 @@ class Accelerometer(Part):
     section = "accelerometer"
     title = "Accelerometers"
 
+    turn_on_bias = _nothing("acceleration", "mg", 1000 * MILLI_G, "Turn-on bias", _TURN_ON)
     bias_instability = _nothing(
         "acceleration",
         "mg",
@@ -163,9 +170,9 @@ class SimulationInputs:
             if prefix == section:
                 yield name, value
 
-    def triad(self, section: str, random_walk: float, turn_on_bias: float) -> TriadModel:
+    def triad(self, section: str, random_walk: float, residual_bias: float) -> TriadModel:
         """The triad "gyro" or "accelerometer" with the design's noise and bias and what is added to them."""
-        return TriadModel(random_walk=random_walk, turn_on_bias=turn_on_bias, **dict(self._section(section)))
+        return TriadModel(random_walk=random_walk, residual_bias=residual_bias, **dict(self._section(section)))
 
     def lever_arm(self) -> tuple[float, float, float]:
         """Antenna from the IMU, forward, right, down [m]."""

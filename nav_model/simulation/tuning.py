@@ -41,6 +41,8 @@ def tuning_of(spec: SimulationSpec) -> FilterTuning:
         decay_rate=decay,
         drive=drive,
         slow_sigma=np.array(gnss.axis_markov_noise),
+        residual_accelerometer=spec.imu.accelerometer.residual_bias,
+        residual_gyro=spec.imu.gyro.residual_bias,
     )
 
 

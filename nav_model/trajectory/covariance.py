@@ -25,12 +25,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-from nav_model.trajectory import aperture
+from nav_model.simulation.layout import BIASES
+from nav_model.trajectory import aperture, residual
 from nav_model.trajectory.aperture import COLUMNS, Apertures, apertures_of
 from nav_model.trajectory.composition import all_sources, processed
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import along, judge
+from nav_model.trajectory.residual import since_fix
 from nav_model.trajectory.result import LineResult, Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.start import settled_start
@@ -116,6 +118,7 @@ def _followed(
     variances, judged, of_images, squares = _forward(model, run, apertures, states, images, path, moment)
     figures = {}
     for name, image in zip(processings, of_images, strict=True):
+        _put_residual_biases(spec, model, apertures, name, (variances, judged), image, squares)
         rest, place = free_rest[:, None], int(name == POST_PROCESSED)
         if place and len(path.rows):
             whole = aperture.mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
@@ -379,6 +382,41 @@ def _forward(
     if moment == "closed":
         judged /= 2.0
     return (free, smooth[:, :count]), (judged, smooth[:, -count:]), of_images, squares
+
+
+def _put_residual_biases(
+    spec: CovarianceSpec,
+    model: ErrorModel,
+    apertures: Apertures,
+    processing: str,
+    variances: tuple[Sequence[FloatArray], Sequence[FloatArray]],
+    image: FloatArray,
+    squares: FloatArray,
+) -> None:
+    """Put what residual biases make in place of what their sources have, but for the heading. [S-5]
+
+    Parameters
+    ----------
+    variances : pair
+        Of states at the outputs, and of those that are judged, each (sources, outputs, 9) by processing. Changed.
+    image : array (sources, apertures, COLUMNS)
+        Variances of the sums of the apertures. Changed.
+    squares : array (sources, nodes, 3, 6)
+        Covariances of the smoothed path, of which they have none. Changed.
+    """
+    x, interval, smoothed = spec.inputs, spec.study.gnss.interval, processing == POST_PROCESSED
+    fixes, place = model.time_s[model.of_position], {name: n for n, name in enumerate(model.states.sources)}
+    since = since_fix(fixes, model.time_s[model.outputs], interval)
+    for source, made in residual.of_states(x, since, smoothed=smoothed).items():
+        for by_processing in variances:
+            by_processing[smoothed][place[source], :, : BIASES - 1] = made
+        squares[place[source]] = 0.0
+    nodes = np.minimum(apertures.first[:, None] + np.arange(apertures.weights.shape[1]), len(model.time_s) - 1)
+    ends = np.concatenate([[0.0], fixes])
+    last = ends[np.searchsorted(ends, apertures.begin + 1e-6, side="right") - 1]
+    after = model.time_s[nodes] - last[:, None]
+    for source, made in residual.of_images(x, after, apertures.weights).items():
+        image[place[source]] = 0.0 if smoothed else made
 
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:

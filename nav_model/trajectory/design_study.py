@@ -1,6 +1,5 @@
 """The covariance along a flight of a design: its plan, its aperture, its limits."""
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
@@ -114,10 +113,6 @@ def covariance_specification(
         limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     x = inputs_of(design)
-    if x.rectified is not None:  # a bias that vibration makes is one more of the accelerometers
-        meters = study.imu.accelerometer
-        whole = replace(meters, turn_on_bias=math.hypot(meters.turn_on_bias, float(x.rectified)))
-        study = replace(study, imu=replace(study.imu, accelerometer=whole))
     on_flight, elsewhere = _divided(design)
     return CovarianceSpec(
         study,

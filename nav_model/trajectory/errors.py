@@ -34,6 +34,7 @@ from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.trajectory import QuinticPath, plan_trajectory
 from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
 from nav_model.simulation.tuning import tuning_of
+from nav_model.trajectory.residual import HEADING_DRIFT, residual_biases
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, States, states_of
 
@@ -60,7 +61,8 @@ class ErrorModel:
     factors (k - 1, drives, 12, 9): their square is the covariance of what a process noise adds in a step to the first
     nine states and to the three that it drives, where those are further ones. filter_noise (k - 1, m, m): as the
     filter assumes it. rows (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's
-    variance (k, r) and the true ones (k, measuring, r) of the sources in `measuring`.
+    variance (k, r) and the true ones (k, measuring, r) of the sources in `measuring`; is_fix (k): whether there is
+    one, and of_position (k): one that measures the position.
     """
 
     states: States
@@ -81,6 +83,7 @@ class ErrorModel:
     noise: FloatArray
     measuring: NDArray[np.int64]
     is_fix: NDArray[np.bool_]
+    of_position: NDArray[np.bool_]
 
 
 def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorModel:
@@ -89,7 +92,8 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
     Raises InputError where the flight cannot be flown, as `plan_trajectory`, or takes more steps.
     """
     study = spec.study
-    trajectory, states = plan_trajectory(study.trajectory, study.duration), states_of(study)
+    trajectory = plan_trajectory(study.trajectory, study.duration)
+    states = states_of(study, residual_biases(spec.inputs))
     scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
     wanted = output_samples(study) / study.imu.rate
     anchors = np.union1d(scheduled, wanted)
@@ -221,7 +225,10 @@ def _dynamics(trajectory: QuinticPath, time_s: FloatArray, states: States) -> Fl
     for k in range(len(middle)):
         state[LATITUDE : HEIGHT + 1], state[VELOCITY : VELOCITY + 3] = now.position[k], now.velocity[k]
         error_dynamics(state, force[k], now.matrix[k], dynamics[k])
-    return _of_all_states(dynamics, sensed, states)
+    extended = _of_all_states(dynamics, sensed, states)
+    if (place := states.first.get(HEADING_DRIFT)) is not None:
+        extended[:, ATTITUDE + 2, place] = 1.0
+    return extended
 
 
 def _of_all_states(rows: FloatArray, sensed: FloatArray, states: States) -> FloatArray:
@@ -316,4 +323,5 @@ def measurements(
         "noise": noise[:, measuring][:, :, used],
         "measuring": measuring,
         "is_fix": there.any(axis=1),
+        "of_position": there[:, POSITION],
     }

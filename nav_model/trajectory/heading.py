@@ -22,7 +22,8 @@ def heading_of(spec: CovarianceSpec, truth: TruthStates, sigma: FloatArray) -> H
     """
     gyro, gnss, time_s = spec.study.imu.gyro, spec.study.gnss, truth.time_s
     density = gyro.random_walk * spec.study.imu.vibration_factor
-    alone = np.sqrt(spec.study.initial.yaw**2 + density**2 * time_s + (gyro.turn_on_bias * time_s) ** 2)
+    drift = math.hypot(gyro.turn_on_bias, float(spec.inputs.bias_w))
+    alone = np.sqrt(spec.study.initial.yaw**2 + density**2 * time_s + (drift * time_s) ** 2)
     seen = np.flatnonzero(sigma < _OBSERVED * alone)
     course = np.unwrap(np.arctan2(truth.velocity[:, 1], truth.velocity[:, 0]))
     turning = np.abs(np.gradient(course, time_s)) > _TURN

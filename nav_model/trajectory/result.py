@@ -192,11 +192,6 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
             "The budget's filter knows the slow GNSS error, this one does not.",
         ),
         (
-            real_time and x.bias > 0,
-            "The budget counts the residual accelerometer bias in full in real time, as after a turn of 60°. On a "
-            "straight line the filter cancels it by a tilt.",
-        ),
-        (
             x.before_aperture > 0,
             f"The budget's {float(x.before_aperture):g} s without fixes before the aperture are flown only where the "
             "flight has such an outage.",

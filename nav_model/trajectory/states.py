@@ -13,10 +13,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.shares import ACCELEROMETER_NOISE, GNSS_NOISE, GNSS_VELOCITY, GYRO_NOISE, SLOW_GNSS
+from nav_model.budget.shares import (
+    ACCELEROMETER_NOISE,
+    GNSS_NOISE,
+    GNSS_VELOCITY,
+    GYRO_BIAS,
+    GYRO_NOISE,
+    SLOW_GNSS,
+)
 from nav_model.simulation.layout import ATTITUDE, BAROMETER, BIASES, HEADING, POSITION, VELOCITY
 from nav_model.simulation.specification import SimulationSpec, TriadModel
 from nav_model.simulation.tuning import believed_covariance, initial_sigma, tuning_of
+from nav_model.trajectory.residual import HEADING_DRIFT
 
 FloatArray = NDArray[np.float64]
 MEASURED_BY: Mapping[str, slice] = {
@@ -85,8 +93,9 @@ def short_as_white(study: SimulationSpec) -> SimulationSpec:
     return replace(study, imu=imu)
 
 
-def states_of(study: SimulationSpec) -> States:
-    """The states and sources of a study."""
+def states_of(study: SimulationSpec, residual: Mapping[str, float]) -> States:
+    """The states and sources of a study, with sources for its `residual` biases, of which only the vertical gyro's
+    has a state."""
     imu, gnss, aiding = study.imu, study.gnss, study.aiding
     triads = (("accelerometer", imu.accelerometer), ("gyro", imu.gyro))
     inertial, size = study.filter.inertial, study.filter.states
@@ -124,10 +133,13 @@ def states_of(study: SimulationSpec) -> States:
     constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
     constant += [(RADAR_TIME, 1, study.radar_time_offset)]
     for name, model in triads:
-        constant += [(f"{name} bias", 3, model.turn_on_bias), (f"{name} scale factor", 3, model.scale_factor)]
-        constant += [(f"{name} misalignment", 6, model.misalignment)]
+        add(f"{name} bias", f"{name} turn-on bias", 3, model.turn_on_bias)
+        constant += [(f"{name} scale factor", 3, model.scale_factor), (f"{name} misalignment", 6, model.misalignment)]
     for name, count, size_of_one in constant:
         add(name, name, count, size_of_one)
+    for name in residual:
+        sources.setdefault(name, len(sources))
+    add(HEADING_DRIFT, GYRO_BIAS, 1, residual.get(GYRO_BIAS, 0.0))
     names = [*["initial position and velocity"] * 6, *["initial tilt"] * 2, "initial heading"]
     for state, (name, start) in enumerate(zip(names, initial_sigma(study)[:BIASES], strict=True)):
         put(name, state, 1, float(start))

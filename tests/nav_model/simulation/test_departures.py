@@ -102,7 +102,7 @@ def test_a_plain_study_parts_only_where_the_earth_makes_it() -> None:
 @pytest.mark.parametrize(
     ("changes", "options", "added", "cause", "words"),
     [
-        ({"imu.accelerometer_bias": 5e-3}, {}, {}, "biases", "residual biases"),
+        ({"imu.accelerometer_bias": 5e-3}, {}, {}, "biases", "the residual accelerometer bias"),
         ({"gnss.interval": 5.0, "gnss.position_noise": 5**-0.5}, {}, {}, "fixes", "sawtooth"),
         ({}, {"outages": [(100, 160), (200, 300)]}, {}, "settling", "settling; the formula holds for steady state"),
         ({}, {"trajectory": "turns"}, {}, "flight", "turns, climbs or wander"),

@@ -55,9 +55,9 @@ def test_every_input_reaches_its_place() -> None:
         design, trajectory="climb", runs=7, seed=9, duration=250, outages=[(100, 150)], every=2, states=15
     )
     assert spec.imu.gyro.random_walk == math.radians(0.2) / 60
-    assert spec.imu.gyro.turn_on_bias == 3 * DPH
+    assert (spec.imu.gyro.residual_bias, spec.imu.gyro.turn_on_bias) == (3 * DPH, 0.0)
     assert spec.imu.accelerometer.random_walk == 0.06 / 60
-    assert spec.imu.accelerometer.turn_on_bias == 2e-3
+    assert (spec.imu.accelerometer.residual_bias, spec.imu.accelerometer.turn_on_bias) == (2e-3, 0.0)
     assert (spec.imu.rate, spec.imu.vibration_factor) == (200.0, 4.0)
     assert spec.gnss.axis_noise == (0.5, 0.5, 0.8)
     assert (spec.gnss.interval, spec.gnss.markov_time) == (0.2, 77.0)
@@ -202,7 +202,7 @@ def test_conditions_say_what_differs() -> None:
     assert "9.80665" in plain
     assert "bias" not in plain
     assert "slow" not in plain
-    assert "9 states does not estimate them" in words(imu__gyro_bias=DPH)
+    assert "act from the last fix on while no fix comes" in words(imu__gyro_bias=DPH)
     assert "slow GNSS error" in words(gnss__correlated=True)
     assert "No run" not in plain
     noise = tuple((at, 1e-9 / at, "phase noise") for at in (1.0, 9.0))
@@ -213,9 +213,45 @@ def test_conditions_say_what_differs() -> None:
     assert "The flight comes from the file" in conditions(PAPER, filed)[0]
 
 
-def test_the_filter_knows_the_biases_of_the_design_unless_told_otherwise() -> None:
-    walking = read_study_inputs({"gyro.bias_instability": "1 °/h"})
-    assert specification(PAPER).filter.states == 9
-    assert specification(PAPER.replace({"imu.accelerometer_bias": 1e-3})).filter.states == 15
-    assert specification(PAPER, more=walking).filter.states == 15
-    assert specification(PAPER, more=walking, states=9).filter.states == 9
+def test_the_filter_knows_the_biases_of_the_study_unless_told_otherwise() -> None:
+    def states(given: int = 0, **texts: str) -> int:
+        more = read_study_inputs({key.replace("__", "."): text for key, text in texts.items()})
+        return specification(PAPER.replace({"imu.accelerometer_bias": 1e-3}), more=more, states=given).filter.states
+
+    walking = {"gyro__bias_instability": "1 °/h"}
+    assert states() == 9  # what is left over at the last fix has no state
+    assert states(accelerometer__turn_on_bias="1 mg") == 15
+    assert states(**walking) == 15
+    assert states(**walking, accelerometer__turn_on_bias="1 mg") == 15  # one kind of each sensor
+    assert states(**walking, gyro__turn_on_bias="1 °/h") == 21
+    assert states(9, **walking) == 9
+
+
+def test_a_residual_bias_acts_from_the_last_fix_of_an_outage_on() -> None:
+    """b t²/2 and b t, g d t³/6, g d t²/2 and d t beside 1 cm fixes and an IMU that is all but perfect; the filter
+    expects it, and knows the place again two fixes later."""
+    b, d, t = 5e-3, 20 * DPH, 60.0
+    design = PAPER.replace(
+        {
+            "imu.velocity_random_walk": 1e-6,
+            "imu.angle_random_walk": 1e-8,
+            "imu.accelerometer_bias": b,
+            "imu.gyro_bias": d,
+            "gnss.position_noise": 0.01,
+        }
+    )
+    spec = specification(design, trajectory="straight", duration=170.0, outages=[(100, 160)], runs=200)
+    g, filter_sigma = design.flight.gravity, fly_without_errors(spec).filter_sigma[POSTERIOR]
+    assert filter_sigma[100, :3] == pytest.approx(0.0, abs=0.01)
+    result = simulate(spec)
+    for sigmas, bound in ((filter_sigma, 0.01), (result.rms[POSTERIOR], 4 / math.sqrt(2 * 200))):
+        place, speed = (math.hypot(b * t**2 / 2, g * d * t**3 / 6), math.hypot(b * t, g * d * t**2 / 2))
+        expected = [place, place, b * t**2 / 2, speed, speed, b * t, d * t, d * t]
+        assert sigmas[160, :8] == pytest.approx(expected, rel=bound)
+        assert sigmas[163, :3] == pytest.approx(0.0, abs=0.05)
+
+
+def test_vibration_acts_in_runs_by_the_bias_that_it_makes() -> None:
+    shaken = {"motion.lines": ((20.0, 9.81, "acceleration"),), "motion.rectification": 1e-5}
+    bias = specification(PAPER.replace(shaken)).imu.accelerometer.residual_bias
+    assert bias == pytest.approx(1e-5 * 9.81**2 / 2, rel=1e-9)

@@ -11,6 +11,7 @@ from nav_model.simulation.design_study import specification
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.result import chi_square_band
 from nav_model.simulation.single_run import POSTERIOR, PRIOR
+from nav_model.simulation.study_inputs import read_study_inputs
 
 MEMS = read_design("examples/mems_x_band.toml")
 RUNS, SETTLED = 100, 200.0
@@ -53,7 +54,8 @@ def test_the_filter_that_knows_the_slow_error_has_the_budgets_sigmas_and_is_cons
 def test_states_for_a_slow_error_are_those_of_the_design() -> None:
     slow = MEMS.replace({"gnss.correlated": True})
     assert specification(slow).filter.states == 12
-    assert specification(slow.replace({"imu.gyro_bias": 1e-6})).filter.states == 18
+    biased = read_study_inputs({"gyro.turn_on_bias": "0.2 °/h"})
+    assert specification(slow, more=biased).filter.states == 18
     assert specification(slow, states=9).filter.slow == 0
     with pytest.raises(
         InputError, match="states: 18 cannot be simulated; must be 9, 15 or 21 without a slow GNSS error"

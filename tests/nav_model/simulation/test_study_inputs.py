@@ -21,12 +21,14 @@ DPH = math.radians(1) / 3600
 PAPER = Design({"flight.speed": 50.0})
 # One value for every key, with what it is in SI computed by hand.
 EVERYTHING = {
+    "gyro.turn_on_bias": ("2 °/h", 2 * DPH),
     "gyro.bias_instability": ("25 °/h", 25 * DPH),
     "gyro.correlation_time": ("1000 s", 1000.0),
     "gyro.rate_random_walk": ("6 °/h/√h", 0.1 * DPH),
     "gyro.scale_factor": ("300 ppm", 3e-4),
     "gyro.misalignment": ("0.5 mrad", 5e-4),
     "gyro.quantization": ("1 arcsec", math.pi / 648_000),
+    "accelerometer.turn_on_bias": ("2 mg", 2 * 9.80665e-3),
     "accelerometer.bias_instability": ("0.6 mg", 0.6 * 9.80665e-3),
     "accelerometer.correlation_time": ("4 h", 14_400.0),
     "accelerometer.rate_random_walk": ("60 µg/√h", 9.80665e-6),
@@ -52,7 +54,7 @@ def test_every_input_is_read_with_its_unit_and_reaches_the_flight() -> None:
     spec = specification(PAPER.replace({"imu.gyro_bias": DPH}), states=15, more=more)
     gyro, accelerometer = spec.imu.gyro, spec.imu.accelerometer
     assert gyro.random_walk == pytest.approx(math.radians(0.5) / 60)
-    assert gyro.turn_on_bias == DPH
+    assert (gyro.residual_bias, gyro.turn_on_bias) == pytest.approx((DPH, 2 * DPH))
     assert gyro.bias_instability == pytest.approx(25 * DPH)
     assert gyro.quantization == pytest.approx(math.pi / 648_000)
     assert (accelerometer.correlation_time, accelerometer.misalignment) == pytest.approx((14_400.0, 2e-4))
@@ -73,7 +75,7 @@ def test_nothing_added_is_the_study_of_the_design_alone() -> None:
 @pytest.mark.parametrize(
     ("key", "text", "reason"),
     [
-        ("gyro.drift", "1 °/h", "unknown key; a study takes gyro.bias_instability"),
+        ("gyro.drift", "1 °/h", "unknown key; a study takes gyro.turn_on_bias"),
         ("gyro.bias_instability", "1 mg", "'mg' is not a unit of angular rate"),
         ("gyro.bias_instability", "-1 °/h", "The bias instability must be at least 0 °/h"),
         ("gyro.correlation_time", "0 s", "The correlation time must be at least 0.001 s"),
@@ -98,16 +100,16 @@ def test_changes_are_sorted_by_whose_they_are() -> None:
 
 
 def test_conditions_name_what_was_added_and_what_the_filter_cannot_hold() -> None:
-    def words(states: int = 15, design: Design = PAPER, **texts: str) -> str:
+    def words(**texts: str) -> str:
         more = read_study_inputs({key.replace("__", "."): text for key, text in texts.items()})
-        return " ".join(conditions(design, specification(design, states=states, more=more)))
+        return " ".join(conditions(PAPER, specification(PAPER, states=15, more=more)))
 
     alone = words(gyro__bias_instability="25 °/h", gyro__correlation_time="1000 s")
     assert "gyro bias instability 25 °/h, gyro correlation time 1000 s" in alone
     assert "no state for" not in alone
     assert "one state for the sum" not in alone  # a Gauss-Markov bias alone is the filter's own model
-    mixed = PAPER.replace({"imu.gyro_bias": DPH})
-    assert "The gyro bias is a Gauss-Markov process on top of" in words(design=mixed, gyro__bias_instability="25 °/h")
+    mixed = {"gyro__turn_on_bias": "1 °/h", "gyro__bias_instability": "25 °/h"}
+    assert "The gyro bias is a Gauss-Markov process on top of" in words(**mixed)
     assert "no state for scale factor errors, quantization" in words(
         gyro__scale_factor="100 ppm", accelerometer__quantization="1 mm/s"
     )

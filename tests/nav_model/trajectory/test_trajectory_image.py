@@ -12,7 +12,7 @@ from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import settling, specification
-from nav_model.simulation.study_inputs import SimulationInputs
+from nav_model.simulation.study_inputs import SimulationInputs, read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.aperture import apertures_of, directions
@@ -108,15 +108,14 @@ def test_random_designs(seed: int) -> None:
 
 
 def test_a_flight_begins_with_the_covariance_of_a_settled_filter() -> None:
-    """A bias of 0.5 mg and 15 states: the tilt is root of noise² + (b/g)² from the first moment, as in the budget."""
-    bias = 0.5e-3 * STANDARD_GRAVITY
-    with_bias, without = (BASES[0].replace({"imu.accelerometer_bias": value}) for value in (bias, 0.0))
+    """A turn-on bias of 0.5 mg: the tilt is root of noise² + (b/g)² from the first moment, as in the budget."""
 
-    def straight(design: Design) -> TrajectoryResult:
-        study = specification(design, trajectory="straight", duration=900.0, every=30.0, states=15)
-        return covariance(covariance_specification(design, study))
+    def straight(bias: str) -> TrajectoryResult:
+        more = read_study_inputs({"accelerometer.turn_on_bias": bias})
+        study = specification(BASES[0], trajectory="straight", duration=900.0, every=30.0, states=15, more=more)
+        return covariance(covariance_specification(BASES[0], study))
 
-    result, plain = straight(with_bias), straight(without)
+    result, plain = straight("0.5 mg"), straight("0 mg")
     np.testing.assert_allclose(result.real_time.attitude[:, :2], 0.000548, rtol=0.01)
     np.testing.assert_allclose(result.real_time.position[:, 2], 0.21, rtol=0.01)
     for name in ("quadratic_phase", "detrended_phase"):
@@ -124,7 +123,7 @@ def test_a_flight_begins_with_the_covariance_of_a_settled_filter() -> None:
         for first, second in ((result.real_time, plain.real_time), (result.post_processed, plain.post_processed)):
             np.testing.assert_allclose(first.figures[name][inside], second.figures[name][inside], rtol=0.002)
     tilt = dict(zip(result.sources, result.real_time.shares["tilt"][:, 0], strict=True))
-    assert tilt["accelerometer bias"] == pytest.approx((0.0005 / 0.000548) ** 2, rel=0.02)
+    assert tilt["accelerometer turn-on bias"] == pytest.approx((0.0005 / 0.000548) ** 2, rel=0.02)
 
 
 def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> None:
@@ -133,13 +132,15 @@ def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> 
     east = 1 / (6.38e6 * math.cos(math.radians(45.0)))
     start, legs = math.radians(45.0), ((0.0, 0.0), (6000 / 6.38e6, 0.0), (6000 / 6.38e6, 9000 * east))
     flight = fly(Plan(tuple(Waypoint(start + north, along, 3000.0) for north, along in legs), 60.0))
-    design = BASES[0].replace({"imu.accelerometer_bias": bias, "gnss.interval": 1.0})
+    design = BASES[0].replace({"gnss.interval": 1.0})
+    more = read_study_inputs({"accelerometer.turn_on_bias": "0.5 mg"})
     turn = [(85.0, math.floor(flight.duration) - 1.0)]
     study = specification(
-        design, trajectory=flight.trajectory, duration=math.floor(flight.duration), states=15, every=1.0, outages=turn
+        design, trajectory=flight.trajectory, duration=math.floor(flight.duration), every=1.0, outages=turn, more=more
     )
     result, x = covariance(covariance_specification(design, study)), inputs_of(design)
-    share = dict(zip(result.sources, result.real_time.shares["quadratic_phase"], strict=True))["accelerometer bias"]
+    shares = dict(zip(result.sources, result.real_time.shares["quadratic_phase"], strict=True))
+    share = shares["accelerometer turn-on bias"]
     time = result.time_s[np.argmax(np.abs(result.truth.velocity[:, 0]) < 0.01)]
     at = int(np.argmax(result.time_s > time + x.aperture))
     of_bias = np.sqrt(share[at]) * result.real_time.figures["quadratic_phase"][at]
