@@ -178,11 +178,21 @@ class Design:
         origins: Mapping[str, str] | None = None,
         entries: UserEntries | None = None,
     ) -> Design:
-        """The design that differs in `changes` (dotted keys, SI), and in its `entries` where that is given.
+        """The design with some inputs, or its entries, replaced.
 
-        `written` updates the units remembered, `origins` where values came from; a value that changes loses the
-        origin it had. Noise written as "1 cm + 1 ppm" follows the base line. Parts, units and origins in which
-        nothing changes are the same objects.
+        Parts, units and origins in which nothing changes are the same objects. Noise written as "1 cm + 1 ppm"
+        follows the base line.
+
+        Parameters
+        ----------
+        changes : mapping
+            Dotted key -> value, SI.
+        written : mapping, optional
+            Key -> unit to remember.
+        origins : mapping, optional
+            Key -> where the value came from; a value that changes loses the origin it had.
+        entries : UserEntries, optional
+            Contributors, limits and allocation.
 
         Raises
         ------

@@ -168,7 +168,16 @@ def read_contributors(tables: Any) -> tuple[Contributor, ...]:
 def read_records(
     kind: str, tables: Any, keys: Collection[str], needed: Iterable[str]
 ) -> Iterator[tuple[str, dict[str, str]]]:
-    """Of each table ``[[kind]]`` of a design file how messages name it, and its texts; up to one more than `MOST`.
+    """Name in messages, and texts, of each table ``[[kind]]`` of a design file; up to one more than `MOST`.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the tables.
+    tables : object
+        As the parser gives them.
+    keys, needed : collection of str, iterable of str
+        Keys that a table may have, and must have.
 
     Raises
     ------
@@ -194,12 +203,23 @@ def read_records(
 
 
 def read_size(where: str, text: str, figure: str, allowed: tuple[str, ...]) -> dict[str, Any]:
-    """A size in a figure, in one of the dimensions that are `allowed`: `value` [SI], `unit` and `dimension`.
+    """A size in a figure: `value` [SI], `unit` and `dimension`.
+
+    Parameters
+    ----------
+    where : str
+        Name of the entry, for messages.
+    text : str
+        Number and unit.
+    figure : str
+        Name of the figure.
+    allowed : tuple of str
+        Dimensions that the size may have.
 
     Raises
     ------
     InputError
-        If the unit does not fit; `where` names what is wrong.
+        If the unit does not fit.
     """
     for dimension in allowed:
         with suppress(InputError):

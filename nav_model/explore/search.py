@@ -71,6 +71,15 @@ def search(
     Units whose sheet lacks a value cannot be judged: `left_out` names them. The design's vibration factor holds for
     every unit, because no data sheet prints it.
 
+    Parameters
+    ----------
+    design : Design
+        Its receiver, flight, radar and requirements.
+    imus, receivers : mapping
+        Name -> entry of a catalogue.
+    biases : str, optional
+        Residual biases of the units: the design's, zero, or those of each data sheet.
+
     Raises
     ------
     InputError

@@ -35,9 +35,18 @@ FloatArray = NDArray[np.float64]
 
 @kernel
 def error_dynamics(state: FloatArray, force: FloatArray, matrix: FloatArray, out: FloatArray) -> None:
-    """Write the first nine rows of the continuous error dynamics F into `out`, (9, n) with n the states of the INS.
+    """Write the first nine rows of the continuous error dynamics F, n states of the INS.
 
-    state: navigation state; force: specific force, NED [m/s^2]; matrix: body to NED.
+    Parameters
+    ----------
+    state : array
+        Navigation state.
+    force : array (3,)
+        Specific force, north, east, down [m/s²].
+    matrix : array (3, 3)
+        Body to north, east, down.
+    out : array (9, n)
+        Takes the rows.
     """
     for i in range(BIASES):
         for j in range(out.shape[1]):
@@ -117,12 +126,27 @@ def propagate(
     drive: FloatArray,
     work: FloatArray,
 ) -> None:
-    """P <- Phi P Phi' + Q over `dt` seconds, in place, exactly symmetric.
+    """P <- Phi P Phi' + Q over a step, in place, exactly symmetric.
 
-    dynamics: see `error_dynamics`, zero for the states beyond its columns; its exponential is taken to third
-    order, which is exact for the chain gyro bias -> attitude -> velocity -> position. Q holds the white noises
-    (densities [m/s/sqrt(s)], [rad/sqrt(s)]) through the same chain, all orders. decay_rate [1/s] and drive
-    [unit^2/s] are those of the states beyond the first nine, n - 9 at least. work: (4, n, n) of working space.
+    The exponential of the dynamics is taken to third order, which is exact for the chain gyro bias -> attitude ->
+    velocity -> position. Q holds the white noises through the same chain, all orders.
+
+    Parameters
+    ----------
+    covariance : array (n, n)
+        P.
+    dynamics : array
+        As `error_dynamics` writes it, zero for the states beyond its columns.
+    force : array (3,)
+        Specific force, north, east, down [m/s²].
+    dt : float
+        Seconds.
+    accelerometer_density, gyro_density : float
+        Of the white noises [m/s/√s], [rad/√s].
+    decay_rate, drive : array (n - 9,) at least
+        Of the states beyond the first nine [1/s], [unit²/s].
+    work : array (4, n, n)
+        Working space.
     """
     n, (rows, inertial) = covariance.shape[0], dynamics.shape
     step, square, cube, product = work[0], work[1], work[2], work[3]
@@ -200,9 +224,20 @@ def update(
 ) -> float:
     """One scalar measurement, Joseph form; returns its share of the NIS.
 
-    row: H (n); residual: predicted minus measured; estimate: error estimate (n) built up over the
-    measurements of a fix. Taken one after the other, the normalised squares of a fix's measurements sum to
-    its NIS.
+    Taken one after the other, the normalised squares of a fix's measurements sum to its NIS.
+
+    Parameters
+    ----------
+    covariance : array (n, n)
+        P, changed in place.
+    row : array (n,)
+        H.
+    residual, variance : float
+        Predicted minus measured, and the variance of its noise.
+    estimate : array (n,)
+        Error estimate, built up over the measurements of a fix.
+    work : array
+        Working space.
     """
     n = covariance.shape[0]
     cross, gain = work[0, 0], work[0, 1]

@@ -33,7 +33,17 @@ def chunks(spec: SimulationSpec) -> list[tuple[int, int]]:
 
 
 def run_chunk(spec: SimulationSpec, scale: FloatArray, start: int, stop: int) -> Statistics:
-    """Fly runs start .. stop - 1 and sum them; `scale` as in `Statistics`."""
+    """Fly runs start .. stop - 1 and sum them.
+
+    Parameters
+    ----------
+    spec : SimulationSpec
+        The study.
+    scale : array
+        As in `Statistics`.
+    start, stop : int
+        Runs.
+    """
     statistics = Statistics.empty(scale)
     for run in range(start, stop):
         statistics.add(fly(spec, run), spec.keep_runs)
@@ -71,11 +81,25 @@ def simulate(
 ) -> SimulationResult:
     """Fly every run of `spec` and compare with the filter and, where given, with the closed form.
 
-    workers: 1 flies in this thread; more start as many processes for this study, unless a `pool` is given,
-    which is used and left open (`workers` is then how many it has). progress: called in this thread with runs
-    done and runs in all.
+    Parameters
+    ----------
+    spec : SimulationSpec
+        The study.
+    workers : int, optional
+        1 flies in this thread; more start as many processes for this study, unless there is a `pool`.
+    pool : Executor, optional
+        Used and left open; `workers` is then how many it has.
+    closed_form : ClosedForm, optional
+        Sigmas to compare with.
+    progress : callable, optional
+        Called in this thread with runs done and runs in all.
 
-    Raises ValueError for a study that cannot be flown, BrokenProcessPool where a worker process dies.
+    Raises
+    ------
+    ValueError
+        For a study that cannot be flown.
+    BrokenProcessPool
+        Where a worker process dies.
     """
     began = time.perf_counter()
     if workers < 1:

@@ -140,6 +140,13 @@ def nees_consistency(mean: float, mean_square: float, runs: int, outputs: int, s
     The mean over one run is treated as a scaled chi-square whose degrees of freedom follow from its spread
     from run to run (Satterthwaite): between `states` (one independent time) and `states` x `outputs`. With
     fewer than ten runs the spread is not known well enough and the widest band is taken.
+
+    Parameters
+    ----------
+    mean, mean_square : float
+        Over the runs, of a run's mean NEES and of its square.
+    runs, outputs, states : int
+        Numbers of runs, of times and of states.
     """
     freedom = float(states)
     if runs >= 10:
@@ -152,7 +159,26 @@ def nees_consistency(mean: float, mean_square: float, runs: int, outputs: int, s
 def summarise(
     spec: SimulationSpec, total: Statistics, nominal: RunRecord, closed_form: ClosedForm | None, wall_s: float
 ) -> SimulationResult:
-    """The result from the summed runs; ValueError where the closed form's array has another shape."""
+    """The result from the summed runs.
+
+    Parameters
+    ----------
+    spec : SimulationSpec
+        The study.
+    total : Statistics
+        Sums over the runs.
+    nominal : RunRecord
+        The filter's covariance along the true path.
+    closed_form : ClosedForm or None
+        Sigmas to compare with.
+    wall_s : float
+        Time that the runs took.
+
+    Raises
+    ------
+    ValueError
+        Where the closed form's array has another shape.
+    """
     schedule = plan(spec)
     time_s = schedule.outputs.time_s
     runs, states = total.runs, spec.filter.inertial

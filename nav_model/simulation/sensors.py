@@ -35,8 +35,19 @@ class Triad(NamedTuple):
 
 
 def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generator: np.random.Generator) -> Triad:
-    """The triad of one run: its constants drawn from `generator`, its moving biases started in their
-    stationary state."""
+    """The triad of one run: constants drawn, moving biases started in their stationary state.
+
+    Parameters
+    ----------
+    model : TriadModel
+        Sigmas of its errors.
+    rate : float
+        Samples per second.
+    vibration_factor : float
+        On the random walk.
+    generator : numpy.random.Generator
+        Of the draws.
+    """
     dt = 1.0 / rate
     decay = math.exp(-dt / model.correlation_time)
     fixed = model.turn_on_bias * generator.standard_normal(3)
@@ -62,7 +73,21 @@ def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generato
 
 @part
 def measure(triad: Triad, true: FloatArray, dt: float, generator: np.random.Generator, out: FloatArray) -> None:
-    """Reported increment (3) of one sample from the true one (3); advances the moving biases by the sample."""
+    """Report the increment of one sample; advances the moving biases by the sample.
+
+    Parameters
+    ----------
+    triad : Triad
+        Errors of a run.
+    true : array (3,)
+        True increment.
+    dt : float
+        Seconds.
+    generator : numpy.random.Generator
+        Of the noise.
+    out : array (3,)
+        Takes the increment.
+    """
     for i in range(3):
         value = true[i]
         if triad.distorted:

@@ -58,11 +58,21 @@ def advance(
     force: FloatArray,
     scratch: FloatArray,
 ) -> None:
-    """Advance `state` by one IMU sample, in place.
+    """Advance the navigation state by one IMU sample, in place.
 
-    now, before, earlier: velocity and angle increments (6) of this sample and the two before it, body axes.
-    force: NED velocity change from specific force alone is added to it (3); the filter's transition needs
-    its mean. scratch: 6 numbers of working space.
+    Parameters
+    ----------
+    state : array
+        Navigation state.
+    now, before, earlier : array (6,)
+        Velocity and angle increments of this sample and the two before it, body axes.
+    dt : float
+        Seconds.
+    force : array (3,)
+        The velocity change from specific force alone is added to it, north, east, down; the filter's transition needs
+        its mean.
+    scratch : array (6,)
+        Working space.
     """
     # Coning and sculling, exact for a rate and a force that are quadratic in time over the three samples.
     for i in range(6):
@@ -152,10 +162,23 @@ def initial_state(position: FloatArray, velocity: FloatArray, matrix: FloatArray
 
 
 def navigate(state: FloatArray, increments: FloatArray, rate: float, every: int = 1) -> FloatArray:
-    """Run a free-inertial INS over `increments` (samples + 2, 6), whose first two rows precede time 0.
+    """Run a free-inertial INS over increments.
 
-    Returns latitude, longitude, height, velocity (3), quaternion (4) at time 0 and then every `every`
-    samples: shape (samples // every + 1, 10). The given state is left as it is.
+    Parameters
+    ----------
+    state : array
+        Navigation state at time 0; left as it is.
+    increments : array (samples + 2, 6)
+        Of velocity and angle; the first two rows precede time 0.
+    rate : float
+        Samples per second.
+    every : int, optional
+        Samples between outputs.
+
+    Returns
+    -------
+    array (samples // every + 1, 10)
+        Latitude, longitude, height, velocity (3), quaternion (4), at time 0 and at each output.
     """
     out = np.empty(((len(increments) - 2) // every + 1, 10))
     _navigate(state.copy(), increments, 1.0 / rate, every, out)

@@ -89,8 +89,17 @@ def rise_and_fall(t: FloatArray, plateau: float, ramp: float) -> FloatArray:
 def turbulence(time_s: FloatArray, rms: float, shortest_s: float, longest_s: float, key: int) -> FloatArray:
     """Band-limited motion of the given rms: nine sines of equal power, periods spread logarithmically.
 
-    `key` chooses the (fixed) phases and makes axes independent of each other; the spread by a few per cent
-    keeps any two axes from sharing a period, which would be coning the aircraft does not do.
+    Parameters
+    ----------
+    time_s : array (n,)
+        Seconds.
+    rms : float
+        Of the motion, in its unit.
+    shortest_s, longest_s : float
+        Periods.
+    key : int
+        Chooses the (fixed) phases and makes axes independent of each other; the spread by a few per cent keeps any
+        two axes from sharing a period, which would be coning the aircraft does not do.
     """
     generator = np.random.default_rng([20190702, key])
     count = 9
@@ -115,8 +124,19 @@ class FlatFlight(NamedTuple):
 def coordinated(
     t: FloatArray, speed: float | FloatArray, heading: float, turn: FloatArray, climb: FloatArray
 ) -> FlatFlight:
-    """The flight at this speed along its path, from this heading on, with these rates of turn [rad/s] and climb [m/s]
-    at evenly spaced times: without slip, bank = arctan(V rate / g)."""
+    """The flight along a path without slip: bank = arctan(V rate / g).
+
+    Parameters
+    ----------
+    t : array (n,)
+        Seconds, evenly spaced.
+    speed : float or array (n,)
+        Along the path, m/s.
+    heading : float
+        At the start, rad.
+    turn, climb : array (n,)
+        Rates of turn [rad/s] and climb [m/s].
+    """
     step = float(t[1] - t[0])
     ground = np.sqrt(speed**2 - climb**2)
     roll = np.arctan(speed * turn / STANDARD_GRAVITY)
@@ -143,7 +163,19 @@ def _rates(spec: TrajectorySpec, t: FloatArray, duration: float) -> tuple[FloatA
 def lay_on_earth(
     place: tuple[float, float], t: FloatArray, north_rate: FloatArray, east_rate: FloatArray, height: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Latitude and longitude [rad] of a path given by its ground velocity [m/s]; at t = 0 it passes `place`."""
+    """Latitude and longitude [rad] of a path given by its ground velocity.
+
+    Parameters
+    ----------
+    place : pair of float
+        Latitude and longitude at t = 0, rad.
+    t : array (n,)
+        Seconds.
+    north_rate, east_rate : array (n,)
+        Ground velocity, m/s.
+    height : array (n,)
+        Above the ellipsoid, m.
+    """
     step = float(t[1] - t[0])
     start = int(np.argmin(np.abs(t)))
     latitude = np.full_like(t, place[0])

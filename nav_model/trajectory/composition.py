@@ -29,8 +29,25 @@ def processed(
     rest: FloatArray,
     processing: str,
 ) -> Processed:
-    """The figures of one processing, of `variances` at the outputs and `judged` ones (sources, outputs, 9) and those
-    of the sums of apertures (sources, apertures, COLUMNS), with the `rest` of `aperture.figures`."""
+    """The figures of one processing.
+
+    Parameters
+    ----------
+    spec : CovarianceSpec
+        The study.
+    model : ErrorModel
+        Nodes and sources.
+    apertures : Apertures
+        Those that lie within the flight.
+    variances, judged : array (sources, outputs, 9)
+        At the outputs, and at the moment that is judged.
+    image : array (sources, apertures, COLUMNS)
+        Sums of the apertures.
+    rest : array
+        As `aperture.figures` takes it.
+    processing : str
+        Real time or post-processed.
+    """
     judged, sources = np.maximum(judged, 0.0), model.states.sources
     groups = {name: judged[:, :, axes].sum(axis=2) for name, axes in STATE_AXES.items()}
     sigmas = {name: np.sqrt(judged[:, :, axes].sum(axis=0).max(axis=1)) for name, axes in STATE_AXES.items()}

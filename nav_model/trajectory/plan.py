@@ -101,11 +101,27 @@ def fly(plan: Plan) -> PlannedFlight:
 def before_line(
     plan: Plan, number: int, arcs: Sequence[float] = (), run_in: float = _RUN_IN, faster: float = 1.0
 ) -> Plan:
-    """The plan with turns in front of the line that begins at waypoint `number`, counted from 0, all at its speed.
+    """The plan with turns in front of a line, all at its speed.
 
-    arcs: of the turns [rad, to the right], which begin and end in the line's direction; run_in: from the last to the
-    line [s], `faster` than it by this factor: up and back to its speed. The way to the first turn is the shortest,
-    and what comes before stays whole. Raises InputError where no way leads there.
+    The way to the first turn is the shortest, and what comes before stays whole.
+
+    Parameters
+    ----------
+    plan : Plan
+        Waypoints.
+    number : int
+        Waypoint at which the line begins, counted from 0.
+    arcs : sequence of float, optional
+        Of the turns [rad, to the right], which begin and end in the line's direction.
+    run_in : float, optional
+        From the last turn to the line, s.
+    faster : float, optional
+        Factor on the speed of the run-in: up and back to the line's speed.
+
+    Raises
+    ------
+    InputError
+        Where no way leads there.
     """
     points, speed = plan.waypoints, plan.speed_from(number)
     here = replace(points[number], line="")
@@ -137,10 +153,23 @@ def before_line(
 
 
 def in_parts(plan: Plan, number: int, parts: int, overlap: float) -> Plan:
-    """The plan with the line that begins at waypoint `number`, counted from 0, in `parts` of one length and of its
-    name, each `overlap` [s] longer at the front than the rest: the flight turns off between them and comes back.
+    """The plan with a line in parts of its name: the flight turns off between them and comes back.
 
-    Raises InputError where the line is too short.
+    Parameters
+    ----------
+    plan : Plan
+        Waypoints.
+    number : int
+        Waypoint at which the line begins, counted from 0.
+    parts : int
+        Number of parts, of one length.
+    overlap : float
+        By which each but the first is longer at the front, s.
+
+    Raises
+    ------
+    InputError
+        Where the line is too short.
     """
     first, last = plan.waypoints[number : number + 2]
     overlap *= plan.speed_from(number)

@@ -50,10 +50,21 @@ def way_between(
     """Corners of the shortest way from one place and direction to another, by two turns or three (Dubins 1957).
 
     Where two right angles do not fit between two lines, it swings out to the other side first. The turns are rolled
-    in and out, so they need more room than circles; a wider circle leaves it. before: speed with which it begins
-    [m/s]. Directions are complex, of length one: north, and east as the imaginary part.
+    in and out, so they need more room than circles; a wider circle leaves it.
 
-    Raises InputError where no such way leads there.
+    Parameters
+    ----------
+    plan : Plan
+        Its bank and accelerations.
+    begin, end : pair
+        Waypoint, and direction: complex, of length one, north, and east as the imaginary part.
+    before : float
+        Speed at the beginning, m/s.
+
+    Raises
+    ------
+    InputError
+        Where no such way leads there.
     """
     (first, ahead), (last, onward) = begin, end
     speed = first.speed or plan.speed
@@ -89,11 +100,21 @@ def way_between(
 
 
 def dubins(way: complex, ahead: complex, onward: complex, radius: float) -> list[tuple[list[float], float]]:
-    """The six kinds of ways of circles and straight lines from a place and direction to another: their arcs [rad, to
-    the right], and the straight part after the first [m]. No arcs: there is no such way.
+    """The six kinds of ways of circles and straight lines from a place and direction to another.
 
-    way, radius: [m]; places and directions are complex: north, and east as the imaginary part. Source: L. E. Dubins,
-    *American Journal of Mathematics* 79 (1957) 497.
+    Their arcs [rad, to the right], and the straight part after the first [m]. No arcs: there is no such way. Places
+    and directions are complex: north, and east as the imaginary part.
+
+    Parameters
+    ----------
+    way : complex
+        From the first place to the second, m.
+    ahead, onward : complex
+        Directions at the two places.
+    radius : float
+        Of the circles, m.
+
+    Source: L. E. Dubins, *American Journal of Mathematics* 79 (1957) 497.
     """
 
     def arc(sense: int, start: complex, stop: complex) -> float:

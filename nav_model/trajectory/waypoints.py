@@ -52,8 +52,21 @@ class Plan:
 
 
 def strip(like: Plan, first: Waypoint, heading: float, length: float, spacing: float, count: int) -> Plan:
-    """Parallel lines, flown to and fro as `like`: `count` of them, `length` and `spacing` [m], to the right of the
-    first, or to the left for a negative spacing. `fly` makes their turns."""
+    """Parallel lines, flown to and fro. `fly` makes their turns.
+
+    Parameters
+    ----------
+    like : Plan
+        Speed, bank and the other values of the plan.
+    first : Waypoint
+        Begin of the first line.
+    heading : float
+        Of the first line, rad.
+    length, spacing : float
+        m; the lines are to the right of the first, or to the left for a negative spacing.
+    count : int
+        Number of lines.
+    """
     if count < 1 or not length > 0.0 or (count > 1 and not abs(spacing) > 0.0):
         raise InputError("lines", f"{count} lines of {length:g} m, {spacing:g} m apart, cannot be laid out")
     number = np.arange(2 * count)

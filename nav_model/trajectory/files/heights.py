@@ -58,7 +58,24 @@ class Heights:
         return up
 
     def waypoint(self, place: tuple[object, ...], reference: Reference, where: str, line: str = "") -> Waypoint:
-        """The next waypoint of a plan, as `place` reads it. Raises InputError where a plan has too many."""
+        """The next waypoint of a plan.
+
+        Parameters
+        ----------
+        place : tuple
+            As `Heights.place` reads it.
+        reference : Reference
+            Zero of its height.
+        where : str
+            Its name in messages.
+        line : str, optional
+            Name of the line that begins there.
+
+        Raises
+        ------
+        InputError
+            Where a plan has too many.
+        """
         self._waypoints += 1
         if self._waypoints > MOST_WAYPOINTS:
             raise self.refuse(f"more than {MOST_WAYPOINTS} points are too many for a plan. Thin them out.")

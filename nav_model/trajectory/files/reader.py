@@ -44,12 +44,23 @@ def read_file(path: str | Path, height: float | None = None, ground: float | Non
 
 
 def parse_file(content: bytes, name: str, height: float | None = None, ground: float | None = None) -> FlightFile:
-    """Read a file, whose name is for messages alone.
+    """Read a flight or a plan from the bytes of a file.
 
-    height: of places that have none; ground: of the ground, or of the take-off, of places whose heights are above it;
-    both [m above the ellipsoid].
+    Parameters
+    ----------
+    content : bytes
+        The file.
+    name : str
+        For messages alone.
+    height : float, optional
+        Of places that have none, m above the ellipsoid.
+    ground : float, optional
+        Of the ground, or of the take-off, of places whose heights are above it, m above the ellipsoid.
 
-    Raises InputError under the file's name: what is wrong and where, or what the file is when it is no flight.
+    Raises
+    ------
+    InputError
+        Under the file's name: what is wrong and where, or what the file is when it is no flight.
     """
     heights = Heights(name, height, ground)
     read = _read(content, heights)

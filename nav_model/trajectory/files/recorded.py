@@ -42,9 +42,23 @@ class RecordedSegment:
 
 
 def as_flown(samples: Array, heights: Heights, noun: str, lines: tuple[FlightLine, ...] = ()) -> PlannedFlight:
-    """The flight through samples in the order of `COLUMNS` [s, rad, m], each a `noun` of the file.
+    """The flight through recorded samples.
 
-    Raises InputError for what `check_samples` and `flight_through` refuse.
+    Parameters
+    ----------
+    samples : array (n, 7)
+        In the order of `COLUMNS` [s, rad, m].
+    heights : Heights
+        Sentences on how the file was read.
+    noun : str
+        Of one sample, in messages.
+    lines : tuple of FlightLine, optional
+        Lines of the flight.
+
+    Raises
+    ------
+    InputError
+        For what `check_samples` and `flight_through` refuse.
     """
     numbers = [*range(1, len(samples) + 1)]
     check_samples(samples, numbers, heights.file_name, FILE_BOUNDS, noun)
