@@ -125,7 +125,7 @@ def _values(design: Design, unit: Unit, lines: Sequence[RequiredInput], share: f
 
 
 def _meaning(plan: Allotment | None) -> str:
-    """What the required values are."""
+    """Meaning of the required values, in words."""
     if plan is not None and plan.required:
         return f"Largest values of all units together, frozen with design {plan.frozen}"
     if plan is not None:
@@ -137,7 +137,7 @@ def _meaning(plan: Allotment | None) -> str:
 
 
 def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
-    """What the values hold for, and what the design assumes beside them, which the supplier confirms."""
+    """Conditions of the values, and what the design assumes beside them, which the supplier confirms."""
 
     def text_of(key: str) -> str:
         return input_in_words(design, key, cast("float", design[key]))
@@ -194,7 +194,7 @@ def _decision(unit: Unit, degrees: float) -> str:
 def acceptance_blocks(
     design: Design, rows: Sequence[Acceptance], reading: Sequence[str] = ()
 ) -> tuple[Answer, TableBlock]:
-    """Whether a log shows what is required of the inertial unit, and why, by axis; `reading`: how it was read."""
+    """Answer to whether a log shows what its inertial unit must, and why, by axis; `reading`: how it was read."""
     failed = [axis_label(row.name) for row in rows if not row.passes]
     text = f"Not within the accepted reading: {', '.join(failed)}." if failed else f"All {len(rows)} axes pass."
     answer = Answer("✗ Fails" if failed else "✓ Passes", "bad" if failed else "good", (f"Requirement sheet. {text}",))
@@ -221,7 +221,7 @@ def acceptance_blocks(
 
 
 def acceptance_json(design: Design, rows: Sequence[Acceptance]) -> dict[str, Any]:
-    """The same as JSON, SI."""
+    """Acceptance of a log as JSON, SI."""
     return {
         "design": design.content_hash,
         "confidence": CONFIDENCE,

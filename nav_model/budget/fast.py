@@ -37,14 +37,14 @@ def fast_sources(design: Design, value: Value, wavelength: Array, aperture: Arra
 
 
 _NUMBERS = ("motion.delay", "motion.imu_bandwidth", "oscillator.frequency", "radar.slant_range")
-"""What sources take beside their tables, the wavelength and the aperture."""
+"""Inputs of the sources beside their tables, the wavelength and the aperture."""
 
 
 @lru_cache(maxsize=64)
 def _of_one(
     motion: Motion, oscillator: Oscillator, window: str, numbers: tuple[tuple[str, float], ...]
 ) -> Mapping[str, Fast]:
-    """Those of one design, kept while it changes elsewhere: a new design shares the parts that are as they were."""
+    """Fast sources of one design, cached by the parts they depend on."""
     by_source = _through(motion, oscillator, window, {key: np.asarray(number) for key, number in numbers})
     for effect in by_source.values():
         effect.frequency.flags.writeable = effect.amplitude.flags.writeable = False

@@ -95,7 +95,7 @@ class Inputs:
 
     @property
     def imaged(self) -> NDArray[np.bool_]:
-        """Whether there is a line of sight, and the aperture is no longer than a design may have."""
+        """True where there is a line of sight, and the aperture is no longer than a design may have."""
         seen = ~geometry.hidden(self.squint.real, self.grazing_angle.real)
         return np.asarray(seen & (self.aperture.real <= LONGEST_APERTURE))
 

@@ -46,7 +46,7 @@ def outage_times(design: Design, times: ArrayLike | None) -> Array:
 
 @lru_cache(maxsize=64)
 def _even_times(duration: float) -> Array:
-    """The same array for the same duration, so that curves over it are quickly compared."""
+    """Times of curves, one array for each duration, so that curves over it are quickly compared."""
     return np.linspace(0.0, duration, COAST_POINTS)
 
 

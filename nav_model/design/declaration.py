@@ -59,7 +59,7 @@ def in_sentence(label: object) -> str:
 
 
 class Declared:
-    """What the declaration of every input has, whatever kind of value it takes.
+    """Base of the declaration of every input, whatever kind of value it takes.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         return float(low), float(high)
 
     def used_in(self, part: param.Parameterized) -> bool:
-        """Whether the section of a design uses this input: it is given, and so is one that it needs."""
+        """True if the section of a design uses this input: it is given, and so is one that it needs."""
 
         def given(name: str) -> bool:
             return getattr(part, name) not in (None, False, ())
@@ -211,7 +211,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         return f"The {subject} must be {below} {at_low} and {above} {at_high}."
 
     def _asked(self, reciprocal: bool = False) -> str:
-        """What to enter where there is no value, as a sentence with an example."""
+        """A sentence, with an example, that asks for a value where there is none."""
         low, high = cast("tuple[float, float]", self.softbounds)
         typical = self.default or (math.sqrt(low * high) if low > 0 else 0.0)
         if reciprocal and self.alternative:
@@ -298,7 +298,7 @@ class BaseQuantity(Declared, param.Number[_T]):
         return str(self.name), format_quantity(value, written or self.unit, self.dimension, baseline=baseline or 0.0)
 
     def conversion(self, value: float, written: str, baseline: float | None = None) -> str:
-        """What was made of a value [SI] written as "0.2 m CEP": "0.2 m CEP = 0.170 m, 1σ per axis".
+        """Words for a value [SI] written as "0.2 m CEP": "0.2 m CEP = 0.170 m, 1σ per axis".
 
         Empty where it is a number of a usual unit.
         """

@@ -29,11 +29,27 @@ def simulate_axis(
     rate: float = 100.0,
     tuning: Tuning | None = None,
 ) -> StrategyErrors:
-    """Every strategy on `runs` realisations of one axis; arrays are (10, runs, n), n = T rate + 1.
+    """Every strategy on realisations of one axis; arrays are (10, runs, n), n = T rate + 1.
 
-    The filter is in its steady state, the aperture starts just after a fix; the INS of strategy 3 leaves the
-    same filter ``coast_time`` [s] earlier. Residual biases, which the filter has not absorbed, act on each INS from
-    its start.
+    The filter is in its steady state, the aperture starts just after a fix. Residual biases, which the filter has not
+    absorbed, act on each INS from its start.
+
+    Parameters
+    ----------
+    model : AxisModel
+        Noise and fixes of the axis.
+    aperture_time : float
+        T, s.
+    coast_time : float, optional
+        By which the INS of strategy 3 leaves the same filter earlier, s.
+    runs : int, optional
+        Number of realisations.
+    seed : int or SeedSequence, optional
+        Of the noise.
+    rate : float, optional
+        Samples per second.
+    tuning : Tuning, optional
+        Gains of the strategies 6 and 7.
     """
     histories = simulate_histories(model, aperture_time, coast_time, runs, seed, rate)
     weight = weight_of(model, aperture_time, len(histories.fix_time))
@@ -64,7 +80,13 @@ def simulate_histories(
     seed: int | np.random.SeedSequence = 0,
     rate: float = 100.0,
 ) -> NavigationHistories:
-    """The fast engine: error histories (runs, n) of the INS, the filter and the smoother of one axis."""
+    """The fast engine: error histories (runs, n) of the INS, the filter and the smoother of one axis.
+
+    Parameters
+    ----------
+    model, aperture_time, coast_time, runs, seed, rate
+        As `simulate_axis`.
+    """
     random = np.random.default_rng(seed)
     steady = steady_covariance(model)
     # Each source of randomness has its own stream, so a longer coast does not reshuffle the aperture.

@@ -1,4 +1,4 @@
-"""How the simulated world of a study differs from that of the closed forms."""
+"""Differences between the simulated world of a study and that of the closed forms."""
 
 import math
 
@@ -61,7 +61,7 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
 
 
 def _of_the_filter(spec: SimulationSpec) -> list[str]:
-    """How this filter differs from the exact one for the simulated errors."""
+    """Differences of this filter from the exact one for the simulated errors."""
     sentences = []
     missing = [it for it in unmodelled(spec) if "bias" not in it and "GNSS" not in it and "tuning" not in it]
     if missing:

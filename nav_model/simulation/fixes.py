@@ -32,7 +32,7 @@ FloatArray = NDArray[np.float64]
 
 
 class FilterTuning(NamedTuple):
-    """What the filter assumes: white densities of the IMU; variance of one sample's rate [rad^2/s^2], which acts on
+    """Assumptions of the filter: white densities of the IMU; variance of one sample's rate [rad^2/s^2], which acts on
     the lever arm; decay [1/s] and drive of its states beyond the first nine; sigma of the slow error of the fixes (3)
     [m], which has states where the filter knows it; and of the residual biases [m/s²], [rad/s], which act while no
     fix comes."""
@@ -48,7 +48,7 @@ class FilterTuning(NamedTuple):
 
 
 def reported(truth: TruthStates, noise: FloatArray, arm: FloatArray) -> FloatArray:
-    """What the sensors report at the fixes (n, MEASURED): latitude, longitude [rad], height and velocity of an
+    """Reports of the sensors at the fixes (n, MEASURED): latitude, longitude [rad], height and velocity of an
     antenna that is `arm` from the IMU, heading, and the barometer's height.
 
     truth: at the times that the receiver takes for those of the fixes. noise: (n, MEASURED), NED.

@@ -54,7 +54,7 @@ def output_samples(spec: SimulationSpec) -> NDArray[np.int64]:
 
 
 def in_outage(spec: SimulationSpec, time_s: FloatArray) -> tuple[NDArray[np.bool_], FloatArray]:
-    """Which times lose their fix (start < t <= stop), and for those the time since the outage's start."""
+    """Mask of the times that lose their fix (start < t <= stop), and for those the time since the outage's start."""
     lost = np.zeros(time_s.shape, dtype=np.bool_)
     coast = np.zeros(time_s.shape)
     slack = 0.5 / spec.imu.rate

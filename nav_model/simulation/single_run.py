@@ -386,7 +386,7 @@ def _reports(
     generator: np.random.Generator,
     noisy: bool,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """What is reported at the fixes of a run (fixes, MEASURED), the noise of its positions (fixes, 3), and their slow
+    """Reports at the fixes of a run (fixes, MEASURED), the noise of its positions (fixes, 3), and their slow
     error at the start (3), which moves on from there.
 
     `constants` are drawn once: the errors of the lever arm and of the receiver's time.

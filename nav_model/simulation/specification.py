@@ -102,12 +102,12 @@ class TriadModel:
 
     @property
     def biased(self) -> bool:
-        """Whether it has a bias that a filter estimates, constant or varying."""
+        """True if it has a bias that a filter estimates, constant or varying."""
         return bool(self.turn_on_bias or self.bias_instability or self.rate_random_walk)
 
     @property
     def mixed(self) -> bool:
-        """Whether it has a Gauss-Markov bias and another, of which one state holds the sum as a random walk alone."""
+        """True if it has a Gauss-Markov bias and another, of which one state holds the sum as a random walk alone."""
         return bool(self.bias_instability and (self.turn_on_bias or self.rate_random_walk))
 
 
@@ -189,7 +189,7 @@ class GnssModel:
 
 @dataclass(frozen=True)
 class Aids:
-    """What aids the INS beyond GNSS, 1 sigma; None where there is no such sensor.
+    """Sensors that aid the INS beyond GNSS, 1 sigma; None where there is no such sensor.
 
     heading_noise: of one heading by two antennas [rad]; barometer_noise: of one height [m]. Both come with the fixes.
     The heading is lost with them, the height is not.
@@ -301,12 +301,12 @@ class FilterModel:
 
     @property
     def slow(self) -> int:
-        """How many of the states are for the slow GNSS error: 0 or 3."""
+        """Number of states for the slow GNSS error: 0 or 3."""
         return SLOW_STATES if self.states % 6 == 0 else 0
 
     @property
     def inertial(self) -> int:
-        """How many are of the INS: 9, 15 or 21."""
+        """Number of states of the INS: 9, 15 or 21."""
         return self.states - self.slow
 
 

@@ -220,7 +220,7 @@ def _declared(key: str) -> BaseQuantity[Any]:
 
 
 def added(spec: SimulationSpec, velocity: float | None = None) -> dict[str, float]:
-    """What a specification holds of `STUDY_KEYS` other than their defaults, by key, in SI.
+    """Values of `STUDY_KEYS` in a specification other than their defaults, by key, in SI.
 
     velocity: noise of the design's own velocity fixes [m/s], which are not an addition.
     """

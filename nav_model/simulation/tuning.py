@@ -1,4 +1,4 @@
-"""What the filter of a study assumes: its noises, and the covariance that it starts with."""
+"""Assumptions of the filter of a study: its noises, and the covariance that it starts with."""
 
 import math
 
@@ -13,7 +13,7 @@ FloatArray = NDArray[np.float64]
 
 
 def tuning_of(spec: SimulationSpec) -> FilterTuning:
-    """What the filter of a study assumes, with the units of `FilterTuning`; its noises are those of the sensors times
+    """Tuning of the filter of a study, with the units of `FilterTuning`; its noises are those of the sensors times
     the vibration factor and the scale of the process noise."""
     scale, inertial, gnss = spec.filter.process_noise_scale, spec.filter.inertial, spec.gnss
     decay, drive = np.zeros(15), np.zeros(15)

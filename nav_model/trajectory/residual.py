@@ -42,7 +42,7 @@ def residual_biases(x: Inputs) -> Mapping[str, float]:
 
 
 def growths(x: Inputs, since: FloatArray) -> Mapping[str, Growth]:
-    """What each residual bias has made `since` seconds after the last fix, any shape."""
+    """Growth by each residual bias `since` seconds after the last fix, any shape."""
     g, made = float(x.g), {}
     for source, size in residual_biases(x).items():
         gyro = source == GYRO_BIAS

@@ -39,7 +39,7 @@ _SHORTEST = 0.01  # s: correlation time of a process with states of its own
 
 
 class Error(NamedTuple):
-    """What one source (index) does to as many `states` from `first` on: sigma at the start, density that drives them
+    """Effect of one source (index) on as many `states` from `first` on: sigma at the start, density that drives them
     [unit²/s], correlation time [s]; zero for none."""
 
     source: int

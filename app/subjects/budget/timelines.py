@@ -75,7 +75,7 @@ def _cited(budget: Budget) -> str:
 
 
 def _position_knowledge(budget: Budget) -> str:
-    """How the curves of position are known."""
+    """Source and method of the curves of position."""
     coast, steady = budget.coast, budget.steady_state
     growth = steady.prior["horizontal_position"] / steady.posterior["horizontal_position"] - 1
     ratio = coast.refined_horizontal[-1] / coast.position_horizontal[-1]
