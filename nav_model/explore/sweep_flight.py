@@ -6,7 +6,7 @@
     duration = "600 s"
     outages = [["500 s", "600 s"]]         # fixes lost
     trajectory = "wandering"               # or another named flight, or a CSV file beside the sweep file
-    states = 15                            # of the filter, which else knows what the design declares
+    states = 15                            # number of filter states; default: what the design declares
     every = "1 s"                          # spacing of the times over which consistency is judged
 
 A row holds the figures at the end of the flight: end it where they matter, such as with an outage.

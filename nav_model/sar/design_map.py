@@ -62,8 +62,8 @@ def gnss_map(budget: Budget, points: int = POINTS) -> DesignMap:
                 )
             )  # fmt: skip
     # The vertical fix noise, if it has one of its own, goes with the horizontal.
-    upright = (budget.design.gnss.vertical_position_noise or of_design) / of_design * noise
-    changes = {"gnss.position_noise": noise, "gnss.vertical_position_noise": upright}
+    vertical = (budget.design.gnss.vertical_position_noise or of_design) / of_design * noise
+    changes = {"gnss.position_noise": noise, "gnss.vertical_position_noise": vertical}
     return _made(budget, changes, of_design, names, np.array(spans), np.full(len(spans), of_design))
 
 
