@@ -188,8 +188,8 @@ def lay_on_earth(
 
 
 @lru_cache(maxsize=8)
-def plan_trajectory(spec: TrajectorySpec, duration: float) -> QuinticPath:
-    """The trajectory of `spec` over [0, duration] seconds.
+def plan_trajectory(spec: TrajectorySpec, duration: float, further: float = 0.0) -> QuinticPath:
+    """The trajectory of `spec` over [0, duration] seconds, and of a named flight `further` seconds in the same way.
 
     Raises ValueError where the flight leaves the latitudes an NED mechanisation can serve, or a file is
     shorter than the duration.
@@ -200,7 +200,7 @@ def plan_trajectory(spec: TrajectorySpec, duration: float) -> QuinticPath:
             raise refused("duration", duration, f"must be at most the trajectory file's {table[-1, 0]:.15g} s")
         return spline_through(table[:, 0], table[:, 1:])
     step = 0.5
-    before, after = round(MARGIN_S / step), int(np.ceil(duration / step)) + round(MARGIN_S / step)
+    before, after = round(MARGIN_S / step), int(np.ceil((duration + further) / step)) + round(MARGIN_S / step)
     t: FloatArray = np.linspace(-before * step, after * step, before + after + 1)
     motion = coordinated(t, spec.speed, spec.heading, *_rates(spec, t, duration))
     if spec.kind == "turns" and duration < 50.0 + 2.0 * np.pi / spec.turn_rate:

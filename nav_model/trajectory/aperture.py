@@ -64,7 +64,7 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     begin = np.where(begin - last_fix < interval * (1.0 + 1e-9), last_fix, begin)
     in_middle = np.column_stack([np.interp(begin + half, time_s, axis) for axis in model.truth.velocity.T])
     speed = np.linalg.norm(in_middle[:, :2], axis=1)
-    inside = (begin >= 0.0) & (begin + x.aperture <= time_s[-1]) & (speed > _SLOWEST)
+    inside = (begin >= 0.0) & (begin + x.aperture <= model.end_s) & (speed > _SLOWEST)
     output, begin = np.flatnonzero(inside), begin[inside]
     first = np.searchsorted(time_s, begin + _ROUNDING, side="right") - 1
     last = np.searchsorted(time_s, begin + x.aperture - _ROUNDING)

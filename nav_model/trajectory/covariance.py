@@ -93,6 +93,8 @@ def _followed(
 ) -> tuple[ErrorModel, Mapping[str, Processed]]:
     """The errors along a flight, and its figures by processing."""
     spec = replace(spec, study=short_as_white(spec.study))
+    if POST_PROCESSED not in processings:
+        spec = replace(spec, flown_further=0.0)
     model = error_model(spec, most_steps)
     if spec.settled:
         start = settled_start(spec.study, model.states, model.truth.at(np.array([0])))
@@ -345,7 +347,12 @@ def _forward(
     before_of = _by_node(model.before if moment in ("prior", "closed") else none)
     after_of = _by_node(model.after if moment in ("posterior", "closed") else none)
     driven = [error.source for error in model.states.drives]
+    # What comes after the last of these matters to the smoother alone.
+    ends = (model.outputs, model.before, at_nodes, apertures.last)
+    last = max(int(np.max(nodes, initial=0)) for nodes in ends)
     for node, phi in enumerate(_transitions(model, n)):
+        if node > last:
+            break
         if node:
             constant, phi = phi @ constant, phi[:size, :size]
             Z = ((phi @ Z.reshape(size, -1)).reshape(-1, size) @ phi.T).reshape(size, s, size)

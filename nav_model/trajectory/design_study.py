@@ -18,13 +18,14 @@ from nav_model.design.contributors import BOTH
 from nav_model.design.figures import FIGURES, IN_FLIGHT, STEADY
 from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
 from nav_model.processing.geolocation import Shifts
-from nav_model.simulation.design_study import named_flight, specification
+from nav_model.simulation.design_study import named_flight, settling, specification
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import PlannedFlight, fly
 from nav_model.trajectory.specification import CovarianceSpec, FlightLine, Most
 from nav_model.trajectory.waypoints import Plan, Waypoint, lengthened, strip
 
 _SAME = 0.005
+_REMEMBERED = 4.0  # correlation times
 _MOST_RESULTS = 1200  # along a flight
 PLAN = "plan"
 """Name of a design's own flight among those that the commands fly."""
@@ -125,7 +126,15 @@ def covariance_specification(
         settled=True,
         moment=x.steady_state,
         smoothed_after=_smoothed_after(x),
+        flown_further=0.0 if lines or study.trajectory.kind == "file" else _waited(design),
     )
+
+
+def _waited(design: Design) -> float:
+    """Seconds for which the smoother waits for fixes after an aperture; later ones than its filter remembers say
+    nothing."""
+    slow = _REMEMBERED * design.gnss.correlation_time if design.gnss.correlated else 0.0
+    return min(design.processing.leg_after, max(settling(design), slow))
 
 
 def at_range(spec: CovarianceSpec, design: Design) -> CovarianceSpec:

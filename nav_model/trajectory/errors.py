@@ -5,7 +5,7 @@ Between two nodes of the flight the transition comes from the simulator's `error
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -53,20 +53,21 @@ _BLOCK = 512  # steps at a time, for memory
 class ErrorModel:
     """The linear model of a flight with k nodes; n states, m of them the filter's, and s sources as in `States`.
 
-    time_s (k); outputs: nodes of the results. before, after, middle (outputs): nodes of the states that a result's
-    fix interval is judged by: of the fix that ends it, of that with which it begins, and smoothed. Where fixes are
-    lost, they are the result's own. output_rows (outputs, 9, n): position, velocity and roll, pitch, yaw as the
-    radar takes them, of all states. rates (k, 9): what these change in a second. phi (k - 1, 9, n): rows of the
-    transition from node to node, and decay_factor (k - 1, n - 9) that of each further state, which none changes.
-    factors (k - 1, drives, 12, 9): their square is the covariance of what a process noise adds in a step to the first
-    nine states and to the three that it drives, where those are further ones. filter_noise (k - 1, m, m): as the
-    filter assumes it. rows (k, r, n): what the fix at a node measures, zeros where there is none, with the filter's
-    variance (k, r) and the true ones (k, measuring, r) of the sources in `measuring`; is_fix (k): whether there is
-    one, and of_position (k): one that measures the position.
+    time_s (k); end_s: until when apertures may last; outputs: nodes of the results. before, after, middle (outputs):
+    nodes of the states that a result's fix interval is judged by: of the fix that ends it, of that with which it
+    begins, and smoothed. Where fixes are lost, they are the result's own. output_rows (outputs, 9, n): position,
+    velocity and roll, pitch, yaw as the radar takes them, of all states. rates (k, 9): what these change in a second.
+    phi (k - 1, 9, n): rows of the transition from node to node, and decay_factor (k - 1, n - 9) that of each further
+    state, which none changes. factors (k - 1, drives, 12, 9): their square is the covariance of what a process noise
+    adds in a step to the first nine states and to the three that it drives, where those are further ones.
+    filter_noise (k - 1, m, m): as the filter assumes it. rows (k, r, n): what the fix at a node measures, zeros where
+    there is none, with the filter's variance (k, r) and the true ones (k, measuring, r) of the sources in
+    `measuring`; is_fix (k): whether there is one, and of_position (k): one that measures the position.
     """
 
     states: States
     time_s: FloatArray
+    end_s: float
     outputs: NDArray[np.int64]
     before: NDArray[np.int64]
     after: NDArray[np.int64]
@@ -92,15 +93,17 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
     Raises InputError where the flight cannot be flown, as `plan_trajectory`, or takes more steps.
     """
     study = spec.study
-    trajectory = plan_trajectory(study.trajectory, study.duration)
+    trajectory = plan_trajectory(study.trajectory, study.duration, spec.flown_further)
+    whole = replace(study, duration=study.duration + spec.flown_further)
     states = states_of(study, residual_biases(spec.inputs))
-    scheduled = samples_at_multiples(study.gnss.interval, study) / study.imu.rate
+    scheduled = samples_at_multiples(study.gnss.interval, whole) / study.imu.rate
     wanted = output_samples(study) / study.imu.rate
     anchors = np.union1d(scheduled, wanted)
-    if spec.smoothed_after > 0.0:
+    if spec.smoothed_after > 0.0 and scheduled.size:
         inside = _last(scheduled, wanted) + spec.smoothed_after
         inside = inside[(inside < anchors[-1]) & (np.abs(inside - _last(anchors, inside)) > _ROUNDING)]
         anchors = np.union1d(anchors, inside)
+    end = float(anchors[anchors <= study.duration + _ROUNDING][-1])
     time_s = _nodes(trajectory, states, anchors, spec, most_steps)
     outputs, truth = np.searchsorted(time_s, wanted - 1e-9), true_states(trajectory, time_s)
     parts = [
@@ -120,6 +123,7 @@ def error_model(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> ErrorMode
     return ErrorModel(
         states=states,
         time_s=time_s,
+        end_s=end,
         outputs=outputs,
         before=before,
         after=after,
@@ -201,7 +205,7 @@ def _nodes(
     longest = max(
         min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS[spec.inputs.autofocus_order], *times]), _DENSEST
     )
-    grid = np.union1d(np.arange(0.0, spec.study.duration, 0.25), anchors)
+    grid = np.union1d(np.arange(0.0, anchors[-1], 0.25), anchors)
     rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)
     at = np.searchsorted(grid, anchors)
     fastest = np.maximum(np.maximum.reduceat(rate, at)[:-1], rate[at[1:]])

@@ -35,7 +35,7 @@ class CovarianceSpec:
     `processing` that is judged. contributors: of the user's own, by the figure they enter. elsewhere: checks of the
     requirements on what no flight changes, as the budget has them.
     moment: at which states are judged in real time, as `requirements.steady_state`; smoothed_after: how long after a
-    fix smoothed ones are [s].
+    fix smoothed ones are [s]. flown_further: how long the flight goes on after what is judged [s], for the smoother.
     settled: the flight begins with the covariance of a filter that has settled on a straight leg of its first
     heading, correlations included, where only the heading is the study's initial one; else with the study's start.
     """
@@ -50,3 +50,4 @@ class CovarianceSpec:
     settled: bool = False
     moment: str = "posterior"
     smoothed_after: float = 0.0
+    flown_further: float = 0.0

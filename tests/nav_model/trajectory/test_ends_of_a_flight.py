@@ -1,0 +1,65 @@
+"""Where a flight begins and ends: what is judged there, and flights without a fix."""
+
+import numpy as np
+import pytest
+
+from app.examples import example
+from nav_model.budget import analyse
+from nav_model.design import Design
+from nav_model.design.processing import POST_PROCESSED
+from nav_model.simulation.design_study import specification
+from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.trajectory.covariance import covariance, lines_along
+from nav_model.trajectory.design_study import covariance_specification
+from nav_model.trajectory.result import TrajectoryResult
+from nav_model.trajectory.specification import CovarianceSpec
+
+MEMS = example("mems_x_band").replace({"processing.mode": POST_PROCESSED})
+
+
+def asked(design: Design, kind: str = "straight", **options: float) -> CovarianceSpec:
+    return covariance_specification(design, specification(design, trajectory=kind, **options))
+
+
+def flown(design: Design, kind: str = "straight", **options: float) -> TrajectoryResult:
+    return covariance(asked(design, kind, **options))
+
+
+def test_a_straight_flight_has_the_smoothed_figures_of_the_budget_to_its_end() -> None:
+    """The last seconds had no fixes after them: 16° for the 9° of the budget. The start is settled."""
+    result, budget = flown(MEMS, duration=200.0, every=2.0), analyse(MEMS)
+    assert result.time_s[-1] == 200.0
+    for name in ("quadratic_phase", "detrended_phase", "azimuth_shift"):
+        along, value = result.post_processed.figures[name], budget.figure(name).sigma
+        there = np.flatnonzero(np.isfinite(along))
+        assert result.time_s[there[-1]] == pytest.approx(200.0 - float(result.spec.inputs.aperture) / 2, abs=2.0)
+        assert along[there] == pytest.approx(value, rel=0.01), name
+    for name in ("horizontal_position", "tilt"):
+        assert result.post_processed.figures[name] == pytest.approx(budget.figure(name).sigma, rel=0.01), name
+    (alone,) = lines_along(result.spec)
+    assert alone.worst["detrended_phase"] == pytest.approx(result.lines[0].worst["detrended_phase"], rel=1e-12)
+
+
+def test_fixes_that_the_smoother_does_not_wait_for_are_not_flown() -> None:
+    assert asked(MEMS.replace({"processing.leg_after": 7.0}), duration=100.0).flown_further == 7.0
+    assert asked(MEMS.replace({"processing.leg_after": 1e4}), duration=100.0).flown_further < 200.0
+
+
+@pytest.mark.parametrize("kind", ["straight", "wandering", "turns", "climb"])
+def test_a_named_flight_goes_on_as_it_was(kind: str) -> None:
+    study = specification(MEMS, trajectory=kind, duration=250.0)
+    times = np.arange(251.0)
+    plain, longer = (plan_trajectory(study.trajectory, 250.0, further).evaluate(times) for further in (0.0, 90.0))
+    np.testing.assert_allclose(longer[:, :2] * 6.4e6, plain[:, :2] * 6.4e6, atol=1e-6)  # m
+    np.testing.assert_allclose(longer[:, 2:], plain[:, 2:], atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["straight", "wandering"])
+def test_a_flight_without_a_fix_coasts_from_its_start(kind: str) -> None:
+    """The fix interval is longer than the flight: positions are those of an outage from a settled filter."""
+    design = MEMS.replace({"gnss.interval": 201.0})
+    study = specification(design, trajectory=kind, duration=200.0, every=100.0)
+    result = covariance(covariance_specification(design, study))
+    out = analyse(design, np.array([100.0])).coast.refined_horizontal
+    assert result.real_time.position[1, :2] == pytest.approx(float(out[0]), rel=0.05)
+    assert np.isfinite(result.post_processed.figures["quadratic_phase"][1])
