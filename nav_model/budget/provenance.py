@@ -14,6 +14,8 @@ from nav_model.budget.navigation import steady_marks
 from nav_model.budget.result import Budget
 from nav_model.design import Design
 from nav_model.design.parts import OUTDATED
+from nav_model.design.presets import entry_of
+from nav_model.design.processing import REAL_TIME
 from nav_model.design.trajectory import LINES, WAYPOINTS
 
 _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
@@ -119,9 +121,28 @@ def cautions(budget: Budget) -> tuple[str, ...]:
                 f"mid-aperture. With the turn it is {100 * abs(change):.2g} % "
                 f"{'larger' if change > 0 else 'smaller'}, not counted in the verdict [P-5]."
             )
+    sentences += _of_receiver_class(design)
     sentences += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     sentences += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(sentences)
+
+
+def _of_receiver_class(design: Design) -> list[str]:
+    """Cautions about a receiver class that the design takes beyond what its sheet holds for."""
+    entry, sentences = entry_of(design, "gnss"), []
+    if entry and entry.post_processed and design.processing.mode == REAL_TIME:
+        sentences.append(
+            f"The fixes of the receiver class {entry.name} are computed after the flight, but the design is judged "
+            "in real time. Choose post-processed (processing.mode), or a receiver class of real time."
+        )
+    longest = entry and entry.extra.get("longest_baseline")
+    if entry and longest and design.baseline is not None and design.baseline > longest.value:
+        sentences.append(
+            f"The sheet of the receiver class {entry.name} holds for a base station up to {longest.text} away; that "
+            f"of the design is {design.baseline / 1e3:.4g} km away (gnss.baseline). Enter a nearer base, or choose a "
+            "class without one."
+        )
+    return sentences
 
 
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (

@@ -9,7 +9,7 @@ beside this one, gathered in `nav_model.design.parts`. The file reader (`nav_mod
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, cast
 
 from nav_model.base.errors import InputError, quoted
@@ -202,7 +202,8 @@ class Design:
         plain = {key: self.unit(key) for key in ON_BASE_LINE if key in changes and " + " in self.written.get(key, "")}
         written = {**plain, **(written or {})}
         if BASE_LINE in changes:
-            changes = {**self._on_base_line(cast("float | None", changes[BASE_LINE])), **changes}
+            others = [key for key in ON_BASE_LINE if key not in changes]
+            changes = {**changes, **self._on_base_line(cast("float | None", changes[BASE_LINE]), others)}
         given = dict(changes)
         texts = {key: str(given.pop(key)) for key in TOP_KEYS if key in given}
         touched = {key.partition(".")[0] for key in given}
@@ -240,10 +241,10 @@ class Design:
         """Distance from the base station [m], if it is given."""
         return cast("float | None", self._values[BASE_LINE])
 
-    def _on_base_line(self, baseline: float | None) -> dict[str, Value]:
-        """Noise that is written as growing with the base line, at another one."""
+    def _on_base_line(self, baseline: float | None, keys: Iterable[str]) -> dict[str, Value]:
+        """Those of the inputs that are written as growing with the base line, at another one."""
         moved: dict[str, Value] = {}
-        for key in ON_BASE_LINE:
+        for key in keys:
             value, written = self[key], self.written.get(key, "")
             if " + " in written:
                 text = quantity(key).write(cast("float", value), written, self.baseline)[1]

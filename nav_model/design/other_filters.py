@@ -9,7 +9,8 @@ Sources, key by key:
   rad/s/√Hz and m/s²/√Hz, random walks of the biases in rad/s²/√Hz and m/s³/√Hz, update_rate in Hz.
 - PX4: src/modules/ekf2/module.yaml, params_gyro_bias.yaml, params_accel_bias.yaml and params_gnss.yaml: rad/s, m/s²,
   rad/s², m/s³, m, m/s, µs. EKF/covariance.cpp multiplies the four noises by its period and squares them at every
-  prediction, so they are densities over the root of that period.
+  prediction, so they are densities over the root of that period. EKF/aid_sources/gnss/gnss_height_control.cpp has
+  the noise of heights.
 - KF-GINS: dataset/kf-gins.yaml (github.com/i2Nav-WHU/KF-GINS): deg/√h, m/s/√h, deg/h, mGal, hours, Hz.
 - pyins: docstring of pyins.inertial_sensor.EstimationModel: SI; noise and bias_walk are roots of power densities.
 """
@@ -91,12 +92,22 @@ def _px4(design: Design) -> str:
         values["EKF2_GYR_B_NOISE"] = gyro.walk / root, f"rad/s^2, {_ASSUMED}"
     if gnss.velocity_noise is not None:
         values["EKF2_GPS_V_NOISE"] = gnss.velocity_noise, "m/s"
+    vertical = ""
+    if gnss.vertical_position_noise is not None:
+        vertical = (
+            f"# Heights: the design has {_real(gnss.vertical_position_noise)} m. EKF2 has no parameter for them: it "
+            f"takes what the receiver reports, and no less than {_PX4_VERTICAL} times EKF2_GPS_P_NOISE, "
+            f"{_real(_PX4_VERTICAL * gnss.position_noise)} m.\n"
+        )
     comments = "".join(
         f"# {name}: {unit}{_beyond(value, *_PX4_RANGES[name])}\n" for name, (value, unit) in values.items()
     )
     rows = "".join(f"1\t1\t{name}\t{_real(value)}\t9\n" for name, (value, _) in values.items())
-    return f"{_HEAD}{comments}1\t1\tEKF2_PREDICT_US\t{round(PERIOD * 1e6)}\t6\n{rows}"
+    return f"{_HEAD}{comments}{vertical}1\t1\tEKF2_PREDICT_US\t{round(PERIOD * 1e6)}\t6\n{rows}"
 
+
+_PX4_VERTICAL = 1.5
+"""Least noise of heights in PX4's EKF2 over that of the horizontal position."""
 
 _PX4_RANGES = {
     "EKF2_GYR_NOISE": (0.0001, 0.1), "EKF2_ACC_NOISE": (0.01, 1.0), "EKF2_GPS_P_NOISE": (0.01, 10.0),
@@ -134,12 +145,20 @@ def _pyins(design: Design) -> str:
         bias, walk = (noise.bias, noise.walk) if noise.bias else (None, None)
         return f"inertial_sensor.EstimationModel(bias_sd={bias!r}, noise={noise.density!r}, bias_walk={walk!r})"
 
+    def axes(level: float, upright: float | None) -> str:
+        return f"np.array([{level!r}, {level!r}, {level if upright is None else upright!r}])"
+
     gnss = design.gnss
-    velocity = "" if gnss.velocity_noise is None else f"velocity_sd = {gnss.velocity_noise!r}  # m/s\n"
+    velocity = ""
+    if gnss.velocity_noise is not None:
+        sizes = axes(gnss.velocity_noise, gnss.vertical_velocity_noise)
+        velocity = f"velocity_sd = {sizes}  # m/s, of measurements.NedVelocity\n"
     return (
-        f"{_head(gyro, accelerometer)}# SI; bias_walk: {_ASSUMED}.\nfrom pyins import inertial_sensor\n\n"
+        f"{_head(gyro, accelerometer)}# SI; bias_walk: {_ASSUMED}; of fixes: north, east, down.\n"
+        f"import numpy as np\nfrom pyins import inertial_sensor\n\n"
         f"gyro_model = {model(gyro)}\naccel_model = {model(accelerometer)}\n"
-        f"position_sd = {gnss.position_noise!r}  # m, of measurements.Position\n{velocity}"
+        f"position_sd = {axes(gnss.position_noise, gnss.vertical_position_noise)}  # m, of measurements.Position\n"
+        f"{velocity}"
     )
 
 

@@ -6,7 +6,7 @@ from typing import cast
 
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, Kind, SourcedValue, find
-from nav_model.design.declaration import BASE_LINE, BaseQuantity
+from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE, BaseQuantity
 from nav_model.design.parts import PRESET_KEYS, declaration_of
 
 
@@ -68,6 +68,30 @@ def sheet_of(design: Design, section: str) -> Mapping[str, SourcedValue]:
     """Name of an input -> the value of the section's preset at the design's base line; empty without a preset."""
     entry = entry_of(design, section)
     return {} if entry is None else values_of(entry, design.baseline)
+
+
+def without_class(design: Design) -> dict[str, Value]:
+    """Changes that take the receiver class out of a design, with all that it filled and nobody changed since.
+
+    Returns
+    -------
+    dict
+        Dotted key -> None for the class, and the default of each input that has the class's value. The base line
+        stays where noise of the user's own grows with it.
+    """
+    entry = entry_of(design, "gnss")
+    if entry is None:
+        return {}
+    changed = deviations(design, "gnss")
+    changes: dict[str, Value] = {
+        key: None if key in PRESET_KEYS else declaration_of(key).default
+        for key in filled(entry, design.baseline)[0]
+        if key.rpartition(".")[2] not in changed
+    }
+    grows = any(" + " in design.written.get(key, "") and key not in changes for key in ON_BASE_LINE)
+    if (base := entry.values.get("baseline")) and base.value == design.baseline and not grows:
+        changes[BASE_LINE] = None
+    return changes
 
 
 def deviations(design: Design, section: str) -> frozenset[str]:

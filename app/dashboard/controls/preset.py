@@ -5,7 +5,7 @@ from app.document.wording import preset_name
 from app.ui.input_sheet import Row, choice_row
 from nav_model.base.errors import InputError
 from nav_model.design.catalogue import Entry, catalogue, find
-from nav_model.design.presets import deviations, entry_of, kind_of, preset_fill, preset_of
+from nav_model.design.presets import deviations, entry_of, kind_of, preset_fill, preset_of, without_class
 
 
 class PresetInput(DesignInput[None]):
@@ -40,7 +40,10 @@ class PresetInput(DesignInput[None]):
         }
 
     def take(self, text: str) -> InputError | None:
-        """Fill the section from an entry, or leave its values without one."""
+        """Fill the section from an entry, or leave its values without one; a receiver class goes with its values."""
+        if not text and self.section == "gnss":
+            changes = without_class(self.session.design)
+            return self.session.change(changes, dict.fromkeys(changes, ""))
         if not text:
             return self.session.change({self.key: None})
         values, units = preset_fill(self.section, text, self.session.design.baseline)

@@ -12,6 +12,7 @@ from nav_model.base.text.toml_text import read_toml
 from nav_model.base.units import Parsed, parse_quantity
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 Kind = Literal["imu", "radar", "gnss"]
 STATUSES = ("confirmed", "secondary", "assumed", "unconfirmed")
@@ -56,8 +57,9 @@ class Entry:
     """One unit of the catalogue.
 
     `values` fill the inputs of the same section of a design; `extra` is only shown
-    (data-sheet biases of an inertial unit; speed and altitude of a radar's platform).
-    `offer` has what an offer adds, of `OFFERED`: a price in its currency, kg, W.
+    (data-sheet biases of an inertial unit; speed and altitude of a radar's platform; the base line to which a
+    receiver's sheet holds). `offer` has what an offer adds, of `OFFERED`: a price in its currency, kg, W.
+    `post_processed`: of a receiver whose fixes are computed after the flight.
     """
 
     kind: Kind
@@ -67,6 +69,7 @@ class Entry:
     values: Mapping[str, SourcedValue]
     extra: Mapping[str, SourcedValue]
     offer: Mapping[str, SourcedValue]
+    post_processed: bool = False
 
     @property
     def in_run(self) -> Mapping[str, SourcedValue]:
@@ -87,7 +90,7 @@ _MOST_BYTES = 1_000_000  # the product's own have ten thousand
 _EXTRA: dict[str, dict[str, str]] = {
     "imu": {"gyro_bias": "angular rate", "accelerometer_bias": "acceleration"},
     "radar": {"speed": "speed", "altitude": "length"},
-    "gnss": {},
+    "gnss": {"longest_baseline": "length"},
 }
 
 
@@ -125,6 +128,9 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
     if len(name) > _LONGEST_NAME or not name.isprintable() or name != name.strip():
         reason = f"the name {quoted(name)} is not one line of at most {_LONGEST_NAME} characters without outer spaces"
         raise InputError(f"{kind} catalogue", reason)
+    if (processing := table.get("processing", REAL_TIME)) not in (REAL_TIME, POST_PROCESSED):
+        reason = not_a_choice(processing, (REAL_TIME, POST_PROCESSED))
+        raise InputError(f"{kind}.{name}.processing", reason, processing)
     values: dict[str, SourcedValue] = {}
     extra: dict[str, SourcedValue] = {}
     offer: dict[str, SourcedValue] = {}
@@ -135,7 +141,7 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         else None
     )
     for key, item in table.items():
-        if key in {"name", "grade", "note"}:
+        if key in {"name", "grade", "note"} or (key, kind) == ("processing", "gnss"):
             continue
         where = f"{kind}.{name}.{key}"
         if not isinstance(item, dict) or not isinstance(item.get("value"), str):
@@ -158,7 +164,8 @@ def _entry(kind: Kind, table: dict[str, Any]) -> Entry:
         )
     if slow := values.get("correlated_noise"):
         values["correlated"] = replace(slow, text="yes", value=True, unit="")
-    return Entry(kind, name, str(table.get("grade", "")), str(table.get("note", "")), values, extra, offer)
+    grade, note = str(table.get("grade", "")), str(table.get("note", ""))
+    return Entry(kind, name, grade, note, values, extra, offer, processing == POST_PROCESSED)
 
 
 def _offered(key: str, text: str, where: str) -> Parsed:

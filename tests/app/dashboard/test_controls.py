@@ -226,6 +226,16 @@ def test_a_class_of_receivers_follows_its_base_line(session: Session) -> None:
     assert sheet.row("gnss.preset")["named"] == "Custom, based on RTK class, 20 km base"
 
 
+def test_a_class_of_receivers_leaves_with_all_it_filled(session: Session) -> None:
+    sheet, before = Sheet(session, "gnss.preset", "gnss.position_noise", "gnss.baseline"), session.design
+    sheet.enter("gnss.preset", "PPK")
+    assert session.design.gnss.correlated
+    sheet.enter("gnss.preset", "")
+    assert session.design == before.replace({"gnss.position_noise": 1.0})
+    assert sheet.row("gnss.position_noise")["text"] == "1 m"
+    assert (sheet.row("gnss.baseline")["text"], sheet.row("gnss.preset")["text"]) == ("", "")
+
+
 def test_every_input_has_a_row_with_help() -> None:
     rows = {each.key: each.row() for group in design_groups(Session(Design()), ()) for each in group.inputs}
     assert set(all_keys()) <= rows.keys()

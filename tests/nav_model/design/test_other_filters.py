@@ -2,10 +2,13 @@
 
 import csv
 import math
+import re
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
+from pyins.measurements import NedVelocity, Position
 
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.base.errors import InputError
@@ -66,6 +69,13 @@ def test_px4_adds_the_variance_of_the_random_walks() -> None:
     )
 
 
+def test_px4_has_the_noise_of_heights_beside_what_it_takes() -> None:
+    text = noise_for(DESIGN.replace({"gnss.vertical_position_noise": 1.6}), "px4")
+    (heights,) = (line for line in text.splitlines() if line.startswith("# Heights"))
+    assert [float(number) for number in re.findall(r"(\S+) m\b", heights)] == [1.6, 1.5]
+    assert "Heights" not in noise_for(DESIGN, "px4")
+
+
 def test_kf_gins_reads_data_sheet_units() -> None:
     config = yaml.safe_load(noise_for(DESIGN, "kf-gins"))
     noise = config["imunoise"]
@@ -89,6 +99,13 @@ def test_pyins_runs_the_file() -> None:
     assert gyro.q == pytest.approx([DESIGN.imu.gyro_bias * math.sqrt(2 / CORRELATION_TIME)] * 3)  # type: ignore[attr-defined]
     exec(noise_for(Design(), "pyins"), names)  # without biases
     assert names["gyro_model"].n_states == 0  # type: ignore[attr-defined]
+    vertical = {"gnss.vertical_position_noise": 1.6, "gnss.vertical_velocity_noise": 0.07}
+    exec(noise_for(DESIGN.replace(vertical), "pyins"), names)
+    place = pd.DataFrame({"lat": [50.0], "lon": [8.0], "alt": [100.0]}, index=[0.0])
+    speed = pd.DataFrame({"VN": [0.0], "VE": [0.0], "VD": [0.0]}, index=[0.0])
+    position, velocity = Position(place, names["position_sd"]), NedVelocity(speed, names["velocity_sd"])
+    np.testing.assert_allclose(position.R, np.diag([1.0, 1.0, 1.6**2]))
+    np.testing.assert_allclose(velocity.R, np.diag([0.03**2, 0.03**2, 0.07**2]))
 
 
 def test_every_filter_is_written() -> None:

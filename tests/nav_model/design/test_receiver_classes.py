@@ -7,11 +7,12 @@ import pytest
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.json import to_json
+from nav_model.budget.provenance import cautions
 from nav_model.design import Design
-from nav_model.design.catalogue import catalogue
+from nav_model.design.catalogue import catalogue, read_catalogue
 from nav_model.design.file import format_design, parse_design, read_design
 from nav_model.design.link import from_query, to_query
-from nav_model.design.presets import deviations
+from nav_model.design.presets import deviations, preset_fill, without_class
 
 # name: rms of both horizontal axes [m], vertical [m], ppm of each (0: no base), correlation time [s]
 SHEETS = {
@@ -96,6 +97,48 @@ def test_the_base_line_moves_noise_and_slow_error_of_the_class() -> None:
         for back in (parse_design(format_design(design)), from_query(to_query(design))):
             assert back == design
             assert back.replace({"gnss.baseline": 5e3}) == design.replace({"gnss.baseline": 5e3})
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_nothing_of_a_class_stays_without_it(name: str) -> None:
+    design = Design({"gnss.velocity_noise": 0.05, "gnss.interval": 0.2})
+    values, units = preset_fill("gnss", name)
+    filled = design.replace(values, units)
+    assert filled.replace(without_class(filled)) == design
+    assert without_class(design) == {}
+
+
+def test_what_was_changed_since_stays_without_the_class() -> None:
+    values, units = preset_fill("gnss", "PPK")
+    later = Design().replace(values, units).replace({"gnss.correlation_time": 60.0, "gnss.baseline": 20e3})
+    without = later.replace(without_class(later))
+    assert without == Design({"gnss.correlation_time": 60.0, "gnss.baseline": 20e3})
+    growing = {"gnss.position_noise": 15e-3}, {"gnss.position_noise": "mm + 1 ppm"}  # 5 mm + 1 ppm over 10 km
+    typed = Design().replace(values, units).replace(*growing)
+    assert typed.replace(without_class(typed)) == Design({"gnss.position_noise": 15e-3, "gnss.baseline": 10e3})
+
+
+def of_class(*changes: str) -> list[str]:
+    return [caution for caution in cautions(analyse(chosen(*changes))) if "receiver class" in caution]
+
+
+def test_a_class_beyond_its_sheet_is_cautioned_by_name() -> None:
+    (caution,) = of_class("gnss.preset=PPK")
+    assert "PPK are computed after the flight" in caution
+    assert "Choose post-processed (processing.mode)" in caution
+    (caution,) = of_class("gnss.preset=RTK", "gnss.baseline=100 km")
+    assert "RTK holds for a base station up to 30 km away; that of the design is 100 km away" in caution
+    late = ("gnss.preset=PPK", "processing.mode=post-processed")
+    for changes in (late, ("gnss.preset=RTK", "gnss.baseline=30 km"), ("gnss.preset=PPP",), ()):
+        assert of_class(*changes) == []
+
+
+def test_a_catalogue_file_says_when_fixes_are_known() -> None:
+    rest = 'position_noise = { value = "2 cm", status = "assumed", source = "a web page" }\n'
+    (late,) = read_catalogue(f'[[gnss]]\nname = "A"\nprocessing = "post-processed"\n{rest}', "gnss").values()
+    assert late.post_processed
+    with pytest.raises(InputError, match=r"gnss.A.processing: 'later' is not"):
+        read_catalogue(f'[[gnss]]\nname = "A"\nprocessing = "later"\n{rest}', "gnss")
 
 
 def test_another_class_keeps_the_base_line_and_leaves_nothing_of_the_last() -> None:

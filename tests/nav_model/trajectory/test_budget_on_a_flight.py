@@ -169,12 +169,13 @@ def test_what_makes_a_straight_line_differ_is_said_beside_it() -> None:
 
     assert flown({})[1] == ""
     assert "10 s without fixes before the aperture" in flown({"coast.before_aperture": 10.0})[1]
-    slow = {"gnss.correlated": True, "gnss.correlated_noise": 0.3, "gnss.correlation_time": 100.0}
+    slow = {"gnss.correlated": True, "gnss.correlated_noise": 0.3, "gnss.vertical_correlated_noise": 0.3}
+    slow["gnss.correlation_time"] = 100.0
     assert "this one does not" in flown(slow, states=9)[1]
     assert flown(slow)[1] == ""
     assert flown({"processing.mode": POST_PROCESSED})[1] == ""
     assert "has 20 s of fixes" in flown({"processing.mode": POST_PROCESSED, "processing.leg_after": 20.0})[1]
-    assert "Gravity changes with height" in flown(slow | {"gnss.correlated_noise": 3.0})[1]
+    assert "Gravity changes with height" in flown(slow | {"gnss.vertical_correlated_noise": 3.0})[1]
     # The noise of a navigation unit: 0.001 °/√h.
     precise = {"imu.angle_random_walk": 2.9e-7, "imu.velocity_random_walk": 5e-5, "imu.vibration_factor": 1.0}
     precise |= {"gnss.position_noise": 0.2, "gnss.interval": 0.5}
