@@ -6,6 +6,5 @@
 - `trade_map`: two inputs against a figure.
 - `search`: catalogue sensors and receiver classes against a radar and its requirements.
 - `uncertainty`: the verdict as a probability when inputs are ranges.
-- `manoeuvre`: what would close the lines of a flight: manoeuvres, aids and IMUs, each flown through the covariance.
 - `sweep_plan`, `sweep_flight`, `sweep`: parameter files, in closed form or flown, in parallel, resumed after a crash.
 """

@@ -8,6 +8,8 @@
     result.py         TrajectoryResult and its parts; to_json
     lines.py          the lines of a flight against their limits
     line_length.py    how long a line of a plan may be
+    manoeuvre.py      what would close the lines of a plan: manoeuvres, aids and IMUs
+    residual.py       what residual biases make of a flight
     plan.py           a flight from waypoints and lines, with coordinated turns
     files             flights from files: plans, recordings
 

@@ -16,7 +16,7 @@ from nav_model.design.trajectory import lines_in_words
 _SAME, _NOTHING = 0.005, "the same"
 
 if TYPE_CHECKING:
-    from nav_model.explore.manoeuvre import Limited, Manoeuvres, Option
+    from nav_model.trajectory.manoeuvre import Limited, Manoeuvres, Option
 
 
 def options_answer(answer: Manoeuvres) -> Answer:
@@ -97,6 +97,8 @@ def _note(option: Option, *, buys: bool) -> str:
     notes = []
     if option.lost_s >= 1.0:
         notes.append(f"its bank loses fixes for {time_in_words(option.lost_s)}")
+    elif option.lost_s <= -1.0:
+        notes.append(f"keeps fixes for {time_in_words(-option.lost_s)} more")
     if not buys:
         notes.append("costs more than it buys" if option.costs_s > 0.5 else "buys nothing")
     note = ", and ".join(notes)

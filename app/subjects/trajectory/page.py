@@ -57,7 +57,7 @@ from nav_model.design.trajectory import AIDING, FLIGHT_FILES, LINES, MOST_WAYPOI
 from nav_model.simulation.specification import FILTER_STATES
 
 if TYPE_CHECKING:
-    from nav_model.explore.manoeuvre import Manoeuvres
+    from nav_model.trajectory.manoeuvre import Manoeuvres
     from nav_model.trajectory.result import TrajectoryResult
 
 _FILE = "file"

@@ -21,7 +21,7 @@ from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import Rows
 
 if TYPE_CHECKING:
-    from nav_model.explore.manoeuvre import Manoeuvres
+    from nav_model.trajectory.manoeuvre import Manoeuvres
     from nav_model.trajectory.plan import PlannedFlight
     from nav_model.trajectory.result import TrajectoryResult
 
@@ -150,7 +150,7 @@ def closing_options(
 
     Raises InputError as `follow` and `manoeuvres`.
     """
-    from nav_model.explore.manoeuvre import manoeuvres
+    from nav_model.trajectory.manoeuvre import manoeuvres
 
     return manoeuvres(design, states=states, progress=progress, flight=_read(file, design) if file else None)
 

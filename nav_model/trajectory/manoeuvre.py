@@ -41,14 +41,16 @@ _PARTS = {2: "Turn in the middle", 3: "Turns between three parts", 5: "Turns bet
 _SHORTEST_PART = 60.0  # s
 _BEYOND = 2.0  # s by which parts of a line overlap beyond an aperture
 _GENTLER = 0.95  # of the bank at which fixes are lost
+# Of each kind, what costs less comes first: of aids and IMUs the coarser. So the first that closes is the one to
+# take, and where one buys nothing, those after it are not flown (`_best`).
 _AIDS: Mapping[str, Mapping[str, float]] = {
     "trajectory.heading_noise": {"Two antennas, 1 m apart": 0.3 * DEGREE, "Two antennas, 3 m apart": 0.1 * DEGREE},
     "gnss.velocity_noise": {"Velocity fixes, Doppler": 0.03, "Velocity fixes, carrier phase": 0.01},
 }
-"""Input -> aid and the typical value that its declaration has for it, the coarser first."""
+"""Input -> aid and the typical value that its declaration has for it."""
 _OF_THE_NOISE = (1 / 3, 1 / 10, 1 / 30)
 """Parts of the gyro noise that another IMU has at most."""
-_NO_BETTER = 0.98
+_NO_BETTER = 0.98  # of the excess over a limit
 _BEFORE = "before"
 _NO_PLAN = "No manoeuvre is among the options, as this flight has no waypoints: only lines and waypoints are a plan."
 _LONGER = 600.0  # s that a line is flown on, to see when it fails
@@ -79,8 +81,9 @@ class Option:
     kind: "manoeuvre", "aid" for further fixes, or "imu". lines: where it is flown, in words `where`: "before line 1",
     "of line 1" for turns within it; empty for what is not flown. before_s: how long before the end of such a line it
     is over [s], of the shortest that closes at the latest. costs_s: what it adds to the flight [s]. closes: whether
-    the lines in question meet their limits, and all that did before. useless: no nearer to the limits than without.
-    lost_s: time beyond the bank at which fixes are lost that it adds [s].
+    the lines in question meet their limits, and all that did before. useless: without closing them, less than 2 %
+    nearer to the limits. lost_s: time beyond the bank at which fixes are lost that it adds, below zero what it saves
+    [s].
     changes, written: as `Design.replace` takes them.
     """
 
@@ -131,18 +134,25 @@ class _Candidate(NamedTuple):
 
 
 class _Question(NamedTuple):
-    """A plan, the states of the filter, its lines as flown, the names of the lines that fail, and those of them at
-    which a manoeuvre alone does nothing for the others."""
+    """A plan, the states of the filter, its lines as flown, and the names of the lines that fail."""
 
     plan: _Plan
     states: int
     lines: tuple[LineResult, ...]
     names: tuple[str, ...]
-    alone: set[tuple[str, ...]]
 
     @property
     def failing(self) -> list[int]:
+        """Numbers of the lines that fail."""
         return [n for n, line in enumerate(self.lines) if line.name in self.names and not line.closes]
+
+
+class _Answer(NamedTuple):
+    """The best option of a kind, None where none can be flown, and lines at which a manoeuvre alone did nothing for
+    the others in question."""
+
+    option: Option | None
+    no_effect_elsewhere: frozenset[tuple[str, ...]]
 
 
 def manoeuvres(
@@ -187,16 +197,19 @@ def manoeuvres(
         raise InputError("requirements", f"none limits a figure of {where}; give at least one, such as heading")
     if not names:
         return Manoeuvres(chosen[0].name, (), True, figures)
-    question = _Question(plan, states, lines, names, set())
+    question = _Question(plan, states, lines, names)
     kinds: list[Iterable[_Candidate]] = [] if note else [*_manoeuvres(question)]
     kinds += _equipment(design)
     options: list[Option] = []
+    skipped = frozenset[tuple[str, ...]]()
     for n, kind in enumerate(kinds, 1):
-        share = n / (len(kinds) + 2)
-        options += _best(question, kind, lambda what, share=share: progress(share, what))  # type: ignore[misc]
+        best = _best(question, kind, skipped, partial(progress, n / (len(kinds) + 2)))
+        skipped |= best.no_effect_elsewhere
+        options += [best.option] if best.option else []
     if not note and not any(option.closes and option.kind == "manoeuvre" for option in options):
-        share = 1.0 - 1.0 / (len(kinds) + 2)
-        options += _best(question, _in_parts(question, after_turn=True), lambda what: progress(share, what))
+        kind, share = _in_parts(question, after_turn=True), 1.0 - 1.0 / (len(kinds) + 2)
+        best = _best(question, kind, skipped, partial(progress, share))
+        options += [best.option] if best.option else []
     options.sort(key=lambda option: (not option.closes, _PREFERRED.index(option.kind), option.costs_s))
     if options and options[0].closes and options[0].where.startswith(_BEFORE):
         progress(1.0 - 0.5 / (len(kinds) + 2), f"{options[0].name}: how long before the line ends")
@@ -221,55 +234,78 @@ def _latest(question: _Question, option: Option) -> float:
     return min(latest)
 
 
-def _best(question: _Question, kind: Iterable[_Candidate], progress: Callable[[str], None]) -> list[Option]:
-    """The first of a kind that closes, else the one nearest to it; none where nothing of the kind can be flown."""
+def _best(
+    question: _Question,
+    kind: Iterable[_Candidate],
+    skipped: frozenset[tuple[str, ...]],
+    progress: Callable[[str], None],
+) -> _Answer:
+    """The first candidate of a kind that closes, else the one nearest to it.
+
+    Parameters
+    ----------
+    question : _Question
+    kind : iterable of _Candidate
+        Those that cost less first.
+    skipped : frozenset
+        Lines at which a manoeuvre alone is not tried, as `_Answer` has them of kinds before.
+    progress : callable
+        Called with the name of what is flown.
+    """
     flown: list[Option] = []
+    no_effect_elsewhere = set(skipped)
     least = _excess(_figures(question.lines, question.names))
     for candidate in kind:
-        if candidate.lines in question.alone:
+        if candidate.lines in no_effect_elsewhere:
             continue
         progress(candidate.name)
         try:
-            option = _option(question, candidate)
+            changed = candidate.apply(question.plan)
+            lines = lines_along(along_flight(*changed, question.states))
         except InputError:  # there is no room for it, or no way to it
             continue
+        option = _option(question, candidate, changed, lines)
         flown.append(option)
+        others = [name for name in question.names if name not in candidate.lines]
+        if candidate.lines and others:
+            here, elsewhere = (_gain(question, lines, names) for names in (candidate.lines, others))
+            if here <= _NO_BETTER < elsewhere:
+                no_effect_elsewhere.add(candidate.lines)
         gain, least = _excess(option.figures) / least, min(least, _excess(option.figures))
         # What follows costs more; where this is no better than what came before, that is not either.
         if option.closes or (gain > _NO_BETTER and set(candidate.lines) in (set(), set(question.names))):
             break
-    return [min(flown, key=lambda option: (not option.closes, _excess(option.figures)))] if flown else []
+    best = min(flown, key=lambda option: (not option.closes, _excess(option.figures)), default=None)
+    return _Answer(best, frozenset(no_effect_elsewhere))
 
 
 def _planned(design: Design) -> _Plan:
     return _Plan(design, planned(design))
 
 
-def _option(question: _Question, candidate: _Candidate) -> Option:
-    (design, flight), states, lines, names, alone = question
-    changed = candidate.apply(question.plan)
-    flown = lines_along(along_flight(*changed, states))
+def _gain(question: _Question, lines: Iterable[LineResult], names: Iterable[str]) -> float:
+    """The excess over a limit on lines of these names, over that of the plan as it is."""
+    names = tuple(names)
+    return _excess(_figures(lines, names)) / _excess(_figures(question.lines, names))
 
-    def gain(which: Sequence[str]) -> float:
-        return _excess(_figures(flown, which)) / _excess(_figures(lines, which))
 
-    others = [name for name in names if name not in candidate.lines]
-    if candidate.lines and others and gain(candidate.lines) <= _NO_BETTER < gain(others):
-        alone.add(candidate.lines)
-    after = _figures(flown, names)
-    closed = {line.name for line in lines if line.closes} | set(names)
-    limit = changed.design.trajectory.bank_limit
+def _option(question: _Question, candidate: _Candidate, changed: _Plan, lines: Sequence[LineResult]) -> Option:
+    """A candidate as it has been flown: the changed plan and its lines."""
+    (design, flight), before, names = question.plan, question.lines, question.names
+    closed = {line.name for line in before if line.closes} | set(names)
+    closes = all(line.closes for line in lines if line.name in closed)
+    limit, turns = changed.design.trajectory.bank_limit, candidate.kind == "manoeuvre"
     return Option(
         candidate.name,
         candidate.kind,
         candidate.lines,
         candidate.where,
-        max((line.duration for line in flown if line.name in candidate.lines), default=0.0),
+        max((line.duration for line in lines if line.name in candidate.lines), default=0.0),
         changed.flight.duration - flight.duration,
-        all(line.closes for line in flown if line.name in closed),
-        not gain(names) < 1.0,  # also where no line has a value
-        0.0 if limit is None or not candidate.lines else changed.flight.banked(limit) - flight.banked(limit),
-        after,
+        closes,
+        not (closes or _gain(question, lines, names) <= _NO_BETTER),  # also where no line has a value
+        changed.flight.banked(limit) - flight.banked(limit) if turns and limit is not None else 0.0,
+        _figures(lines, names),
         {key: value for key, value in changed.design.items() if value != design[key]},
         candidate.written,
     )
