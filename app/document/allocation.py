@@ -26,8 +26,8 @@ def entry_texts(design: Design, check: Check, allocation: Allocation) -> list[di
     return [
         {
             "source": printable(entry.source),
-            "allocated": check_quantity(design, check, entry.allocated),
-            "estimated": check_quantity(design, check, entry.estimated),
+            "allocated": check_quantity(check, entry.allocated),
+            "estimated": check_quantity(check, entry.estimated),
             "margin": NONE
             if entry.margin is None
             else signed_percent(entry.margin).replace("the limit", "allocated"),
@@ -39,11 +39,11 @@ def entry_texts(design: Design, check: Check, allocation: Allocation) -> list[di
 
 def outcome(design: Design, check: Check, allocation: Allocation) -> str:
     """A sentence on whether the entries fit, and how they were split."""
-    limit = check_quantity(design, check, allocation.limit, given=True)
+    limit = check_quantity(check, allocation.limit, given=True)
     whole = f"{check.label}: limit {limit}, reserve {percent(allocation.reserve)}"
     if allocation.closes:
         plan = design.allocation or Allotment()
-        value = check_quantity(design, check, check.value)
+        value = check_quantity(check, check.value)
         excess = "" if check.met else f": {number(check.value / allocation.limit)} × too high"
         return f"{whole}. Split: {SPLIT_WORDS[plan.split]}. Estimated {value}{excess}."
     return f"{whole}. Does not fit: {', '.join(allocation.blocked_by)} locked too high."
@@ -57,7 +57,7 @@ def allocation_table(budget: Budget, check: Check, key: str) -> TableBlock | Tex
         return Text(f"Allocation of {printable(check.label)}: {error.reason}")
     locked = {printable(entry.source) for entry in split.entries if entry.locked}
     return table(
-        f"{key}-allocation-{budget.verdict.checks.index(check)}",
+        f"{key}-allocation-{budget.straight_leg().checks.index(check)}",
         f"Allocation of {printable(check.label)}",
         (("Source", 1.5), *numbers("Allocated", "Estimated", "Margin"), ("Owner", 1)),
         (
@@ -73,7 +73,7 @@ def owners_table(budgets: Sequence[Budget], labels: Sequence[str]) -> TableBlock
     cells: dict[tuple[str, str], dict[int, str]] = {}
     owners: dict[tuple[str, str], dict[str, None]] = {}
     for place, budget in enumerate(budgets):
-        for check in budget.verdict.checks:
+        for check in budget.straight_leg().checks:
             with suppress(InputError):  # a lock of a source that is gone, which the report says
                 for row in entry_texts(budget.design, check, allocate(budget, check.name)):
                     key = printable(check.label), row["source"]

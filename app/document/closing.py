@@ -68,11 +68,11 @@ def beyond_one(budget: Budget) -> str:
         names = "; ".join(" and ".join(in_sentence(declaration_of(key).label) for key in pair) for pair in pairs)
         return f"Change two inputs together, on “Trade-off map”: {names}."
     sentences = ["No two of these inputs together close it either."]
-    for check in budget.verdict.checks:
+    for check in budget.straight_leg().checks:
         parts = budget.x.contributors.entering(check.on, budget.processing)
         alone = (check.confidence or 1.0) * with_contributors(0.0, parts)
         if alone > check.limit:
-            value, limit = (check_quantity(design, check, size) for size in (alone, check.limit))
+            value, limit = (check_quantity(check, size) for size in (alone, check.limit))
             names = " and ".join(part.name for part in parts)
             sentences.append(f"{names} alone: {value} of {limit} for {figure_in_sentence(check.name)}.")
     return " ".join(sentences)

@@ -1,15 +1,17 @@
 """Verdicts and their checks in words, for pages, reports, the command and the library."""
 
+import math
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
 from app.document.display import AS_REQUIRED, SI, Display
-from app.document.numbers import margin_in_sentence, margin_in_short, percent, show_in, signed_percent
-from app.document.wording import MOMENTS
+from app.document.numbers import NONE, margin_in_sentence, margin_in_short, percent, show_in, signed_percent
+from app.document.wording import MOMENTS, printable
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.verdict import Check, Verdict, required
+from nav_model.budget.verdict import STRAIGHT_LEG, WHOLE_FLIGHT, Check, Verdict, flown_names
 from nav_model.design import Design
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -40,11 +42,18 @@ def judged(verdict: Verdict) -> str:
 
 def check_words(design: Design, check: Check) -> CheckWords:
     """A check of a design's budget in words."""
-    value, limit = check_quantity(design, check, check.value), check_quantity(design, check, check.limit, given=True)
+    value, limit = check_quantity(check, check.value), check_quantity(check, check.limit, given=True)
     figure = f"{_FIGURES.get(check.basis, check.basis)} {check.equation}".strip()
     if check.confidence not in (None, design.requirements.confidence):
         figure += f", at {check.confidence:g}σ"
-    return CheckWords(value, limit, signed_percent(check.margin), percent(check.sensor_share), figure)
+    if not check.known:
+        figure = check.reason
+    elif check.judged != STRAIGHT_LEG:
+        figure = f"on {printable(check.judged)}, {figure}" if check.judged != WHOLE_FLIGHT else figure
+        if check.straight is not None:
+            figure += f"; straight leg {check_quantity(check, check.straight)}"
+    margin = signed_percent(check.margin) if check.known else NONE
+    return CheckWords(value, limit, margin, percent(check.sensor_share) if check.shares else NONE, figure)
 
 
 def displayed_check(design: Design, check: Check, display: Display) -> tuple[str, str, str]:
@@ -56,35 +65,47 @@ def displayed_check(design: Design, check: Check, display: Display) -> tuple[str
     def text_of(value: float, *, given: bool = False) -> str:
         if display.units == SI and check.dimension != "level":
             return display.in_si(value, check.dimension, given=given)
-        return check_quantity(design, check, value, given=given)
+        return check_quantity(check, value, given=given)
 
     spread = f"{check.confidence:g}σ" if display.required and check.confidence else display.named(pair=pair)
     at = "" if check.confidence is None else f" at {spread}"
     return text_of(factor * check.value), text_of(factor * check.limit, given=True), at
 
 
+_MET: Mapping[str, Cell] = {
+    "met": Cell("✓ met", tone="good"),
+    "not met": Cell("✗ not met", tone="bad"),
+    "open": Cell("open", tone="quiet"),
+    "refused": Cell("refused", tone="warn"),
+}
+
+
 def met_cell(check: Check) -> Cell:
-    """Whether a requirement is met, as a cell of a table."""
-    return Cell("✓ met", tone="good") if check.met else Cell("✗ not met", tone="bad")
+    """The state of a requirement, as a cell of a table."""
+    return _MET[check.state]
 
 
-def check_quantity(design: Design, check: Check, value: float, *, given: bool = False) -> str:
-    """A value [SI] of a check in the unit its requirement is written in.
+def closes_cell(verdict: Verdict) -> Cell:
+    """The state of a verdict, as a cell of a table."""
+    if verdict.state == "open":
+        return Cell(_open_words(verdict), tone="quiet")
+    return Cell("✓ closes", tone="good") if verdict.closes else Cell("✗ does not close", tone="bad")
 
-    The along-track phase has the unit of the quadratic phase, whose limit applies to it.
-    """
+
+def check_quantity(check: Check, value: float, *, given: bool = False) -> str:
+    """A value [SI] of a check in the unit its requirement is written in; a dash for none."""
+    if math.isnan(value):
+        return NONE
     if check.dimension == "level" and value <= NOTHING:
         return "none"
-    return show_in(value, required(design)[check.name].unit, check.dimension, given=given)
+    return show_in(value, check.unit, check.dimension, given=given)
 
 
 def verdict_of(budget: Budget) -> Answer:
     """The verdict: closes or not, at which confidence, what is tightest and what dominates it."""
     verdict, design = budget.verdict, budget.design
     tightest = verdict.tightest
-    if tightest is None and verdict.elsewhere:
-        return Answer(*_word_and_tone(verdict), judged_elsewhere(verdict))
-    if tightest is None:
+    if not verdict.checks:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         return Answer(
             "Not checked",
@@ -94,28 +115,69 @@ def verdict_of(budget: Budget) -> Answer:
                 f"Main source of quadratic phase: {largest.source}, {percent(largest.share)} of the variance.",
             ),
         )
-    failed = sum(not check.met for check in verdict.checks)
-    count = len(verdict.checks)
-    if failed:
-        met = f"{failed} of {count} requirements {'is' if failed == 1 else 'are'} not met"
-    else:
-        met = f"all {count} requirements are met" if count > 1 else "its one requirement is met"
-    words, name = check_words(design, tightest), figure_in_sentence(tightest.name)
-    return Answer(
-        *_word_and_tone(verdict),
-        (
-            f"{judged(verdict).capitalize()}, {met}.",
-            f"Tightest: {name}, {words.value} against {words.limit}, {margin_in_sentence(tightest.margin)}.",
+    sentences = [f"{judged(verdict).capitalize()}, {count_words(verdict)}."]
+    if tightest is not None:
+        words, name = check_words(design, tightest), figure_in_sentence(tightest.name)
+        sentences += [
+            f"Tightest: {name}{_where(tightest)}, {words.value} against {words.limit}, "
+            f"{margin_in_sentence(tightest.margin)}.",
             f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
-            *judged_elsewhere(verdict),
-        ),
-    )
+        ]
+    return Answer(*_word_and_tone(verdict), tuple(sentences))
 
 
-def judged_elsewhere(verdict: Verdict) -> tuple[str, ...]:
-    """Which requirements are judged along a flight alone, in a sentence if there are any."""
-    names = ", ".join(map(figure_in_sentence, verdict.elsewhere))
-    return (f"Judged along a flight only, on the Flight page: {names}.",) if names else ()
+def count_words(verdict: Verdict) -> str:
+    """How many requirements are met, which fail, and which are open or refused: "6 of 7 requirements met; heading
+    fails on L1 (0.105°, limit 0.05°)"."""
+    count, met = len(verdict.checks), sum(check.met for check in verdict.checks)
+    if met == count:
+        return f"all {count} requirements are met" if count > 1 else "its one requirement is met"
+    failing = sorted((check for check in verdict.checks if check.state == "not met"), key=lambda check: check.margin)
+    texts = [
+        f"{figure_in_sentence(check.name)} fails{_where(check)} ({check_quantity(check, check.value)}, limit "
+        f"{check_quantity(check, check.limit, given=True)})"
+        for check in failing
+    ]
+    refused = [check for check in verdict.checks if check.state == "refused"]
+    texts += [f"{figure_in_sentence(check.name)} is refused: {printable(check.reason)}" for check in refused]
+    if any(check.state == "open" for check in verdict.checks):
+        texts.append(_open_words(verdict))
+    return "; ".join((f"{met} of {count} requirement{'' if count == 1 else 's'} met", *texts))
+
+
+def _open_words(verdict: Verdict) -> str:
+    """What is not known yet: "open: heading is judged along the flight"."""
+    names = [figure_in_sentence(check.name) for check in verdict.checks if check.state == "open"]
+    if not names:
+        return f"refused: {', '.join(figure_in_sentence(name) for name in verdict.open)}"
+    *others, last = names
+    verb = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    return f"open: {verb} judged along the flight"
+
+
+def tightest_words(verdict: Verdict) -> str:
+    """The least margin of what is known, after a semicolon; empty without any."""
+    if (tightest := verdict.tightest) is None:
+        return ""
+    return f"; tightest {figure_in_sentence(tightest.name)}{_where(tightest)}, {margin_in_sentence(tightest.margin)}"
+
+
+def open_words(verdict: Verdict) -> str:
+    """What is open or refused, by name, after a semicolon; empty without any."""
+    return f"; open: {', '.join(map(figure_in_sentence, verdict.open))}" if verdict.open else ""
+
+
+def before_flight(design: Design) -> tuple[str, ...]:
+    """Which requirements the flight decides, as a sentence below an answer of the straight leg, if there are any."""
+    names = ", ".join(map(figure_in_sentence, flown_names(design)))
+    return (f"Before the flight, which decides on {names}.",) if names else ()
+
+
+def _where(check: Check) -> str:
+    """On which line a check was judged, after its name; empty on the straight leg."""
+    if check.judged == STRAIGHT_LEG:
+        return ""
+    return " along the flight" if check.judged == WHOLE_FLIGHT else f" on {printable(check.judged)}"
 
 
 def _through(check: Check) -> str:
@@ -124,16 +186,16 @@ def _through(check: Check) -> str:
 
 
 def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
-    if verdict.elsewhere and verdict.met:
-        return "Judged on Flight", "open"
-    return ("✓ Closes", "good") if verdict.closes else ("✗ Does not close", "bad")
+    return {"closes": ("✓ Closes", "good"), "fails": ("✗ Does not close", "bad"), "open": ("Open", "open")}[
+        verdict.state
+    ]
 
 
 def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
     """The verdict in one line: the tightest requirement, shown like the figures below it, and what dominates it."""
     tightest = budget.verdict.tightest
-    if budget.verdict.elsewhere and budget.verdict.met:
-        return Answer(*_word_and_tone(budget.verdict), judged_elsewhere(budget.verdict))
+    if budget.verdict.state == "open":
+        return Answer(*_word_and_tone(budget.verdict), (f"{count_words(budget.verdict)}.",))
     if tightest is None:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
@@ -142,7 +204,10 @@ def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
     share = percent(tightest.sensor_share)
     return Answer(
         *_word_and_tone(budget.verdict),
-        (f"{tightest.label} {value}, limit {limit}{at}; {share} from {tightest.sensor}{_through(tightest)}.",),
+        (
+            f"{tightest.label}{_where(tightest)} {value}, limit {limit}{at}; {share} from {tightest.sensor}"
+            f"{_through(tightest)}.",
+        ),
         "A design closes when every requirement is met.",
     )
 
@@ -152,12 +217,12 @@ def verdicts_in_short(budget: Budget, *, both: bool = True) -> dict[str, str]:
 
     Without ``both`` the margin of the processing that is not the design's, which takes longer, is left open.
     """
-    tightest, chosen = budget.verdict.tightest, budget.verdict.processing
-    margins = {chosen: None if tightest is None else tightest.margin}
+    chosen = budget.verdict.processing
+    margins = {chosen: _least(budget.verdict)}
     if both:
         with suppress(InputError):  # no figures come of it; the current design has some
             other = budget.other_verdict
-            margins[other.processing] = None if other.tightest is None else other.tightest.margin
+            margins[other.processing] = _least(other)
 
     def label(mode: str) -> str:
         name, margin = mode[:1].upper() + mode[1:], margins.get(mode)
@@ -166,3 +231,8 @@ def verdicts_in_short(budget: Budget, *, both: bool = True) -> dict[str, str]:
         return name if margin is None else f"{name} {margin_in_short(margin)}"
 
     return {label(mode): mode for mode in (REAL_TIME, POST_PROCESSED)}
+
+
+def _least(verdict: Verdict) -> float | None:
+    """The least margin; None without one, and where it may be less once what is open is known."""
+    return None if verdict.tightest is None or verdict.state == "open" else verdict.tightest.margin

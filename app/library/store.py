@@ -23,7 +23,7 @@ from app.library.schema import is_current, migrate, version_of
 from app.library.texts import clean, clean_tags
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
-from nav_model.budget.verdict import required
+from nav_model.budget.verdict import check_names
 from nav_model.design.file import format_design, parse_design
 
 MOST = {"designs": 5_000, "revisions": 20_000, "reviews": 2_000, "bytes": 200_000_000}
@@ -84,7 +84,7 @@ def _worked_out(content: str, where: str) -> Budget:
 
 @functools.lru_cache(maxsize=4096)
 def _checks(content: str, where: str) -> tuple[str, ...]:
-    return tuple(required(parse_design(content, where)))
+    return check_names(parse_design(content, where))
 
 
 class Library:

@@ -315,12 +315,12 @@ class _Sheets:
             self._check(sheet, row, name, checks.get(name), processing)
         letters = f"H{first + 1}:H{row + 1}"
         closes = f'IF(COUNTIF({letters},"met")>0,"Closes","Not checked")'
-        if verdict.elsewhere:  # requirements that only a flight can judge
-            closes = '"Judged on Flight"'
+        if verdict.open:
+            closes = '"Open"'
         for word, words in (("not known", "Not known for these inputs"), ("not met", "Does not close")):
             closes = f'IF(COUNTIF({letters},"{word}")>0,"{words}",{closes})'
         met = all(check.met for check in checks.values())
-        otherwise = "Judged on Flight" if verdict.elsewhere else "Closes" if checks else "Not checked"
+        otherwise = "Open" if verdict.open else "Closes" if checks else "Not checked"
         sheet.write_formula(1, 0, f"={closes}", self.bold, otherwise if met else "Does not close")
         if processing == REAL_TIME:
             self._name("verdict_in_real_time", "Budget", 1, 0)

@@ -59,16 +59,21 @@ class Allocation:
 
 
 def check_of(budget: Budget, requirement: str | None = None) -> Check:
-    """The check of a requirement, by default the tightest that can be allocated, where one can.
+    """The check of a requirement on the straight leg, by default the tightest that can be allocated, where one can.
 
     Raises
     ------
     InputError
         If the design has no requirement, or none of this name.
     """
-    checks = {check.name: check for check in budget.verdict.checks}
+    checks = {check.name: check for check in budget.straight_leg().checks}
     if not checks:
-        raise InputError("requirement", "The design has no requirement, so there is nothing to allocate.")
+        reason = (
+            "Only a flight judges what the design requires"
+            if budget.verdict.checks
+            else "The design has no requirement"
+        )
+        raise InputError("requirement", f"{reason}, so there is nothing to allocate.")
     if requirement is None:
         return min(checks.values(), key=lambda check: (check.on in RESPONSE, check.margin))
     if requirement not in checks:

@@ -117,10 +117,10 @@ def verdict_json(verdict: Verdict) -> dict[str, Any]:
     """A verdict and its checks."""
     return {
         "processing": verdict.processing,
+        "state": verdict.state,
         "closes": verdict.closes,
         "confidence": verdict.confidence,
         "tightest": verdict.tightest.name if verdict.tightest else None,
-        "elsewhere": list(verdict.elsewhere),
         "requirements": [_check(check) for check in verdict.checks],
     }
 
@@ -165,17 +165,18 @@ def _placement(budget: Budget, processing: str) -> dict[str, Any]:
 
 
 _CHECK = (
-    *(item.name for item in fields(Check) if item.name not in ("shares", "tilt_shares")),
-    *("dominant", "dominant_share", "sensor", "sensor_share"),
+    *(item.name for item in fields(Check) if item.name not in ("unit", "shares", "tilt_shares")),
+    *("met", "dominant", "dominant_share", "sensor", "sensor_share"),
 )
 
 
 def _check(check: Check) -> dict[str, Any]:
-    """A check under the contract's names, where its basis is called "figure"; levels in decibels."""
+    """A check under the contract's names, where its basis is called "figure"; levels in decibels, null what is not
+    known."""
     content: dict[str, Any] = {"figure" if name == "basis" else name: getattr(check, name) for name in _CHECK}
     if check.dimension == "level":
         content |= {name: _decibels(content[name]) for name in ("value", "sigma", "limit")}
-    return content
+    return {name: None if value != value else value for name, value in content.items()}
 
 
 def _spectral(budget: Budget) -> dict[str, Any]:

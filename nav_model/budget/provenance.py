@@ -16,7 +16,6 @@ from nav_model.design import Design
 from nav_model.design.parts import OUTDATED
 from nav_model.design.presets import entry_of
 from nav_model.design.processing import REAL_TIME
-from nav_model.design.trajectory import LINES, WAYPOINTS
 
 _TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
 
@@ -146,11 +145,6 @@ def _of_receiver_class(design: Design) -> list[str]:
 
 
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
-    (
-        lambda design: design.trajectory.flight in (LINES, WAYPOINTS),
-        "The design has a plan, which has no effect on this verdict. Its lines are judged by `navbudget "
-        "trajectory` and on the Flight page.",
-    ),
     (
         lambda design: design.radar.squint_angle != 0,
         "Squint lengthens the aperture by 1/cos [S-3] and multiplies the along-track quadratic phase by cos² "

@@ -37,7 +37,7 @@ from nav_model.budget.response import NO_IMAGE, measures, response_of
 from nav_model.budget.shares import Stepped
 from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.spectral import Spectral, spectral_of
-from nav_model.budget.verdict import Verdict, judge
+from nav_model.budget.verdict import Check, Verdict, judge, with_flight
 from nav_model.design import Design
 from nav_model.design.figures import FIGURES, OF_BUDGET, PHASES, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -75,8 +75,10 @@ class Budget(Mapping[tuple[str, str], Composed]):
     """Everything known about a design, immutable, in SI: a mapping (figure, processing) -> `Composed`.
 
     ``verdict`` is that of the design's processing and decides; ``other_verdict`` holds the same requirements against
-    the other one. Each is computed when it is first read, which raises `InputError` if double precision cannot hold
-    the design's values together; `nav_model.budget.analyse` has read what the design's processing needs.
+    the other one. ``flight`` has the checks that the design's flight makes, by processing, as
+    `nav_model.trajectory.verdict.flown` gives them; while it is None they are open. Each verdict is computed when it
+    is first read, which raises `InputError` if double precision cannot hold the design's values together;
+    `nav_model.budget.analyse` has read what the design's processing needs.
 
     `nav_model.budget.provenance` says which equation each number comes from.
     """
@@ -84,9 +86,14 @@ class Budget(Mapping[tuple[str, str], Composed]):
     design: Design
     x: Inputs = field(repr=False)
     time: Array = field(repr=False)
+    flight: Mapping[str, tuple[Check, ...]] | None = field(default=None, repr=False)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Budget) and self.design == other.design and np.array_equal(self.time, other.time)
+        return (
+            isinstance(other, Budget)
+            and (self.design, self.flight) == (other.design, other.flight)
+            and np.array_equal(self.time, other.time)
+        )
 
     def __hash__(self) -> int:
         return hash(self.design)
@@ -235,23 +242,36 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     def __reduce__(self) -> tuple[type[Budget], tuple[Any, ...]]:
         """By the inputs: what was read is computed anew."""
-        return type(self), (self.design, self.x, self.time)
+        return type(self), (self.design, self.x, self.time, self.flight)
 
     # Verdicts.
+
+    @cached_property
+    def _straight(self) -> dict[str, Verdict]:
+        return {}
+
+    def straight_leg(self, processing: str = "") -> Verdict:
+        """The verdict of a straight leg in a processing, the design's by default, without what only a flight judges:
+        the one that answers of arrays of designs are of."""
+        processing = processing or self.processing
+        if processing not in self._straight:
+            self._straight[processing] = judge(
+                self.design,
+                processing,
+                lambda name, at, limited: self.composed(name, processing, at, limited=limited),
+                self.tilt_shares,
+            )
+        return self._straight[processing]
 
     @cached_property
     def _verdicts(self) -> dict[str, Verdict]:
         return {}
 
     def judged(self, processing: str) -> Verdict:
-        """The verdict in a processing."""
+        """The verdict in a processing, with the checks of the flight."""
         if processing not in self._verdicts:
-            self._verdicts[processing] = judge(
-                self.design,
-                processing,
-                lambda name, at, limited: self.composed(name, processing, at, limited=limited),
-                self.tilt_shares,
-            )
+            flight = None if self.flight is None else self.flight[processing]
+            self._verdicts[processing] = with_flight(self.design, self.straight_leg(processing), flight)
         return self._verdicts[processing]
 
     @property

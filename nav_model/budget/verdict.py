@@ -1,8 +1,10 @@
 """The verdict: each requirement against its figure, with margin and dominant source."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, Literal
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.errors import InputError
@@ -10,7 +12,7 @@ from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Composed, Shares
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.figures import FIGURES, label_of, of_kind
+from nav_model.design.figures import FIGURES, IN_FLIGHT, label_of, of_kind
 from nav_model.design.parts import quantity
 
 
@@ -32,51 +34,104 @@ class Required:
         return self.limit / (self.confidence or 1.0)
 
 
+State = Literal["met", "not met", "open", "refused"]
+"""Of a check; "open": not computed for these inputs yet."""
+STRAIGHT_LEG = "straight leg"
+"""Where a budget judges."""
+WHOLE_FLIGHT = "flight"
+"""Where a flight without lines judges."""
+_NO_SHARES: Shares = FrozenMapping({})
+
+
 @dataclass(frozen=True)
 class Check:
     """One requirement compared with its figure.
 
-    ``value`` is ``sigma`` times the confidence asked for, in SI; ``margin`` is the part of the limit left
-    over, 1 - value/limit, negative when the requirement is not met. ``confidence`` is None where it does not count,
-    ``on`` the figure that is limited, mostly ``name``. ``basis`` says which of the model's
-    results was taken (prior, refined, formula ...), ``equation`` where it comes from. ``shares`` are those of the
-    budget's lines in the variance, ``tilt_shares`` those of the noises in an initial tilt.
+    Attributes
+    ----------
+    name : str
+        Of the requirement.
+    on : str
+        The figure that is limited, mostly `name`.
+    label : str
+    dimension : str
+    unit : str
+        In which the limit is written.
+    confidence : float or None
+        None where it does not multiply the figure.
+    value : float
+        `sigma` times the confidence, in SI; nan where the check is open or refused.
+    sigma : float
+    limit : float
+        In SI; along a flight, that of the line which decides.
+    margin : float
+        The part of the limit left over, 1 - value/limit; negative where the requirement is not met.
+    state : str
+        "met", "not met", "open" or "refused".
+    judged : str
+        Where: `STRAIGHT_LEG`, the name of a line, or `WHOLE_FLIGHT`.
+    straight : float or None
+        The straight leg's value beside that of a flight, at the same confidence; None where there is none.
+    reason : str
+        Why it is open or refused.
+    basis : str
+        The result of the model that was taken (prior, refined, formula ...).
+    equation : str
+        Its mark.
+    shares : mapping
+        Of the sources in the variance; empty where nothing was computed.
+    tilt_shares : mapping
+        Of the noises in an initial tilt.
     """
 
     name: str
     on: str
     label: str
     dimension: str
+    unit: str
     confidence: float | None
     value: float
     sigma: float
     limit: float
     margin: float
-    met: bool
+    state: State
+    judged: str
+    straight: float | None
+    reason: str
     basis: str
     equation: str
     shares: Shares
     tilt_shares: Shares
 
     @property
+    def met(self) -> bool:
+        """Whether the value is known and within the limit."""
+        return self.state == "met"
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a value to compare."""
+        return self.state in ("met", "not met")
+
+    @property
     def dominant(self) -> str:
-        """The source with the largest share of the variance."""
-        return max(self.shares, key=lambda source: self.shares[source])
+        """The source with the largest share of the variance; empty without any."""
+        return max(self.shares, key=lambda source: self.shares[source], default="")
 
     @property
     def dominant_share(self) -> float:
         """The share of the dominant source."""
-        return self.shares[self.dominant]
+        return self.shares.get(self.dominant, 0.0)
 
     @property
     def sensor(self) -> str:
-        """The sensor responsible for the largest share."""
-        return max(self.by_sensor, key=lambda source: self.by_sensor[source])
+        """The sensor responsible for the largest share; empty without any."""
+        return max(self.by_sensor, key=lambda source: self.by_sensor[source], default="")
 
     @property
     def sensor_share(self) -> float:
         """The share of that sensor."""
-        return self.by_sensor[self.sensor]
+        return self.by_sensor.get(self.sensor, 0.0)
 
     @cached_property
     def by_sensor(self) -> Shares:
@@ -92,37 +147,53 @@ class Check:
         """The noises that cause a source, with their shares in it; itself where it is one. [T-18]"""
         if source == "coast before aperture":
             return FrozenMapping({"gyro noise": 1.0})
-        return self.tilt_shares if source == "initial tilt" else FrozenMapping({source: 1.0})
+        known = self.tilt_shares if source == "initial tilt" else None
+        return known or FrozenMapping({source: 1.0})
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """All checks, in the order of the requirements; ``tightest`` is the one with the least margin.
-
-    ``processing`` is the mode that the figures belong to: "real time" or "post-processed". ``elsewhere`` names the
-    requirements that only a flight can judge; with one of them, a budget alone does not close.
-    """
+    """All checks, in the order of the requirements, in one processing: "real time" or "post-processed"."""
 
     processing: str
-    closes: bool
     confidence: float
     checks: tuple[Check, ...]
-    tightest: Check | None
-    elsewhere: tuple[str, ...] = ()
 
     @property
-    def met(self) -> bool:
-        """Whether every requirement that a budget can judge is met."""
-        return all(check.met for check in self.checks)
+    def state(self) -> Literal["closes", "fails", "open"]:
+        """ "fails" where a requirement is not met, "closes" where all are, else "open"."""
+        if self.failing:
+            return "fails"
+        return "open" if self.open else "closes"
+
+    @property
+    def closes(self) -> bool:
+        """Whether every requirement is known and met."""
+        return self.state == "closes"
+
+    @property
+    def failing(self) -> tuple[str, ...]:
+        """Names of the requirements that are not met."""
+        return tuple(check.name for check in self.checks if check.state == "not met")
+
+    @property
+    def open(self) -> tuple[str, ...]:
+        """Names of those that are open or refused."""
+        return tuple(check.name for check in self.checks if not check.known)
+
+    @property
+    def tightest(self) -> Check | None:
+        """The check with the least margin of those that are known; None without any."""
+        return min((check for check in self.checks if check.known), key=lambda check: check.margin, default=None)
 
 
 def required(design: Design) -> dict[str, Required]:
-    """Name of each check of a budget -> its requirement, in the order of the verdict, without computing figures."""
+    """The requirements that a straight leg can judge, by name, in the order of the verdict."""
     return {name: given for name, given in all_required(design).items() if given.on not in of_kind("flight")}
 
 
 def all_required(design: Design) -> dict[str, Required]:
-    """The same with those that only a flight can judge."""
+    """Those of `required`, and those that only a flight can judge."""
     usual: float = design.requirements.confidence
     requirements = {}
     for name, key in {name: figure.required_as for name, figure in FIGURES.items() if figure.required_as}.items():
@@ -139,9 +210,36 @@ def all_required(design: Design) -> dict[str, Required]:
     return requirements
 
 
-def judged_elsewhere(design: Design) -> tuple[str, ...]:
-    """Names of the requirements that only a flight can judge."""
-    return tuple(name for name, given in all_required(design).items() if given.on in of_kind("flight"))
+def flown_names(design: Design) -> tuple[str, ...]:
+    """Names of the checks that a flight makes, in the order of the verdict.
+
+    With a plan, all requirements on figures that are known along a flight, and what single lines limit beside them;
+    without one, those that a straight leg does not tell, on a straight flight of ``trajectory.duration``.
+    """
+    return tuple(flight_required(design, every=design.trajectory.planned))
+
+
+def flight_required(design: Design, *, every: bool) -> dict[str, Required]:
+    """The requirements that a flight checks, by name; `every`: on all figures known along one, not only on those that
+    a straight leg does not tell."""
+    on = IN_FLIGHT if every else of_kind("flight")
+    requirements = all_required(design)
+    given = {name: required for name, required in requirements.items() if required.on in on}
+    if not every:
+        return given
+    limited = {required.on for required in given.values()}
+    for figure, limit in sorted(design.trajectory.lowest_limits.items(), key=lambda item: IN_FLIGHT.index(item[0])):
+        if figure not in limited:
+            declared = FIGURES[figure]
+            name = figure if figure not in requirements else declared.label  # a limit of the user's own has its name
+            unit = design.unit(f"requirements.{declared.required_as}")
+            given[name] = Required(figure, None, limit, declared.dimension, unit, confidence_of(design, figure))
+    return given
+
+
+def check_names(design: Design) -> tuple[str, ...]:
+    """Names of all checks of a design's verdict, in its order, without computing figures."""
+    return tuple(dict.fromkeys((*all_required(design), *flown_names(design))))
 
 
 def lowest_limit(design: Design, figure: str) -> Required | None:
@@ -175,7 +273,7 @@ def limit_on(name: str) -> BaseQuantity[float | None]:
 def judge(
     design: Design, processing: str, compose: Callable[[str, float | None, bool], Composed], tilt_shares: Shares
 ) -> Verdict:
-    """Check every requirement that is given.
+    """Check every requirement that a straight leg can judge.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
     the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
@@ -193,28 +291,68 @@ def judge(
     limits = {limit.name for limit in design.limits}
     checks = []
     for name, requirement in required(design).items():
-        figure, limit = compose(requirement.on, requirement.at, name in limits), requirement.limit
-        sigma = float(figure.sigma)
-        value = (requirement.confidence or 1.0) * sigma
+        figure = compose(requirement.on, requirement.at, name in limits)
         checks.append(
-            Check(
-                name=name,
-                on=requirement.on,
-                label=label_of(name),
-                dimension=requirement.dimension,
-                confidence=requirement.confidence,
-                value=value,
-                sigma=sigma,
-                limit=limit,
-                margin=1 - value / limit,
-                met=value <= limit,
+            check_of(
+                name,
+                requirement,
+                float(figure.sigma),
                 basis=figure.basis,
                 equation=figure.mark,
                 shares=figure.shares,
                 tilt_shares=tilt_shares,
             )
         )
-    tightest = min(checks, key=lambda check: check.margin, default=None)
-    elsewhere = judged_elsewhere(design)
-    closes = all(check.met for check in checks) and not elsewhere
-    return Verdict(processing, closes, design.requirements.confidence, tuple(checks), tightest, elsewhere)
+    return Verdict(processing, design.requirements.confidence, tuple(checks))
+
+
+def check_of(name: str, requirement: Required, sigma: float, **others: Any) -> Check:
+    """A requirement compared with one sigma of its figure [SI]; nan: it is open.
+
+    others: fields of `Check` beyond their usual values, which are those of a straight leg.
+    """
+    value = (requirement.confidence or 1.0) * sigma
+    usual: dict[str, Any] = {
+        "state": "open" if math.isnan(value) else "met" if value <= requirement.limit else "not met",
+        "judged": STRAIGHT_LEG,
+        "straight": None,
+        "reason": "",
+        "basis": "",
+        "equation": "",
+        "shares": _NO_SHARES,
+        "tilt_shares": _NO_SHARES,
+    }
+    return Check(
+        name=name,
+        on=requirement.on,
+        label=label_of(name),
+        dimension=requirement.dimension,
+        unit=requirement.unit,
+        confidence=requirement.confidence,
+        value=value,
+        sigma=sigma,
+        limit=requirement.limit,
+        margin=1 - value / requirement.limit,
+        **usual | others,
+    )
+
+
+def with_flight(design: Design, straight: Verdict, flight: tuple[Check, ...] | None) -> Verdict:
+    """A straight leg's verdict with the checks of the flight, which are open while there are none."""
+    legs = {check.name: check for check in straight.checks}
+    if flight is None:
+        flight = tuple(
+            check_of(
+                name,
+                requirement,
+                math.nan,
+                judged=WHOLE_FLIGHT,
+                straight=legs[name].value if name in legs else None,
+                reason="the flight is not computed yet",
+            )
+            for name, requirement in flight_required(design, every=design.trajectory.planned).items()
+        )
+    of_flight = {check.name: check for check in flight}
+    # In the order of the requirements; what single lines limit comes last.
+    names = dict.fromkeys((*all_required(design), *of_flight))
+    return replace(straight, checks=tuple(of_flight.get(name) or legs[name] for name in names))

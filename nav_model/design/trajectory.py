@@ -14,7 +14,7 @@ from nav_model.design.part import Part
 from nav_model.design.requirements import Requirements
 from nav_model.design.table import Table
 
-LINES, WAYPOINTS = "lines", "waypoints"
+NO_PLAN, LINES, WAYPOINTS = "none", "lines", "waypoints"
 MOST_WAYPOINTS = 200  # more make a link too long
 FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".pos", ".out", ".sbet")
 """Usual ends of the names of files of flights; what a file is, its content says."""
@@ -74,15 +74,16 @@ _HEIGHT = (-500.0, 1e5)
 
 
 class Trajectory(Part):
-    """The flight that is planned. Left out, the flight is that of the simulator."""
+    """The flight that is planned. Left out, the verdict is that of a straight leg."""
 
     section = "trajectory"
     title = "Flight plan"
     optional = True
 
     flight = Choice(
-        default="wandering",
+        default=NO_PLAN,
         options={
+            NO_PLAN: "straight leg, no plan",
             "wandering": "nearly straight",
             "straight": "exactly straight",
             "turns": "turns, then a long leg",
@@ -92,7 +93,8 @@ class Trajectory(Part):
         },
         short="tfl",
         label="Flight",
-        doc="The plan that is flown on the Flight page, at the design's speed. It has no effect on the budget.",
+        doc="The plan, flown at the design's speed. What is known along a flight is judged on it, line by line; "
+        "without a plan, on a straight leg.",
         since="0.1.0",
     )
     duration = _number(
@@ -207,3 +209,19 @@ class Trajectory(Part):
         "navigation of the wrong time.",
         "0.01 to 10 ms", datasheet=_INSTALLED,
     )  # fmt: skip
+
+    @property
+    def planned(self) -> bool:
+        """Whether the design has a plan, on which its figures are judged."""
+        return bool(self.flight != NO_PLAN)
+
+    @property
+    def lowest_limits(self) -> dict[str, float]:
+        """The lowest limit [SI] of single lines on each figure that one of them limits."""
+        least: dict[str, float] = {}
+        for _, *values in self.limits:
+            given = dict(zip(LIMITED, values, strict=True))
+            for name in IN_FLIGHT:
+                if (limit := given[FIGURES[name].required_as]) is not None:
+                    least[name] = min(limit, least.get(name, limit))
+        return least

@@ -163,7 +163,7 @@ def _verified(design: Design, answer: InputAnswer) -> InputAnswer:
 
 
 def _margin(design: Design, answer: InputAnswer, value: float) -> float:
-    checks = analyse(design.replace({answer.key: value})).verdict.checks
+    checks = analyse(design.replace({answer.key: value})).straight_leg().checks
     return next(check.margin for check in checks if check.name == answer.binding)
 
 
@@ -237,7 +237,7 @@ def offer(design: Design, solution: Solution) -> Offer | None:
 
 
 def _closes(design: Design, candidate: Offer) -> bool:
-    return analyse(design.replace(candidate.changes)).verdict.met
+    return analyse(design.replace(candidate.changes)).straight_leg().closes
 
 
 def rounded_offer(design: Design, key: str, value: float, digits: int = 3) -> Offer:

@@ -117,7 +117,7 @@ def exceeding(design: Design) -> tuple[str, ...]:
 
 def _allocated_checks(budget: Budget) -> list[Check]:
     """Limits that are allocated: those on measures of the impulse response are not."""
-    return [check for check in budget.verdict.checks if check.on not in RESPONSE]
+    return [check for check in budget.straight_leg().checks if check.on not in RESPONSE]
 
 
 def _allowed(key: str, largest: float) -> float:

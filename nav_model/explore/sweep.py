@@ -29,7 +29,7 @@ from nav_model.base.processes import worker_pool
 from nav_model.base.text.csv_text import csv_text
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
-from nav_model.budget.verdict import judged_elsewhere
+from nav_model.budget.verdict import flown_names
 from nav_model.design import Design, Value
 from nav_model.design.figures import FIGURES, REQUIRED, of_kind
 from nav_model.explore.margins import limits, worst
@@ -252,8 +252,8 @@ def evaluate(plan: SweepPlan, start: int, stop: int) -> dict[str, Column]:
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
     varied = (name for name in of_kind("flight") if f"requirements.{name}" in columns)
-    if elsewhere := dict.fromkeys((*judged_elsewhere(plan.design), *varied)):
-        columns["elsewhere"] = ["; ".join(elsewhere)] * (stop - start)
+    if decided := dict.fromkeys((*flown_names(plan.design), *varied)):
+        columns["before_flight"] = ["; ".join(decided)] * (stop - start)
     if plan.flight is not None:
         flown = [fly(plan.flight, design) for design in _designs(plan, start, stop)]
         columns |= {name: [row[name] for row in flown] for name in flown[0]}

@@ -33,7 +33,7 @@ from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import along, judge
 from nav_model.trajectory.residual import since_fix
-from nav_model.trajectory.result import LineResult, Processed, TrajectoryResult
+from nav_model.trajectory.result import LineResult, OnLines, Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.start import settled_start
 from nav_model.trajectory.states import RADAR_TIME, short_as_white
@@ -84,12 +84,20 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
 
 def lines_along(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> tuple[LineResult, ...]:
     """The lines of `covariance` alone, in the processing that is judged and where there are lines: less work."""
-    model, figures = _followed(spec, most_steps, (spec.processing,))
-    return judge(spec, model.time_s[model.outputs], figures[spec.processing], all_sources(spec, model))
+    on_lines = figures_on_lines(spec, (spec.processing,), most_steps)
+    return judge(spec, on_lines.time_s, on_lines.figures[spec.processing], on_lines.sources)
+
+
+def figures_on_lines(
+    spec: CovarianceSpec, processings: Sequence[str] = (REAL_TIME, POST_PROCESSED), most_steps: int = MOST_STEPS
+) -> OnLines:
+    """The figures of `covariance` where there are lines, in some processings. Raises as that does."""
+    model, figures = _followed(spec, most_steps, processings, only_lines=True)
+    return OnLines(spec, model.time_s[model.outputs], all_sources(spec, model), figures)
 
 
 def _followed(
-    spec: CovarianceSpec, most_steps: int, processings: Sequence[str]
+    spec: CovarianceSpec, most_steps: int, processings: Sequence[str], *, only_lines: bool = False
 ) -> tuple[ErrorModel, Mapping[str, Processed]]:
     """The errors along a flight, and its figures by processing."""
     spec = replace(spec, study=short_as_white(spec.study))
@@ -99,7 +107,7 @@ def _followed(
     if spec.settled:
         start = settled_start(spec.study, model.states, model.truth.at(np.array([0])))
         model = replace(model, states=start)
-    if len(processings) == 1:
+    if only_lines:
         model = _of_lines(spec, model)
     run, apertures = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
     n, noisy = model.states.size, model.states.noisy

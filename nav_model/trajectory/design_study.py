@@ -7,12 +7,11 @@ import numpy as np
 
 from nav_model.base.errors import InputError, under
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget import analyse
 from nav_model.budget.contributors import Contribution, Contributors
 from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime, with_fast
 from nav_model.budget.smoothed import Smoothed
-from nav_model.budget.verdict import Check, all_required, confidence_of
+from nav_model.budget.verdict import all_required, confidence_of, flight_required
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
 from nav_model.design.figures import FIGURES, IN_FLIGHT, STEADY
@@ -63,11 +62,15 @@ def rows_of(points: Iterable[Waypoint]) -> Rows:
 
 
 def planned(design: Design, number: int = 0, longer: float = 0.0) -> PlannedFlight:
-    """The flight of the design's plan; `longer` [s] in its line `number` (from 0), or as a whole without lines.
+    """The flight of the design's plan, or straight without one.
+
+    It is `longer` [s] in its line `number` (from 0), or as a whole without lines.
 
     Raises InputError under the key of the design, where it cannot be flown.
     """
     trajectory = design.trajectory
+    if not trajectory.planned:
+        return PlannedFlight(named_flight(design, "straight"), trajectory.duration + longer, ())
     if trajectory.flight not in (LINES, WAYPOINTS):
         return PlannedFlight(named_flight(design, trajectory.flight), trajectory.duration + longer, ())
     with under(f"trajectory.{trajectory.flight}"):
@@ -90,17 +93,19 @@ def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> Cova
         every=max(1.0, round(flight.duration / _MOST_RESULTS)),
         states=states,
     )
-    return covariance_specification(design, study, flight.lines)
+    # A straight flight that is no plan judges only what the straight leg does not.
+    every = design.trajectory.planned or flight.trajectory.kind != "straight"
+    return covariance_specification(design, study, flight.lines, every=every)
 
 
 def covariance_specification(
-    design: Design, study: SimulationSpec, lines: tuple[FlightLine, ...] = ()
+    design: Design, study: SimulationSpec, lines: tuple[FlightLine, ...] = (), *, every: bool = True
 ) -> CovarianceSpec:
     """The covariance along the flight of `study`, as `simulation.design_study.specification` makes it of the design.
 
     The limits are the design's requirements on figures that are known along a flight, less their confidence, in its
-    processing; those of the plan's `limits` hold for the line of that name. All other requirements are judged as in
-    the budget.
+    processing; those of the plan's `limits` hold for the line of that name. Not `every`: only those that a straight
+    leg does not tell.
 
     Raises InputError if the plan limits a line that the flight does not have.
     """
@@ -114,15 +119,14 @@ def covariance_specification(
         limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     x = inputs_of(design)
-    on_flight, elsewhere = _divided(design)
     return CovarianceSpec(
         study,
         x,
         flown,
         design.processing.mode,
-        on_flight,
+        _lowest(design, every=every),
         _besides(x),
-        elsewhere,
+        every,
         settled=True,
         moment=x.steady_state,
         smoothed_after=_smoothed_after(x),
@@ -144,7 +148,6 @@ def at_range(spec: CovarianceSpec, design: Design) -> CovarianceSpec:
         spec,
         inputs=x,
         contributors=_besides(x),
-        elsewhere=_divided(design)[1],
         smoothed_after=_smoothed_after(x),
     )
 
@@ -159,19 +162,15 @@ def _smoothed_after(x: Inputs) -> float:
     return 0.0 if same else since
 
 
-def _divided(design: Design) -> tuple[Most, tuple[Check, ...]]:
-    """Limits at one sigma on the figures that are known along a flight, the lowest of each; and the checks of all
-    other requirements, which are the same on every flight, as the budget has them."""
+def _lowest(design: Design, *, every: bool) -> Most:
+    """The lowest limit at one sigma of the requirements on each figure that the flight judges."""
     lowest: dict[str, float] = {}
-    others = []
-    for name, requirement in all_required(design).items():
-        if requirement.on in IN_FLIGHT:
+    limited = all_required(design)
+    for name, requirement in flight_required(design, every=every).items():
+        if name in limited:  # else of single lines alone
             limit = requirement.at_one_sigma
             lowest[requirement.on] = min(limit, lowest.get(requirement.on, limit))
-        else:
-            others.append(name)
-    checks = analyse(design).verdict.checks if others else ()
-    return tuple(lowest.items()), tuple(check for check in checks if check.name in others)
+    return tuple(lowest.items())
 
 
 def _besides(x: Inputs) -> Contributors:

@@ -58,7 +58,7 @@ def line_longer(spec: CovarianceSpec, design: Design, number: int, longer: float
 
 def _solved(line: LineResult, result: TrajectoryResult, flown: Callable[[float], LineResult]) -> LineResult:
     """The line with its longest that holds: bracketed from where a longer one first fails, then closed in."""
-    if line.reason or not line.limits:
+    if line.refused or not line.limits:
         return line
     aperture = float(result.spec.inputs.aperture)
     shortest = aperture + result.spec.study.every  # has a result with its aperture

@@ -1,10 +1,13 @@
 """The lines of a flight against their limits: the figures of each, and when and why one fails."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import format_quantity, time_in_words
+from nav_model.budget.verdict import WHOLE_FLIGHT
 from nav_model.design.figures import FIGURES, figure_in_sentence
 from nav_model.trajectory.result import STATE_AXES, LineResult, Processed
 from nav_model.trajectory.specification import CovarianceSpec, FlightLine
@@ -18,7 +21,7 @@ def judge(
     spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
 ) -> tuple[LineResult, ...]:
     """Each line against the limits, in the processing that is judged. Without lines the whole flight is one."""
-    lines = spec.lines or (FlightLine("flight", 0.0, spec.study.duration),)
+    lines = spec.lines or (FlightLine(WHOLE_FLIGHT, 0.0, spec.study.duration),)
     return tuple(_judged(line, spec, time_s, chosen, sources) for line in lines)
 
 
@@ -51,10 +54,10 @@ def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *
 def _judged(
     line: FlightLine, spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
 ) -> LineResult:
-    start, duration, aperture = line.start, spec.study.duration, spec.inputs.aperture
+    start, duration = line.start, spec.study.duration
     stop = min(line.stop, duration) if start < duration else line.stop
     most = dict(spec.most) | dict(line.most)
-    first, worst, mean, within, failing = {}, {}, {}, {}, []
+    first, worst, worst_s, mean, within, failing = {}, {}, {}, {}, {}, []
     beyond: list[tuple[float, float, str, int]] = []
     for name, figure in chosen.figures.items():
         on = along(start, stop, spec, time_s, image=name not in STATE_AXES)
@@ -62,22 +65,21 @@ def _judged(
         values = figure[outputs]
         if values.size:
             first[name], worst[name] = float(values[0]), float(values.max())
+            worst_s[name] = float(time_s[outputs[values.argmax()]])
             mean[name] = float(np.sqrt(np.mean(values**2)))
         if name in most:
             over = np.flatnonzero(values > most[name])
             within[name] = 1.0 - len(over) / len(values) if values.size else 0.0
-            if within[name] < 1.0:
+            if over.size:
                 failing.append(name)
             if over.size:
                 there = int(over[0])
                 near = slice(there - 1, there + 1)  # it passes on a straight line between two outputs
                 at = np.interp(most[name], values[near], time_s[outputs][near]) - start if there else 0.0
                 beyond.append((float(at), -worst[name] / most[name], name, int(outputs[there])))
-    reason = because = fails_by = ""
-    if start >= duration:
-        reason = f"is not flown, as the flight ends at {duration:.0f} s"
-    elif stop - start < aperture or not worst.keys() >= set(failing):
-        reason = f"is too short for an aperture of {aperture:.3g} s"
+    reason, refused = _refused(start, stop, spec, most, chosen, worst)
+    because = fails_by = ""
+    beyond = [fails for fails in beyond if fails[2] not in refused]
     fails_at = None
     if beyond:
         fails_at, _, fails_by, output = min(beyond)
@@ -85,8 +87,42 @@ def _judged(
         cause = f"{'mostly' if shares.max() > 0.5 else 'largest part'} {sources[int(shares.argmax())]}"
         because = f"{_passed(fails_by, most[fails_by], fails_at)}; {cause}"
     return LineResult(
-        line.name, start, stop, first, worst, mean, most, within, tuple(failing), reason, fails_at, fails_by, because
+        name=line.name,
+        start_s=start,
+        stop_s=stop,
+        first=first,
+        worst=worst,
+        worst_s=worst_s,
+        mean=mean,
+        limits=most,
+        within=within,
+        failing=tuple(name for name in failing if name not in refused),
+        refused=refused,
+        reason=reason,
+        fails_at_s=fails_at,
+        fails_by=fails_by,
+        because=because,
     )
+
+
+def _refused(
+    start: float, stop: float, spec: CovarianceSpec, most: Mapping[str, float], chosen: Processed,
+    worst: Mapping[str, float],
+) -> tuple[str, tuple[str, ...]]:  # fmt: skip
+    """Why a line gives no value of some of the limited figures, after its name in a sentence, and their names."""
+    duration, aperture = spec.study.duration, float(spec.inputs.aperture)
+    unknown = tuple(name for name in most if name not in chosen.figures)
+    images = tuple(name for name in most if name not in STATE_AXES and name not in unknown)
+    missing = tuple(name for name in most if name not in worst and name not in unknown)
+    if most and start >= duration:
+        return f"is not flown, as the flight ends at {duration:.0f} s", tuple(most)
+    if unknown:
+        return f"has no {figure_in_sentence(unknown[0])}, which no flight tells", unknown
+    if images and stop - start < aperture:
+        return f"is too short for an aperture of {aperture:.3g} s", images
+    if missing:
+        return f"has no {figure_in_sentence(missing[0])}, as no aperture lies within it", missing
+    return "", ()
 
 
 def _passed(name: str, limit: float, fails_at: float) -> str:

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS
+from nav_model.budget.json import verdict_json
+from nav_model.budget.verdict import Verdict
 from nav_model.design.figures import FIGURES
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.truth import TruthStates
@@ -61,11 +63,12 @@ class LineResult:
     """A line against its limits: figures at its start, worst and rms over what is flown of it, 1 sigma, its limits on
     them, and the share of the line within each.
 
-    failing: names of the figures beyond their limit, or without a value on the line. reason: why no image of the line
-    can be taken, after its name in a sentence; else empty. fails_at_s: when the first figure passes its limit [s
-    after the line's start], None where none does; fails_by: that figure; because: the same in words, with the largest
-    source at that time. longest_s, reserve_s: the longest line that holds, and by how much it is longer [s], as
-    `nav_model.trajectory.line_length` solves them; None before.
+    worst_s: when each is worst [s of the flight]. failing: names of the figures beyond their limit; refused: of those
+    that have a limit and no value on the line; reason: why, after its name in a sentence, else empty.
+
+    fails_at_s: when the first figure passes its limit [s after the line's start], None where none does; fails_by:
+    that figure; because: the same in words, with the largest source at that time. longest_s, reserve_s: the longest
+    line that holds, and by how much it is longer [s], as `nav_model.trajectory.line_length` solves them; None before.
     """
 
     name: str
@@ -73,10 +76,12 @@ class LineResult:
     stop_s: float
     first: Mapping[str, float]
     worst: Mapping[str, float]
+    worst_s: Mapping[str, float]
     mean: Mapping[str, float]
     limits: Mapping[str, float]
     within: Mapping[str, float]
     failing: tuple[str, ...]
+    refused: tuple[str, ...]
     reason: str
     fails_at_s: float | None
     fails_by: str
@@ -97,8 +102,18 @@ class LineResult:
 
     @property
     def closes(self) -> bool:
-        """Whether images of the line can be taken, and every limit is met all along it."""
-        return not (self.failing or self.reason)
+        """Whether every limit is met all along it."""
+        return not (self.failing or self.refused)
+
+
+@dataclass(frozen=True, eq=False)
+class OnLines:
+    """Figures by processing at some times of a flight (outputs), those on its lines at least."""
+
+    spec: CovarianceSpec
+    time_s: FloatArray
+    sources: tuple[str, ...]
+    figures: Mapping[str, Processed]
 
 
 @dataclass(frozen=True)
@@ -148,16 +163,17 @@ class TrajectoryResult:
         return self.real_time if self.spec.processing == REAL_TIME else self.post_processed
 
     @property
+    def on_lines(self) -> OnLines:
+        """The figures by processing, all along the flight."""
+        by_processing = {REAL_TIME: self.real_time, POST_PROCESSED: self.post_processed}
+        return OnLines(self.spec, self.time_s, self.sources, by_processing)
+
+    @property
     def moment(self) -> str:
         """When the figures of states are judged, in words."""
         if self.spec.processing == POST_PROCESSED:
             return "smoothed, in the middle of an aperture"
         return _MOMENTS[self.spec.moment]
-
-    @property
-    def closes(self) -> bool:
-        """Whether every line meets its limits, and so does what no flight changes."""
-        return all(line.closes for line in self.lines) and all(check.met for check in self.spec.elsewhere)
 
 
 def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
@@ -200,8 +216,9 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
     return tuple(sentence for holds, sentence in cases if holds)
 
 
-def to_json(result: TrajectoryResult) -> dict[str, Any]:
-    """The result as plain data for JSON, in SI; null where an aperture does not lie within the flight."""
+def to_json(result: TrajectoryResult, verdict: Verdict) -> dict[str, Any]:
+    """The result and the design's verdict on this flight as plain data for JSON, in SI; null where an aperture does
+    not lie within the flight."""
     return {
         "time_s": result.time_s.tolist(),
         "processing": result.spec.processing,
@@ -217,17 +234,14 @@ def to_json(result: TrajectoryResult) -> dict[str, Any]:
         "lines": [_line(line) for line in result.lines],
         "heading": asdict(result.heading),
         "swath": asdict(result.swath) if result.swath else None,
-        "elsewhere": [
-            {"name": check.name, "value": check.value, "limit": check.limit, "met": check.met}
-            for check in result.spec.elsewhere
-        ],
-        "closes": result.closes,
+        "verdict": verdict_json(verdict),
+        "closes": verdict.closes,
         "beside_budget": list(beside_budget(result.spec)),
     }
 
 
 def _line(line: LineResult) -> dict[str, Any]:
-    by_figure = {"start": line.first, "worst": line.worst, "mean": line.mean}
+    by_figure = {"start": line.first, "worst": line.worst, "worst_s": line.worst_s, "mean": line.mean}
     figures = {name: {key: values[name] for key, values in by_figure.items()} for name in line.worst}
     plain = asdict(line)
     del plain["first"]

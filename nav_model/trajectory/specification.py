@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 
 from nav_model.budget.contributors import Contributors
 from nav_model.budget.inputs import Inputs
-from nav_model.budget.verdict import Check
 from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.specification import SimulationSpec
 
@@ -32,8 +31,8 @@ class CovarianceSpec:
     """One covariance along a flight.
 
     study: its runs and seed mean nothing here. Without lines the whole flight is one. most: limits in the
-    `processing` that is judged. contributors: of the user's own, by the figure they enter. elsewhere: checks of the
-    requirements on what no flight changes, as the budget has them.
+    `processing` that is judged. contributors: of the user's own, by the figure they enter. every: whether the flight
+    judges all requirements on figures that are known along it, not only those that a straight leg does not tell.
     moment: at which states are judged in real time, as `requirements.steady_state`; smoothed_after: how long after a
     fix smoothed ones are [s]. flown_further: how long the flight goes on after what is judged [s], for the smoother.
     settled: the flight begins with the covariance of a filter that has settled on a straight leg of its first
@@ -46,7 +45,7 @@ class CovarianceSpec:
     processing: str = REAL_TIME
     most: Most = ()
     contributors: Contributors = field(default_factory=Contributors)
-    elsewhere: tuple[Check, ...] = ()
+    every: bool = True
     settled: bool = False
     moment: str = "posterior"
     smoothed_after: float = 0.0

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from nav_model.base.errors import InputError
+from nav_model.budget import analyse
 from nav_model.budget.verdict import Check
 from nav_model.design import Design
 from nav_model.design.figures import figure_in_sentence
@@ -58,11 +59,11 @@ def with_swath(
         try:
             there = design.replace({"radar.slant_range": slant_range, "radar.grazing_angle": angle})
             spec = at_range(result.spec, there)
-            return _worst(slant_range, lines_along(spec), spec.elsewhere)
+            return _worst(slant_range, lines_along(spec), _of_straight_leg(there))
         except InputError:  # no aperture, as it would take more than an hour
             return _Trial(slant_range, math.inf, "an aperture takes too long")
 
-    here = _worst(radar.slant_range, result.lines, result.spec.elsewhere)
+    here = _worst(radar.slant_range, result.lines, _of_straight_leg(design))
     near, far = (
         flown(height / math.sin(angle))
         for angle in (max(_STEEPEST, radar.grazing_angle), min(_FLATTEST, radar.grazing_angle))
@@ -77,14 +78,21 @@ def with_swath(
     return replace(result, swath=Swath(height, first.slant_range, last.slant_range, first.by, last.by))
 
 
-def _worst(slant_range: float, lines: tuple[LineResult, ...], elsewhere: tuple[Check, ...]) -> _Trial:
-    """The line, or the requirement judged on Budget alone, that is farthest beyond its limit at a slant range [m]."""
+def _of_straight_leg(design: Design) -> tuple[Check, ...]:
+    """Checks of what no flight changes."""
+    return tuple(check for check in analyse(design).verdict.checks if check.known)
+
+
+def _worst(slant_range: float, lines: tuple[LineResult, ...], others: tuple[Check, ...]) -> _Trial:
+    """The line, or the requirement that no flight changes, that is farthest beyond its limit at a slant range [m]."""
     trials = [_Trial(slant_range, 0.0, "")]
     for line in lines:
         name, excess = line.excess
-        by = f"{line.name} {line.reason}" if line.reason else f"{figure_in_sentence(name)} of {line.name} fails first"
-        trials.append(_Trial(slant_range, math.inf if line.reason else excess, by))
-    for check in elsewhere:
+        by = (
+            f"{line.name} {line.reason}" if line.refused else f"{figure_in_sentence(name)} of {line.name} fails first"
+        )
+        trials.append(_Trial(slant_range, math.inf if line.refused else excess, by))
+    for check in others:
         trials.append(_Trial(slant_range, check.value / check.limit, f"{figure_in_sentence(check.name)} fails first"))
     return max(trials, key=lambda trial: trial.excess)
 

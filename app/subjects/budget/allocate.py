@@ -118,10 +118,11 @@ class AllocatePage(View):
         self._contributors.rows = tables.get("contributors", [])
         self._limits.param.update(columns=[field._asdict() for field in _limit_fields(names)], rows=limits)
         self._following = True
-        options = {check.label: check.name for check in budget.verdict.checks}
+        options = {check.label: check.name for check in budget.straight_leg().checks}
         chosen = self._requirement.value
         if chosen not in options.values():
-            chosen = budget.verdict.tightest.name if budget.verdict.tightest else None
+            tightest = budget.straight_leg().tightest
+            chosen = tightest.name if tightest else None
         self._requirement.param.update(options=options, value=chosen)
         self._split.value, self._reserve.value = plan.split, str(plan.record()["reserve"])
         self._release.visible = bool(plan.required)

@@ -41,11 +41,11 @@ def _units(design: Design) -> tuple[Way, ...]:
 
 def ways_block(budget: Budget, single_ways: tuple[Way, ...]) -> Block:
     """The ways as a table with a button in each row."""
-    if not budget.verdict.checks:
+    if not budget.straight_leg().checks:
         return Text("Give a limit under Requirements. The values that meet it then appear here.")
     if not single_ways:
-        text = "Every requirement is met, whatever a single input is." if budget.verdict.met else (
+        text = "Every requirement is met, whatever a single input is." if budget.straight_leg().closes else (
             f"No single input and no unit of the catalogue closes the design. {beyond_one(budget)}"
         )  # fmt: skip
         return Text(text)
-    return ways_table(single_ways, closes=budget.verdict.met)
+    return ways_table(single_ways, closes=budget.straight_leg().closes)

@@ -12,7 +12,7 @@ from app.console.ending import one_line, refuse
 from nav_model.base.errors import InputError
 from nav_model.base.text.csv_text import csv_of
 from nav_model.design.catalogue import catalogue
-from nav_model.design.figures import FIGURES, figure_in_sentence, label_of
+from nav_model.design.figures import FIGURES
 from nav_model.design.other_filters import FILTERS, noise_for
 from nav_model.design.user_entries import SPLITS, Allotment, read_allocation
 
@@ -124,34 +124,34 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.
     """
     from app.document.numbers import margin_in_sentence
-    from app.document.verdict import SAID, check_words
+    from app.document.verdict import SAID, check_words, judged, open_words, tightest_words
     from nav_model.budget.provenance import cautions
 
-    verdict, tightest = budget.verdict, budget.verdict.tightest
-    lines = [
-        f"  NOT JUDGED {label_of(name)}: only along a flight, by navbudget trajectory" for name in verdict.elsewhere
-    ]
-    if tightest is None:
-        none = "closes (the design has no requirement, so nothing was checked)"
-        return [*lines, f"{path}: {'NOT JUDGED' if lines else none}"]
+    verdict = budget.verdict
+    if not verdict.checks:
+        return [f"{path}: closes (the design has no requirement, so nothing was checked)"]
+    lines = []
     for check in verdict.checks:
         words = check_words(budget.design, check)
+        if not check.known:
+            lines.append(f"  {_STATES[check.state]} {check.label} (limit {words.limit}; {check.reason})")
+            continue
         lines.append(
-            f"  {'met    ' if check.met else 'NOT MET'} {check.label} {words.value} (limit {words.limit}, "
+            f"  {_STATES[check.state]} {check.label} {words.value} (limit {words.limit}, "
             f"{margin_in_sentence(check.margin)}; main error source {check.sensor}, {words.share}; {words.figure})"
         )
-    word = "closes" if verdict.closes else "DOES NOT CLOSE"
     other = budget.other_verdict
-    assert other.tightest is not None  # it has the same requirements
-    would = "would close" if other.closes else "would not close"
     lines += [f"  caution: {caution}" for caution in cautions(budget)]
     lines += [
-        f"  {SAID[other.processing]} it {would}; tightest {figure_in_sentence(other.tightest.name)}, "
-        f"{margin_in_sentence(other.tightest.margin)}",
-        f"{path}: {word} at {verdict.confidence:g}σ {SAID[verdict.processing]}; tightest "
-        f"{figure_in_sentence(tightest.name)}, {margin_in_sentence(tightest.margin)}",
+        f"  {SAID[other.processing]} it {_WOULD[other.state]}{tightest_words(other)}",
+        f"{path}: {_WORDS[verdict.state]} {judged(verdict)}{tightest_words(verdict)}{open_words(verdict)}",
     ]
     return [line.replace("−", "-") for line in lines]
+
+
+_STATES = {"met": "met    ", "not met": "NOT MET", "open": "OPEN   ", "refused": "REFUSED"}
+_WORDS = {"closes": "closes", "fails": "DOES NOT CLOSE", "open": "OPEN"}
+_WOULD = {"closes": "would close", "fails": "would not close", "open": "is open"}
 
 
 def _allocate(options: argparse.Namespace) -> int:

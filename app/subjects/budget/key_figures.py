@@ -46,6 +46,8 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
     def limited(check: Check, detail: str) -> KeyFigure:
         value, *_ = displayed_check(budget.design, check, display)
         limit = _limit_text(budget, check, display)
+        if not check.known:
+            return KeyFigure(check.label, value, check.reason, limit)
         return KeyFigure(check.label, value, detail, limit, check.met, check.sigma, 1 - check.margin)
 
     others = tuple(

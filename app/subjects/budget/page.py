@@ -257,7 +257,7 @@ class BudgetPage(View):
 
 
 def _ask(budget: Budget) -> str:
-    return "Largest allowed values" if budget.verdict.met else "What would close it"
+    return "Largest allowed values" if budget.straight_leg().closes else "What would close it"
 
 
 def _invalid(count: int) -> str:

@@ -31,7 +31,7 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
     contributors = (contributor_table(budget, key),) if budget.design.contributors else ()
     split: tuple[Section, ...] = ()
     if budget.design.contributors or budget.design.allocation:
-        tables = tuple(allocation_table(budget, check, key) for check in budget.verdict.checks)
+        tables = tuple(allocation_table(budget, check, key) for check in budget.straight_leg().checks)
         split = (Section(f"{key}-allocation", "Allocation", tables),) if tables else ()
     return (
         Section(

@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.document.blocks import Cell, Row, TableBlock, Text, numbers, table
+from app.document.blocks import Row, TableBlock, Text, numbers, table
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show, show_in
-from app.document.verdict import SAID, check_words, met_cell
+from app.document.verdict import SAID, check_words, closes_cell, met_cell
 from app.document.wording import best_of, printable
 from nav_model.budget import Budget, analyse
 from nav_model.budget.navigation import steady_marks
@@ -37,7 +37,7 @@ def requirement_table(budget: Budget, key: str = "d") -> TableBlock | Text:
 
     def row(check: Check) -> Row:
         words = check_words(budget.design, check)
-        main = f"{check.sensor}, {words.share}"
+        main = f"{check.sensor}, {words.share}" if check.shares else NONE
         return check.label, words.value, words.limit, words.margin, met_cell(check), words.figure, main
 
     return table(
@@ -65,7 +65,7 @@ def processing_table(budget: Budget, key: str = "budget") -> TableBlock:
         return figure.label, *(f"{show(sigma.sigma, figure.dimension)} {sigma.mark}" for sigma in both)
 
     closes = {
-        verdict.processing: Cell("✓ closes", tone="good") if verdict.closes else Cell("✗ does not close", tone="bad")
+        verdict.processing: closes_cell(verdict)
         for verdict in (budget.verdict, budget.other_verdict)
         if verdict.checks
     }

@@ -11,7 +11,7 @@ from app.console.arguments import put_json
 from app.console.progress import show_progress
 from nav_model.base.errors import InputError
 from nav_model.base.text.csv_text import csv_of
-from nav_model.budget.verdict import decisive, judged_elsewhere
+from nav_model.budget.verdict import decisive, flown_names
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry, Kind, catalogue
 from nav_model.design.figures import FIGURES
@@ -241,9 +241,9 @@ def explore(design: Design, options: argparse.Namespace) -> int:
     if options.question == "rank" and options.result is None:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
-    # What only a flight judges has no part in the answers of the budget.
-    elsewhere = judged_elsewhere(design) if options.question in _JUDGED_BY_BUDGET else ()
-    named = {"elsewhere": list(elsewhere)} if elsewhere else {}
+    # Answers are those of the straight leg; where the flight decides, they are before it.
+    before = flown_names(design) if options.question in _JUDGED_BY_BUDGET else ()
+    named = {"before_flight": list(before)} if before else {}
     whole = {"processing": {"mode": design.processing.mode}, **named, **whole}
     answers = whole.get("options", ())
     failed = not whole.get("agree", True) or not (whole.get("closes", True) or any(row["closes"] for row in answers))
@@ -251,7 +251,7 @@ def explore(design: Design, options: argparse.Namespace) -> int:
         return put_json(lambda: whole) or int(failed)
     in_rows = {
         "processing.mode": whole["processing"]["mode"],
-        **({"elsewhere": "; ".join(elsewhere)} if named else {}),
+        **({"before_flight": "; ".join(before)} if named else {}),
     }
     sys.stdout.write(csv_of({**row, **in_rows} for row in rows))
     return int(failed)

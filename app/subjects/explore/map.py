@@ -73,7 +73,7 @@ class MapPanel(Question):
         if self.x == self.y:
             self.answer = Answer("Choose two different inputs", "warn", ("Both axes have the same input.",))
             return
-        if self.result == ALL and not budget.verdict.checks:
+        if self.result == ALL and not budget.straight_leg().checks:
             self.answer = Answer(
                 NO_LIMIT.word, "open", ("Choose a single result, or give a limit under Requirements.",)
             )
@@ -99,7 +99,7 @@ class MapPanel(Question):
     def _value(self, budget: Budget, chart: TradeMapChart) -> float:
         """The result of the design itself, over the map's reference."""
         if self.result == ALL:
-            return 1 - min(check.margin for check in budget.verdict.checks)
+            return 1 - min(check.margin for check in budget.straight_leg().checks)
         sigma = figures(inputs_of(budget.design), (self.result,))[self.result]
         return float(decisive(budget.design, self.result)[0] * sigma) / chart.level
 

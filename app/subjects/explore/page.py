@@ -10,7 +10,7 @@ import param
 
 from app.declared import declared, required
 from app.document.blocks import Answer
-from app.document.verdict import SAID, judged_elsewhere
+from app.document.verdict import SAID, before_flight
 from app.session import Session
 from app.subjects.explore.map import MapPanel
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -77,11 +77,11 @@ class ExplorePage(View):
         defer(lambda: self.show(self.session.budget))
 
     def _tell(self) -> None:
-        answer, verdict = self.question.answer, self.session.budget.verdict
+        answer, verdict = self.question.answer, self.session.budget.straight_leg()
         basis: tuple[str, ...] = ()
         if verdict.checks and self.question.of_design:
             assumed = biases_text(self.session.design, self.question.biases)
-            basis = (f"{assumed}, {SAID[verdict.processing]}.", *judged_elsewhere(verdict))
+            basis = (f"{assumed}, {SAID[verdict.processing]}.", *before_flight(self.session.design))
         self._strip.show(replace(answer, sentences=(*answer.sentences, *basis)))
 
     def go_to(self, place: str) -> None:

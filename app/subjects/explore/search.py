@@ -125,7 +125,7 @@ class SearchPanel(Question):
     def show(self, budget: Budget) -> None:
         """Judge every unit or pair again; many of them in a worker."""
         self._in_worker = False
-        if not budget.verdict.checks:
+        if not budget.straight_leg().checks:
             self.run.cancel()
             self._show_ranking(Ranking(), NO_LIMIT)
             return

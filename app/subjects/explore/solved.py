@@ -32,7 +32,7 @@ class SolvedPanel(Question):
     figure = chosen(RANKED[0], {label_of(name): name for name in RANKED}, "Quantity to improve")
 
     def __init__(self, session: Session) -> None:
-        tightest = session.budget.verdict.tightest
+        tightest = session.budget.straight_leg().tightest
         limited = tightest.on if tightest else ""
         super().__init__(session=session, figure=limited if limited in RANKED else RANKED[0])
         self._ways: tuple[Way, ...] = ()
@@ -59,7 +59,7 @@ class SolvedPanel(Question):
         self._rank()
         self._ways, html = (), ""
         self.answer = NO_LIMIT
-        if budget.verdict.checks:
+        if budget.straight_leg().checks:
             solutions = solve(budget.design, verify=False)
             self._ways = value_ways(budget.design, solutions)
             self.answer = answer(budget, solutions, self._ways)

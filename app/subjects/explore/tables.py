@@ -31,13 +31,15 @@ _SURE = 0.95  # probability from which a verdict counts as sure
 
 def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Answer:
     """The input that matters most, how far it may go, and what it is now, for a budget with a requirement."""
-    tightest = budget.verdict.tightest
+    tightest = budget.straight_leg().tightest
     assert tightest is not None
-    tone = "good" if budget.verdict.met else "bad"
+    tone = "good" if budget.straight_leg().closes else "bad"
     wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.sensor), "")
     lever = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
     if lever is None:
-        head = "Every input may take any allowed value" if budget.verdict.met else "No single change closes it"
+        head = (
+            "Every input may take any allowed value" if budget.straight_leg().closes else "No single change closes it"
+        )
         return Answer(head, tone, _stuck(budget, solutions))
     ((key, value),) = lever.changes.items()
     now = next(solution.current for solution in solutions if solution.key == key)
@@ -53,10 +55,10 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way])
 
 
 def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
-    if budget.verdict.met:
+    if budget.straight_leg().closes:
         return ("No requirement limits any input within its allowed range.",)
     sentences = []
-    for check in budget.verdict.checks:
+    for check in budget.straight_leg().checks:
         if not check.met:
             helps = ", ".join(_phrase(budget.design, solved) for solved in remedies(solutions, check.name))
             name = figure_in_sentence(check.on)
@@ -86,7 +88,7 @@ def _value(design: Design, solved: Solved) -> str:
 def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Iterator[Block]:
     """Every input with a value that closes the design, and the others by name."""
     if ways:
-        yield ways_table(ways, closes=budget.verdict.met)
+        yield ways_table(ways, closes=budget.straight_leg().closes)
     helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
     if helpless:
         yield Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}.")

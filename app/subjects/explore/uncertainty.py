@@ -178,7 +178,7 @@ class UncertaintyPanel(Question):
     def _ask(self) -> None:
         """Have the newest question answered in a worker; one under way is dropped. Without a range an example is."""
         self._table.object = ""
-        if not self.session.budget.verdict.checks:
+        if not self.session.budget.straight_leg().checks:
             self.run.cancel()
             self.answer = NO_LIMIT
             return
@@ -193,7 +193,7 @@ class UncertaintyPanel(Question):
 
     @param.depends("run.running", watch=True)
     def _tell(self) -> None:
-        if self.run.running or not self.session.budget.verdict.checks:
+        if self.run.running or not self.session.budget.straight_leg().checks:
             return
         if self.run.message:
             self.answer = Answer("No probability", "warn", (self.run.message,))

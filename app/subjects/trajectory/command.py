@@ -1,6 +1,7 @@
 """The command `trajectory`: the covariance along a flight, real time and post-processed, by source."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,22 +30,31 @@ def add_to(commands: Any) -> None:
 
 
 def _trajectory(options: argparse.Namespace) -> int:
+    from nav_model.budget import analyse
     from nav_model.simulation.study_inputs import read_study_inputs, split_changes
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import PLAN, covariance_specification
     from nav_model.trajectory.line_length import with_lengths
     from nav_model.trajectory.result import to_json
     from nav_model.trajectory.swath import with_swath
+    from nav_model.trajectory.verdict import checks_of
 
     (path,) = paths_of(options)
     of_design, of_study = split_changes(options.changes)
     design = read_design(path, of_design)
     study, flight = flight_study(design, read_study_inputs(of_study), options)
     lines = flight.lines if flight else ()
-    result = covariance(covariance_specification(design, study, lines=lines))
+    own = (
+        options.trajectory == PLAN
+        and options.duration is None
+        and not (options.outages or options.states or of_study)
+    )
+    spec = covariance_specification(design, study, lines, every=design.trajectory.planned or not own)
+    result = covariance(spec)
     if options.trajectory == PLAN and options.duration is None:
         with show_progress() as show:
             for solve in (with_lengths, with_swath):
                 result = solve(result, design, lambda share, what: show(what, share))
-    put_json(lambda: to_json(result), options.output)
-    return 0 if result.closes else _DOES_NOT_CLOSE
+    budget = analyse(design)
+    verdict = replace(budget, flight=checks_of(result, budget)).verdict
+    return put_json(lambda: to_json(result, verdict), options.output) or (0 if verdict.closes else _DOES_NOT_CLOSE)

@@ -383,7 +383,7 @@ def as_json(followed: Followed) -> str:
     """The result as JSON, as `navbudget trajectory` prints it."""
     from nav_model.trajectory.result import to_json
 
-    return json.dumps(to_json(followed.result), allow_nan=False)
+    return json.dumps(to_json(followed.result, followed.verdict), allow_nan=False)
 
 
 def as_csv(followed: Followed) -> str:

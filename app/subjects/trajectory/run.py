@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import Rows
 
 if TYPE_CHECKING:
+    from nav_model.budget.verdict import Check, Verdict
     from nav_model.trajectory.manoeuvre import Manoeuvres
     from nav_model.trajectory.plan import PlannedFlight
     from nav_model.trajectory.result import TrajectoryResult
@@ -40,13 +41,15 @@ class File:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """The covariance along the flight, its path [m] north and east of the start, the file it is of, if any, and what
-    would close it, once that is known."""
+    """The covariance along the flight, its path [m] north and east of the start, its checks by processing, the
+    design's verdict with them, the file it is of, if any, and what would close it, once that is known."""
 
     design: Design
     result: TrajectoryResult
     north: NDArray[np.float64]
     east: NDArray[np.float64]
+    checks: Mapping[str, tuple[Check, ...]]
+    verdict: Verdict
     file: str = ""
     options: Manoeuvres | None = None
 
@@ -87,11 +90,13 @@ def follow(
     InputError
         Naming the file, the input or the key of the design.
     """
+    from nav_model.budget import analyse
     from nav_model.earth.wgs84 import metres_per_radian
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import along_flight, planned
     from nav_model.trajectory.line_length import with_lengths
     from nav_model.trajectory.swath import with_swath
+    from nav_model.trajectory.verdict import checks_of
 
     global _seconds_per_fix
     flight = _read(file, design) if file else planned(design)
@@ -106,6 +111,8 @@ def follow(
         _seconds_per_fix = (time.monotonic() - began) / fixes
     if lengths and file is None:
         result = with_swath(with_lengths(result, design, progress), design, progress)
+    budget = analyse(design)
+    checks = checks_of(result, budget)
     position = result.truth.position
     north, east = metres_per_radian(position[0, 0], position[0, 2])
     return Followed(
@@ -113,6 +120,8 @@ def follow(
         result,
         north * (position[:, 0] - position[0, 0]),
         east * (np.unwrap(position[:, 1]) - position[0, 1]),
+        checks,
+        replace(budget, flight=checks).verdict,
         file.name if file else "",
     )
 

@@ -11,6 +11,7 @@ from app.document.numbers import NONE, percent
 from app.document.verdict import SAID
 from app.subjects.trajectory.figures import FIGURES, show_value
 from app.subjects.trajectory.run import Followed
+from nav_model.budget.verdict import STRAIGHT_LEG, Verdict
 from nav_model.design.figures import figure_in_sentence
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def verdict(followed: Followed, name: str) -> Answer:
     """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
     result = followed.result
     processing = result.spec.processing
-    elsewhere = _elsewhere(result)
+    others = _beside_flight(followed.verdict)
     if not any(line.limits for line in result.lines):
         values = result.chosen.figures[name]
         values = values[np.isfinite(values)]
@@ -32,7 +33,7 @@ def verdict(followed: Followed, name: str) -> Answer:
             f"{FIGURES[name].label} is at most {show_value(name, values.max())}, {processing}." if values.size else ""
         )
         none = "No requirement of the design limits a figure of the flight."
-        return Answer("No limit", "open" if result.closes else "bad", (first, none, *elsewhere))
+        return Answer("No limit", "bad" if followed.verdict.failing else "open", (first, none, *others))
     failing = [line for line in result.lines if not line.closes]
     lines = len(result.lines)
     if result.spec.lines:
@@ -45,20 +46,20 @@ def verdict(followed: Followed, name: str) -> Answer:
         first = failure(worst)
         sentences = (f"{first[0].upper()}{first[1:]}.", "What would close it is below the charts.")
     return Answer(
-        f"{'✓' if result.closes else '✗'} {word} {SAID[processing]}",
-        "good" if result.closes else "bad",
-        (*sentences, *elsewhere),
+        f"{'✓' if followed.verdict.closes else '✗'} {word} {SAID[processing]}",
+        "good" if followed.verdict.closes else "bad",
+        (*sentences, *others),
     )
 
 
-def _elsewhere(result: TrajectoryResult) -> tuple[str, ...]:
-    """What is required beside the flight's figures, as a sentence: what is not met, else that all of it is."""
-    checks = result.spec.elsewhere
+def _beside_flight(verdict: Verdict) -> tuple[str, ...]:
+    """What does not depend on the flight, as a sentence: what is not met, else that all of it is."""
+    checks = [check for check in verdict.checks if check.judged == STRAIGHT_LEG]
     if not checks:
         return ()
-    failing = [figure_in_sentence(check.name) for check in checks if not check.met]
-    names = ", ".join(failing or [figure_in_sentence(check.name) for check in checks])
-    return (f"{'Not met' if failing else 'Met'} on every flight, as on Budget: {names}.",)
+    failing = [check for check in checks if not check.met]
+    names = ", ".join(figure_in_sentence(check.name) for check in failing or checks)
+    return (f"Does not depend on the flight: {names}, {'not met' if failing else 'met'}.",)
 
 
 def failure(line: LineResult) -> str:

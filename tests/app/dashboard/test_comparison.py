@@ -14,7 +14,7 @@ from nav_model.design import Design
     [
         ({"imu.vibration_factor": 3.0}, "Vibration factor 1"),
         ({"gnss.interval": 0.5}, "Fix interval 1 s"),
-        ({"trajectory.flight": "lines"}, "Flight nearly straight"),  # not "wandering", the file's word
+        ({"trajectory.flight": "lines"}, "Flight straight leg, no plan"),  # not "none", the file's word
         ({"gnss.velocity_noise": 0.1}, "Velocity noise not given"),
         ({"motion.lines": ((30.0, 1e-4, "length"),)}, "Vibration lines not given"),
         ({"gnss.interval": 0.5, "imu.vibration_factor": 3.0}, "the previous version"),

@@ -225,8 +225,8 @@ def test_requirements_that_only_a_flight_judges_are_named_in_each_row():
     %s = ["1 deg", "2 deg"]"""
     for given, varied in ((b"heading", b"requirements.tilt"), (b"quadratic_phase", b"requirements.heading")):
         columns = whole_sweep(parse_plan(text % (given, varied)))
-        assert columns["elsewhere"] == ["heading"] * 2
-    assert "elsewhere" not in whole_sweep(parse_plan(text % (b"quadratic_phase", b"requirements.tilt")))
+        assert columns["before_flight"] == ["heading"] * 2
+    assert "before_flight" not in whole_sweep(parse_plan(text % (b"quadratic_phase", b"requirements.tilt")))
 
 
 def test_side_by_side_and_inline_designs():

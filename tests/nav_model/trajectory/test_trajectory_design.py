@@ -12,8 +12,8 @@ import nav_model
 from app.cli import main
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
-from nav_model.budget.provenance import cautions
 from nav_model.design import Design
+from nav_model.design.figures import IN_FLIGHT
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import declaration_of
@@ -23,6 +23,7 @@ from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, lines_of, planned
 from nav_model.trajectory.result import STATE_AXES
 from nav_model.trajectory.specification import FlightLine
+from nav_model.trajectory.verdict import checks_of
 
 EXAMPLE_FILE = Path(nav_model.__file__).parent.parent / "examples" / "mems_x_band.toml"
 EXAMPLE = EXAMPLE_FILE.read_text()
@@ -110,8 +111,6 @@ def test_a_limit_of_a_line_takes_the_place_of_the_requirement_there() -> None:
     assert [line.closes for line in lines] == [False, True]
     assert math.degrees(lines[0].limits["quadratic_phase"]) == pytest.approx(90.0)
     assert math.degrees(lines[1].limits["quadratic_phase"]) == pytest.approx(3000.0)
-    assert [caution for caution in cautions(analyse(case)) if "`navbudget trajectory`" in caution]
-    assert not [caution for caution in cautions(analyse(parse_design(EXAMPLE))) if "trajectory" in caution]
     other = case.replace({"trajectory.limits": read("limits", "line 3, tilt=1°")})
     with pytest.raises(InputError, match=r"trajectory.limits\[1\].line: the flight has no line 'line 3'; its lines:"):
         covariance_specification(other, study, flight.lines)
@@ -137,15 +136,22 @@ def test_a_requirement_that_no_flight_changes_is_judged_as_on_budget_and_none_is
     flight = planned(case)
     study = specification(case, trajectory=flight.trajectory, runs=1, duration=flight.duration)
     spec = covariance_specification(case, study, flight.lines)
-    checks = {check.name: check for check in analyse(case).verdict.checks}
-    assert {check.name: check for check in spec.elsewhere}.items() <= checks.items()
-    judged = {name for name, _ in spec.most} | {check.on for check in spec.elsewhere}
-    assert judged == {check.on for check in checks.values()}
+    budget = analyse(case)
+    whole = replace(budget, flight=checks_of(covariance(spec), budget))
+    legs = {check.name: check for check in budget.straight_leg().checks}
+    after = whole.verdict
+    assert after.open == ()
+    by_name = {check.name: check for check in after.checks}
+    assert list(by_name) == [*legs]
+    assert {name for name, check in by_name.items() if check.judged == "straight leg"} == {
+        name for name, check in legs.items() if check.on not in IN_FLIGHT
+    }
+    assert by_name["tilt after 30 s"] == legs["tilt after 30 s"]
+    assert not by_name["tilt after 30 s"].met
+    assert after.state == "fails"
     assert dict(spec.most)["quadratic_phase"] == pytest.approx(math.radians(1.0))  # the lower of two limits, at 1σ
-    result = covariance(replace(spec, most=(), lines=()))
-    assert all(line.closes for line in result.lines)
-    assert not checks["tilt after 30 s"].met
-    assert not result.closes
+    for name, check in by_name.items():
+        assert check.straight == (None if check.judged == "straight leg" else legs[name].value)
 
 
 def test_heading_is_required_of_a_flight_and_a_budget_alone_does_not_say_that_it_is_met() -> None:
@@ -160,7 +166,10 @@ def test_heading_is_required_of_a_flight_and_a_budget_alone_does_not_say_that_it
     relaxed = case.replace({key: None for key in case if key.startswith("requirements.") and "confidence" not in key
                            and "steady" not in key and "heading" not in key})  # fmt: skip
     verdict = analyse(relaxed).verdict
-    assert (verdict.checks, verdict.elsewhere, verdict.closes) == ((), ("heading",), False)
+    assert {check.state for check in verdict.checks} == {"open"}
+    assert "heading" in verdict.open
+    assert verdict.state == "open"
+    assert (verdict.closes, verdict.tightest) == (False, None)
     assert main(["check", str(EXAMPLE_FILE), "--set", "requirements.heading=1°"]) == 1
 
 
@@ -213,8 +222,8 @@ def test_where_the_aircraft_stands_there_is_no_image() -> None:
     images = [values for name, values in result.chosen.figures.items() if name not in STATE_AXES]
     assert images
     assert np.isnan(images).all()
-    assert result.lines[0].reason.startswith("is too short for an aperture")
-    assert not result.closes
+    assert result.lines[0].reason == "has no quadratic phase, as no aperture lies within it"
+    assert not result.lines[0].closes
 
 
 def test_a_heading_that_swings_is_no_turn() -> None:

@@ -23,11 +23,11 @@ def test_every_question_answers_in_json_and_csv(question, capsys):
     if question != "rank":  # what only a flight judges is named beside what it has no part in
         heading = ["--set", "requirements.heading=0.01 deg", *extra]
         whole = reply(capsys, "explore", question, MEMS, *heading)
-        assert whole.pop("elsewhere") == ["heading"]
+        assert whole.pop("before_flight") == ["heading"]
         assert whole == reply(capsys, "explore", question, MEMS, *extra)
         assert main(["explore", question, MEMS, "--csv", *heading]) == 0
         rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
-        assert {row["elsewhere"] for row in rows} == {"heading"}
+        assert {row["before_flight"] for row in rows} == {"heading"}
 
 
 def test_solve_says_what_would_help(capsys):

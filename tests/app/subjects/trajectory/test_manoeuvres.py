@@ -58,7 +58,7 @@ def test_an_option_that_is_pressed_turns_the_verdict_and_is_undone(session: Sess
     page._take(first.name)
     assert session.design == planned.replace(first.changes, first.written)
     assert session.design.trajectory.flight == "waypoints"
-    assert follow(session.design, 0).result.closes
+    assert follow(session.design, 0).verdict.closes
     assert "You can undo" in page._bar.message
     page.follow()
     assert "before the last change" in page._head.object

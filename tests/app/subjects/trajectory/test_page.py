@@ -172,6 +172,7 @@ def test_the_page_follows_design_flight_and_file(session: Session, tmp_path: Pat
     flight, not_one = tmp_path / "a", tmp_path / "b"
     flight.write_text(_PLAN, encoding="utf-8")
     not_one.write_text("<gpx>", encoding="utf-8")
+    session.change({"trajectory.flight": "wandering"})
     page = TrajectoryPage(session)
     assert "Working" in page._strip._text.object
     assert "of the flight within" in after(page, page.begin)
