@@ -19,8 +19,8 @@ from nav_model.design.presets import filled, values_of
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
-OWN_GNSS = "your receiver"
-"""Name of the row of receivers that is the design's own."""
+OWN_IMU, OWN_GNSS = "your IMU", "your receiver"
+"""Names of the unit and the receiver that are the design's own."""
 Biases = Literal["design", "zero", "in-run"]
 """Residual biases that every unit is judged with: the design's, zero, or the in-run biases of its own sheet."""
 MOST_PAIRS = 5000
@@ -104,14 +104,26 @@ def search(
     return tuple(sorted(rows, key=_rank))
 
 
+def own_candidate(design: Design) -> Candidate:
+    """The design with its own unit and receiver, computed as every candidate is.
+
+    Raises InputError if the design gives no requirement.
+    """
+    names = list(limits(design))
+    if not names:
+        raise InputError("requirements", "none is given; give at least one limit to compare sensors with")
+    return _ranked(design, names, [_Pair(design, None, None, "design")], "")[0]
+
+
 class _Pair:
     """A unit and a receiver, or the design's own (None), and what they change in the design."""
 
-    def __init__(self, design: Design, imu: Entry, receiver: Entry | None, biases: Biases) -> None:
-        self.parts = [imu, *([receiver] if receiver else [])]
-        self.changes: dict[str, Value] = {}
+    def __init__(self, design: Design, imu: Entry | None, receiver: Entry | None, biases: Biases) -> None:
+        self.imu, self.gnss = imu.name if imu else OWN_IMU, receiver.name if receiver else OWN_GNSS
+        self.parts = [part for part in (imu, receiver) if part is not None]
+        self.changes: dict[str, Value] = {} if imu else {f"imu.{name}": design[f"imu.{name}"] for name in _NEEDED}
         self.written: dict[str, str] = {}
-        items = [*(imu.in_run.items() if biases == "in-run" else ())]
+        items = [*(imu.in_run.items() if imu and biases == "in-run" else ())]
         self.changes |= {f"imu.{name}": 0.0 for name in _BIASES if biases == "zero"}
         self.changes |= {f"imu.{name}": item.value for name, item in items}
         self.written |= {f"imu.{name}": item.unit for name, item in items}
@@ -137,8 +149,8 @@ def _ranked(design: Design, names: list[str], pairs: Sequence[_Pair], currency: 
     sources, shares = _dominant(design, names, columns, tightest)
     return [
         Candidate(
-            imu=pair.parts[0].name,
-            gnss=pair.parts[1].name if pair.parts[1:] else OWN_GNSS,
+            imu=pair.imu,
+            gnss=pair.gnss,
             closes=bool(whole[i] <= 1),
             margin=float(1 - whole[i]),
             tightest=names[tightest[i]],
@@ -194,7 +206,7 @@ def one_currency(entries: Iterable[Entry]) -> str:
 def _offered(parts: Sequence[Entry], key: str) -> float | None:
     """Price, mass or power of the parts together; None where one does not say it."""
     values = [part.offer[key].value for part in parts if key in part.offer]
-    return sum(values) if len(values) == len(parts) else None
+    return sum(values) if parts and len(values) == len(parts) else None
 
 
 def left_out(imus: Mapping[str, Entry], biases: Biases = "design") -> dict[str, str]:

@@ -1,19 +1,25 @@
 """Advice for one design: which strategy to use, why, and what would change the answer."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
+from nav_model.base.units import plain_number
 from nav_model.budget.contributors import Contributors
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.strategies import NAMES
-from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners
+from nav_model.sar.winners import WORTH, Conditions, break_even_aperture, map_of_winners
 
 
 @dataclass(frozen=True)
 class Advice:
     """Numbers [m, s] and the sentences made of them.
 
-    ``sigma``: detrended line-of-sight sigma by strategy, infinite where there is none.
+    ``strategy``: the simplest within 5 % of the least, as the map has it; the sentence knows the one in use and the
+    limit. ``sigma``: detrended line-of-sight sigma by strategy, infinite where there is none.
     """
 
     strategy: str
@@ -32,9 +38,99 @@ _DONE = {
     "5w": "subtract the fitted quadratic, weighted by its noise",
     "9": "smooth the trajectory after the flight, with the fixes before, in and after the aperture",
 }
-_NEEDS = "It needs post-processing: the image is made after the flight, with the fixes of the leg after the aperture."
+_SIMPLEST_FIRST = ("2", "3", "4", "5", "5w", "8", "9", "6", "7")  # reconstructions last
 LEFT = {1: "after linear detrend", 2: "after quadratic autofocus", 3: "after cubic autofocus"}
 """Order of the autofocus -> what its residual is called."""
+
+
+class Recommendation(NamedTuple):
+    """A strategy, by its key, and the sentence that recommends it."""
+
+    strategy: str
+    sentence: str
+
+
+def strategy_in_use(*, post_processed: bool, outage: bool) -> str:
+    """Key of the strategy whose figures the requirements are checked against, the budget's."""
+    if post_processed:
+        return "9"
+    return "3" if outage else "2"
+
+
+def candidates(*, post_processed: bool, outage: bool) -> tuple[str, ...]:
+    """Keys of the strategies that a design can use, the simplest first.
+
+    The whole-leg smoother needs post-processing; without an outage the INS after one is the INS from the filter.
+    """
+    needed = {"3": outage, "9": post_processed}
+    return tuple(key for key in _SIMPLEST_FIRST if needed.get(key, True))
+
+
+def recommendation(
+    phase: Mapping[str, float],
+    in_use: str,
+    processing: str,
+    limit: float | None,
+    confidence: float = 1.0,
+    *,
+    smoothed: float | None = None,
+) -> Recommendation:
+    """The strategy to use, and one sentence that never names one that fails where another is met.
+
+    Parameters
+    ----------
+    phase : mapping
+        Key of each strategy that the design can use, the simplest first -> its detrended phase [rad] at `confidence`.
+    in_use : str
+        The strategy whose phase the requirement is checked against.
+    processing : str
+        Of the design.
+    limit : float or None
+        On the detrended phase [rad] at `confidence`.
+    confidence : float
+        Factor on one sigma.
+    smoothed : float or None
+        Phase of the whole-leg smoother, where a design in real time could be post-processed.
+
+    Returns
+    -------
+    Recommendation
+        The strategy in use unless another is better: the simplest within 5 % of the least, or the least where that
+        alone meets the limit, or where none does.
+    """
+    least = min(phase, key=lambda key: phase[key])
+    best = next(key for key in phase if phase[key] <= (1 + WORTH) * phase[least])
+    if phase[in_use] <= phase[best]:
+        best = in_use
+    when = "post-processed" if processing == POST_PROCESSED else "in real time"
+
+    def value(phase: float) -> str:
+        return f"{plain_number(math.degrees(phase), 3, zeros=True)}°"
+
+    if limit is None:
+        if best == in_use:
+            return Recommendation(
+                best, f"No strategy is more than 5 % better than {NAMES[best]}, in use: {value(phase[best])}."
+            )
+        return Recommendation(
+            best,
+            f"{NAMES[best]} leaves {value(phase[best])} {when}, {NAMES[in_use]}, in use, {value(phase[in_use])}.",
+        )
+    bound = f"{plain_number(math.degrees(limit), 3)}°" + ("" if confidence == 1 else f" at {confidence:g}σ")
+    if phase[in_use] <= limit:
+        gain = "" if best == in_use else f" {NAMES[best]} leaves {value(phase[best])}."
+        return Recommendation(best, f"{NAMES[in_use]} meets {bound} {when}.{gain}")
+    if phase[best] > limit:
+        best = least
+    if phase[best] <= limit:
+        return Recommendation(best, f"{NAMES[best]} meets {bound} {when}: {value(phase[best])}.")
+    if value(phase[in_use]) == value(phase[best]):  # of equals, to the digits that are shown, the one in use
+        best = in_use
+    closest = f"{NAMES[best]}, {'in use, ' * (best == in_use)}{value(phase[best])}"
+    later = ""
+    if processing != POST_PROCESSED and smoothed is not None and smoothed <= limit:
+        later = f" Post-processed, {NAMES['9']} meets it: {value(smoothed)}."
+    return Recommendation(best, f"No strategy meets {bound} {when}. Closest: {closest}.{later}")
 
 
 def advise(
@@ -49,16 +145,20 @@ def advise(
     """
     result = map_of_winners(conditions)
     sigma = {key: float(value) for key, value in zip(result.strategies, result.sigma, strict=True)}
-    chosen = result.strategies[int(result.winner)]
-    phase, spread = 4 * np.pi / wavelength, spread_of(confidence)
+    phase = 4 * np.pi / wavelength
     length = {key: _length(confidence * value) for key, value in sigma.items()}
     span, coast = float(np.asarray(conditions.aperture_time)), float(np.asarray(conditions.coast_time))
-    sentence = (
-        f"Use {NAMES[chosen]}: {_DONE[chosen]}. The residual is {length[chosen]} {spread} "
-        f"({np.degrees(phase * confidence * sigma[chosen]):.3g}° of phase) {LEFT[conditions.autofocus_order]}."
+    post_processed = conditions.post_processed
+    fitting = candidates(post_processed=post_processed, outage=coast > 0)
+    advised = recommendation(
+        {key: phase * confidence * sigma[key] for key in fitting if key in sigma},
+        strategy_in_use(post_processed=post_processed, outage=coast > 0),
+        POST_PROCESSED if post_processed else REAL_TIME,
+        required_phase,
+        confidence,
+        smoothed=phase * confidence * sigma["9"] if "9" in sigma else None,
     )
-    if chosen == "9":
-        sentence += f" {_NEEDS}"
+    sentence = f"{advised.sentence} {NAMES[advised.strategy]}: {_DONE[advised.strategy]}."
     fitted = np.isfinite(sigma["5"])
     because = f"{NAMES['2']}: {length['2']}"
     because += (
@@ -84,18 +184,7 @@ def advise(
             f" At this aperture it is worthwhile with a position noise below about {_length(limit)}; "
             f"yours is {_length(float(np.asarray(conditions.gnss_sigma)))}."
         )
-    if required_phase is not None:
-        ratio = phase * confidence * sigma[chosen] / required_phase
-        verdict = "meets" if ratio <= 1 else "misses"
-        change += (
-            f" {NAMES[chosen]} {verdict} the limit of {np.degrees(required_phase):.3g}° "
-            f"by a factor of {max(ratio, 1 / ratio):.3g}."
-        )
-        if "9" in sigma and chosen != "9":
-            smoothed = phase * confidence * sigma["9"] / required_phase
-            met = "would meet" if smoothed <= 1 else "would miss"
-            change += f" Post-processed, {NAMES['9']} {met} it by a factor of {max(smoothed, 1 / smoothed):.3g}."
-    return Advice(chosen, sentence, because, change, sigma, break_even, limit)
+    return Advice(result.strategies[int(result.winner)], sentence, because, change, sigma, break_even, limit)
 
 
 def _break_even_noise(conditions: Conditions) -> float:

@@ -16,6 +16,7 @@ from nav_model.budget.inputs import Inputs, inputs_of
 from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED
+from nav_model.sar.advice import candidates, strategy_in_use
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
 from nav_model.sar.line_of_sight import ApertureGeometry
@@ -173,9 +174,16 @@ def _smoothed(x: Inputs, *, whole: bool) -> SmoothedVariances:
 
 def judged(design: Design) -> str:
     """Key of the strategy whose figures the requirements are checked against, the budget's."""
-    if design.processing.mode == POST_PROCESSED:
-        return "9"
-    return "3" if design.coast.before_aperture > 0 else "2"
+    return strategy_in_use(**_options(design))
+
+
+def able(design: Design) -> tuple[str, ...]:
+    """Keys of the strategies that the design can use, the simplest first."""
+    return candidates(**_options(design))
+
+
+def _options(design: Design) -> dict[str, bool]:
+    return {"post_processed": design.processing.mode == POST_PROCESSED, "outage": design.coast.before_aperture > 0}
 
 
 def study_cautions(budget: Budget) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.advice import LEFT, Advice, advise, spread_of
 from nav_model.sar.decomposition import MedianBand, autofocus, band
-from nav_model.sar.design_case import DesignCase, Engine, conditions, design_case
+from nav_model.sar.design_case import DesignCase, Engine, able, conditions, design_case
 from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy, StrategyErrors, Tuning
@@ -34,7 +34,6 @@ from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances, who
 
 _CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
 MOST_RUNS = 20_000
-_SIMPLEST_FIRST = ("2", "4", "5", "5w", "8", "9", "6", "7")  # reconstructions last
 # Quadratic phase beyond which 1024 aperture samples are too few for the response: it fills the line.
 _NO_IMAGE_RAD = 800.0
 
@@ -101,23 +100,15 @@ class SarStudy:
         """The simplest strategy whose residual, rms over the runs, is within 5 % of the least; ``causal``: of those
         that work in flight, before the aperture has ended.
 
-        The ideal and the INS after an outage are excluded; the whole-leg smoother counts if the design is
-        post-processed.
+        The whole-leg smoother counts if the design is post-processed.
         """
-        able = self._able(causal)
-        least = min(map(self.residual, able))
-        return _named(next(key for key in able if self.residual(key) <= (1 + WORTH) * least))
+        keys = self._able(causal)
+        least = min(map(self.residual, keys))
+        return _named(next(key for key in keys if self.residual(key) <= (1 + WORTH) * least))
 
     def _able(self, causal: bool = False) -> list[str]:
         """Keys of the candidates, the simplest first."""
-        return [
-            strategy.key
-            for strategy in map(_named, _SIMPLEST_FIRST)
-            if strategy.causal or (not causal and self._allowed(strategy))
-        ]
-
-    def _allowed(self, strategy: Strategy) -> bool:
-        return strategy.timing != POST_PROCESSED or self.budget.design.processing.mode == POST_PROCESSED
+        return [key for key in able(self.budget.design) if not causal or _named(key).causal]
 
     def composed(self, figure: str, sigmas: Array) -> Array:
         """Errors of a phase, strategies first [m], with the design's contributors to it, but for the ideal."""
@@ -146,7 +137,7 @@ class SarStudy:
     @property
     def sentence(self) -> str:
         """Which strategy the runs recommend, and whether the formulas agree."""
-        smoothed = self._allowed(_named("9"))
+        smoothed = "9" in self._able()
         best, now, advised = self.best(), self.best(causal=True), self.closed.advice.strategy
         what = "flights of the simulator" if self.engine == "simulator" else "runs"
         least = self.residual(best.key) <= min(map(self.residual, self._able()))

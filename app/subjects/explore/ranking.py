@@ -5,15 +5,16 @@ from dataclasses import dataclass, field
 
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry
-from nav_model.explore.search import Biases, Candidate, left_out, search
+from nav_model.explore.search import Biases, Candidate, left_out, own_candidate, search
 
 
 @dataclass(frozen=True)
 class Ranking:
-    """Units or pairs in their order; the units that cannot be judged, with what their sheets lack; and of a ranking
-    in which none passes with the design's residual biases, how many would with zero."""
+    """Units or pairs in their order, and the design with its own; the units that cannot be judged, with what their
+    sheets lack; and of a ranking in which none passes with the design's residual biases, how many would with zero."""
 
     rows: tuple[Candidate, ...] = ()
+    own: Candidate | None = None
     left_out: Mapping[str, str] = field(default_factory=dict)
     unbiased: int = 0
 
@@ -26,4 +27,4 @@ def ranked(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, En
     rows, unbiased = search(design, imus, receivers, biases), 0
     if biases == "design" and not any(row.closes for row in rows):
         unbiased = sum(row.closes for row in search(design, imus, receivers, "zero"))
-    return Ranking(rows, left_out(imus, biases), unbiased)
+    return Ranking(rows, own_candidate(design), left_out(imus, biases), unbiased)

@@ -13,6 +13,7 @@ import param
 from app.declared import chosen, required
 from app.document.blocks import Answer
 from app.document.pane import html_of
+from app.document.wording import preset_name
 from app.library.offers import keep_offers, library_files, remove_offers
 from app.library.place import library
 from app.session import Session
@@ -94,7 +95,7 @@ class SearchPanel(Question):
 
     def __panel__(self) -> pn.Column:
         words = pmui.TextInput(
-            label=self.param.words.label, placeholder="closes fiber", max_length=100, width=180,
+            label=self.param.words.label, placeholder="passes fiber", max_length=100, width=180,
             margin=(8, 8), size="small",
         )  # fmt: skip
         words.link(self, value_input="words")
@@ -163,7 +164,9 @@ class SearchPanel(Question):
         """Show the first rows that hold every word of the filter."""
         words = self.words.lower().split()
         rows = [row for row in self._ranking.rows if all(word in self._text(row) for word in words)]
-        self._table.html = html_of(search_table(rows[:_MOST_ROWS], self.own)) if self._ranking.rows else ""
+        yours = f"Your IMU ({preset_name(self.session.design, 'imu')})"
+        shown = search_table(rows[:_MOST_ROWS], self.own, self._ranking.own, yours)
+        self._table.html = html_of(shown) if self._ranking.rows else ""
         notes = []
         if len(rows) > _MOST_ROWS:
             notes.append(f"The first {_MOST_ROWS} of {len(rows)} rows; the filter finds the others, the CSV has all.")
@@ -174,7 +177,7 @@ class SearchPanel(Question):
 
     def _text(self, row: Candidate) -> str:
         """What a filter finds a row by."""
-        verdict = "closes" if row.closes else "does not close"
+        verdict = "passes" if row.closes else "fails"
         receiver = "" if self.own else row.gnss
         parts = (row.imu, receiver, verdict, label_of(row.tightest), row.dominant, *row.doubts)
         return " ".join(parts).lower()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from app.charts.kinds import TradeMapChart
 from app.document.blocks import Answer, Block, Cell, Column, Row, TableBlock, Text, numbers, table
 from app.document.closing import Way, beyond_one, ways_table
-from app.document.numbers import margin_in_sentence, number, percent, signed_percent
+from app.document.numbers import margin_in_sentence, margin_in_short, number, percent, signed_percent
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.design import Design
@@ -25,8 +25,6 @@ from nav_model.explore.sweep import Column as Swept
 from nav_model.explore.sweep import least_demanding, sweep_ratios
 from nav_model.explore.sweep_plan import SweepPlan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
-
-_SURE = 0.95  # probability from which a verdict counts as sure
 
 
 def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Answer:
@@ -99,8 +97,7 @@ def map_answer(chart: TradeMapChart, here: float) -> Answer:
     result = chart.title.partition(":")[0]
     hint = "Click the map to apply a point to the design."
     if chart.limited:
-        tone, word = ("good", "✓ Within the limit") if here <= 1 else ("bad", "✗ Over the limit")
-        return Answer(word, tone, (f"{result}: {number(here)} × the limit in this design.", hint))
+        return Answer(f"{result}: {margin_in_short(1 - here)} in this design", "open", (hint,))
     return Answer(result, "open", ("No limit is set: the map compares with this design.", hint))
 
 
@@ -129,22 +126,32 @@ def search_answer(rows: Sequence[Candidate], yours: bool, unbiased: int) -> Answ
         other = ("Try all receivers, or change the radar or the limits.",) if yours else ()
         if unbiased:
             other = (f"With residual biases of zero, {unbiased} would: choose them below.",)
-        return Answer(f"None of {len(rows)} {what}", "bad", (why, *other))
+        return Answer(f"None of {len(rows)} {what}", "open", (why, *other))
     why = f"Widest margin: {name}, {signed_percent(best.margin)}."
     first = rows[0]
     if first.price is not None:
         name = first.imu if yours else first.pair
         why = f"Cheapest: {name}, {_price(first)}, {signed_percent(first.margin)}. {why}"
-    return Answer(f"{len(good)} of {len(rows)} {what}", "good", (why,))
+    return Answer(f"{len(good)} of {len(rows)} {what}", "open", (why,))
 
 
-def search_table(rows: Sequence[Candidate], yours: bool) -> TableBlock:
-    """Units, or pairs of unit and receiver, in the order of `search`; each can be taken into the design."""
+def search_table(rows: Sequence[Candidate], yours: bool, own: Candidate | None = None, name: str = "") -> TableBlock:
+    """Units, or pairs of unit and receiver, in the order of `search`; each can be taken into the design.
+
+    Parameters
+    ----------
+    rows : sequence of Candidate
+    yours : bool
+        Whether all are with the design's own receiver, which is not named then.
+    own : Candidate, optional
+        The design with its own unit: the first row.
+    name : str
+        Of its unit.
+    """
     offers = any(value is not None for row in rows for value in (row.price, row.mass, row.power))
     titles = (
         "IMU",
         *(() if yours else ("Receiver",)),
-        "Verdict",
         "Margin",
         "Tightest",
         "Main error source",
@@ -157,7 +164,10 @@ def search_table(rows: Sequence[Candidate], yours: bool) -> TableBlock:
         "search",
         f"{what}, {first} first. Click one to apply it to the design.",
         tuple(Column(title, numeric=title in ("Margin", *_OFFERED), sortable=True) for title in titles),
-        (_candidate(row, yours, offers) for row in rows),
+        (
+            *((_candidate(own, Cell(name, "● in the design", sort=name), yours, offers),) if own else ()),
+            *(_candidate(row, Cell(row.imu, sort=row.imu, value=row.pair), yours, offers) for row in rows),
+        ),
     )
 
 
@@ -172,7 +182,7 @@ def _amount(value: float, unit: str, thousandth: str) -> str:
     return f"{number(value)} {unit}" if value >= 1 else f"{number(1000 * value)} {thousandth}"
 
 
-def _candidate(row: Candidate, yours: bool, offers: bool) -> Row:
+def _candidate(row: Candidate, name: Cell, yours: bool, offers: bool) -> Row:
     receiver = () if yours else (row.gnss,)
     texts = (_price(row), _amount(row.mass or 0.0, "kg", "g"), _amount(row.power or 0.0, "W", "mW"))
     values = (row.price, row.mass, row.power)
@@ -181,10 +191,9 @@ def _candidate(row: Candidate, yours: bool, offers: bool) -> Row:
         for text, value in zip(texts, values, strict=True)
     ]
     return (
-        Cell(row.imu, sort=row.imu, value=row.pair),
+        name,
         *receiver,
-        Cell("✓ closes", tone="good") if row.closes else Cell("✗ does not close", tone="bad"),
-        Cell(signed_percent(row.margin), sort=row.margin),
+        Cell(margin_in_short(row.margin), sort=row.margin),
         label_of(row.tightest),
         f"{row.dominant} {percent(row.share)}",
         *(offered if offers else ()),
@@ -195,9 +204,8 @@ def _candidate(row: Candidate, yours: bool, offers: bool) -> Row:
 def uncertain_answer(verdict: UncertainVerdict) -> Answer:
     """The verdict as a probability."""
     low, middle, high = map(signed_percent, verdict.margin)
-    tone = "good" if verdict.closes.low >= _SURE else "bad" if verdict.closes.high < _SURE / 2 else "warn"
     head = f"Probability of closing: {_probability(verdict.closes)}"
-    return Answer(head, tone, (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
+    return Answer(head, "open", (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
 
 
 def uncertain_table(verdict: UncertainVerdict) -> TableBlock:
@@ -242,7 +250,7 @@ def sweep_answer(plan: SweepPlan, columns: Mapping[str, Swept], stale: bool) -> 
     sentence = f"{which}: {', '.join(_swept_values(plan, first))}; {margin}."
     if front:
         old = (*old, f"{front:,} of them are least demanding: relaxing any input would fail.")
-    return Answer(word, "warn" if stale else "good" if good else "bad", (*old, sentence))
+    return Answer(word, "warn" if stale else "open", (*old, sentence))
 
 
 def sweep_table(plan: SweepPlan, columns: Mapping[str, Swept]) -> TableBlock:
@@ -265,16 +273,11 @@ def sweep_table(plan: SweepPlan, columns: Mapping[str, Swept]) -> TableBlock:
         (
             (
                 *_swept_row(plan, int(row), "●" if front[row] else ""),
-                *((_margin(float(1 - ratios[row])),) if judged else ()),
+                *((Cell(margin_in_short(float(1 - ratios[row])), sort=float(1 - ratios[row])),) if judged else ()),
             )
             for row in rows
         ),
     )
-
-
-def _margin(margin: float) -> Cell:
-    met = margin >= 0
-    return Cell(f"{'✓' if met else '✗'} {signed_percent(margin)}", tone="good" if met else "bad", sort=margin)
 
 
 def _swept_name(key: str) -> str:

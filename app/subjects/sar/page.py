@@ -28,7 +28,15 @@ from app.subjects.sar.charts import (
     winner_chart,
 )
 from app.subjects.sar.run import SarResult, run_strategies, subject
-from app.subjects.sar.tables import answer, cautions, error_table, run_tables, runs_in_words, strategies_of
+from app.subjects.sar.tables import (
+    answer,
+    cautions,
+    error_table,
+    recommended,
+    run_tables,
+    runs_in_words,
+    strategies_of,
+)
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
@@ -149,7 +157,7 @@ class SarPage(StudyPage[SarResult]):
         else:
             self._bar.message = self._outdated or f"The runs match the design. {runs_in_words(self._runs)}."
         chart = residual_chart(budget, self._closed, self._runs)
-        best = NAMES[self._closed.advice.strategy] if study is None else study.best().name
+        best = NAMES[recommended(budget, self._closed, study).strategy]
         coming = "The images appear after the runs: one point target, all images on one scale."
         head = head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart))
         self._rank_head.say(head)

@@ -11,17 +11,16 @@ from types import EllipsisType
 import numpy as np
 
 from app.document.blocks import Answer, Block, Bullets, Cell, Row, TableBlock, Text, numbers, table
-from app.document.numbers import NONE, hundredths, margin_in_sentence, number
-from app.document.verdict import SAID, check_words
+from app.document.numbers import NONE, hundredths, number
+from app.document.verdict import check_words
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
-from nav_model.budget.verdict import decisive
+from nav_model.budget.verdict import Check, decisive
 from nav_model.design.figures import DETRENDED
-from nav_model.design.processing import REAL_TIME
-from nav_model.sar.advice import LEFT
+from nav_model.sar.advice import LEFT, Recommendation, recommendation
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import MedianBand
-from nav_model.sar.design_case import flight_cautions, judged, study_cautions
+from nav_model.sar.design_case import able, flight_cautions, judged, study_cautions
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy
 
@@ -45,52 +44,39 @@ def strategies_of(budget: Budget) -> list[tuple[int, Strategy]]:
 
 
 def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple[Answer, tuple[Block, ...]]:
-    """The verdict on the detrended phase, which is the budget's, and the best strategy; then why, and what would
-    change the choice.
-
-    The strategy is that of the runs where there are some, otherwise of the formulas.
-    """
-    advice = closed.advice
-    if study is None:
-        key, sigma, whole = advice.strategy, advice.sigma[advice.strategy], closed.whole[advice.strategy]
-    else:
-        best, now = study.best(), study.best(causal=True)
-        key, sigma = best.key, study.residual(best.key)
-        whole = float(study.whole_residuals[STRATEGY_KEYS.index(key)])
-    assert whole is not None  # the formula that is chosen has one
-    source = "formula" if study is None else f"{study.runs} runs"
-    # All at the confidence of the check that decides.
-    confidence, _ = decisive(budget.design, DETRENDED)
-
-    def phase(sigma: float) -> str:
-        return f"{_degrees(confidence * sigma, budget)}°"
-
-    which = "the simplest within 5 % of the least"
-    sentences = [f"Use {NAMES[key]}, {which}: {phase(sigma)} by {source}, {phase(whole)} with the along-track part."]
-    if study is not None and now.key != key:
-        sentences.append(f"In flight use {now.name}: {phase(study.residual(now.key))}.")
-    smoothed = closed.detrended["9"]
-    if budget.verdict.processing == REAL_TIME and smoothed is not None:
-        sentences.append(f"{NAMES['9']}, post-processed: {phase(smoothed)} by formula.")
-    word, tone = f"Use {NAMES[key]}", "open"
-    checks = (check for check in budget.verdict.checks if check.on == DETRENDED)
-    check = min(checks, key=lambda check: check.margin, default=None)
-    if check is not None:
-        words = check_words(budget.design, check)
-        strategy, at = NAMES[judged(budget.design)], "" if confidence == 1 else f" at {confidence:g}σ"
-        word, tone = ("✓ Detrended phase met", "good") if check.met else ("✗ Detrended phase not met", "bad")
-        sentences.insert(
-            0,
-            f"{strategy}, {SAID[budget.verdict.processing]}: {words.value}, limit {words.limit}{at}, "
-            f"{margin_in_sentence(check.margin)}.",
-        )
+    """The verdict on the detrended phase, which is the budget's, and what the strategies can do; then why."""
+    word, tone = "No limit on detrended phase", "open"
+    if check := _check(budget):
+        value = check_words(budget.design, check).value
+        word, tone = f"{'✓' if check.met else '✗'} Detrended phase {value}", "good" if check.met else "bad"
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
-    return Answer(word, tone, tuple(sentences)), (
+    return Answer(word, tone, (recommended(budget, closed, study).sentence,)), (
         *runs,
-        Text(advice.sentence),
-        Text(f"Why: {advice.because}"),
-        Text(f"What would change it: {advice.would_change}"),
+        Text(closed.advice.sentence),
+        Text(f"Why: {closed.advice.because}"),
+        Text(f"What would change it: {closed.advice.would_change}"),
     )
+
+
+def recommended(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> Recommendation:
+    """The strategy to use, of the runs where there are some, otherwise of the formulas; the one in use with the
+    phase that is checked."""
+    design, in_use, check = budget.design, judged(budget.design), _check(budget)
+    confidence, limit = decisive(design, DETRENDED)
+    to_phase = confidence * float(metres_to_phase(1.0, budget.sar.wavelength))
+    formulas = {key: to_phase * value for key, value in closed.detrended.items() if value is not None}
+    smoothed = formulas.get("9")
+    phase = formulas if study is None else {key: to_phase * study.residual(key) for key in STRATEGY_KEYS}
+    if check is not None:
+        phase[in_use] = check.value
+    known = {key: phase[key] for key in able(design) if key in phase}
+    return recommendation(known, in_use, design.processing.mode, limit, confidence, smoothed=smoothed)
+
+
+def _check(budget: Budget) -> Check | None:
+    """The check that decides on the detrended phase, if it has a limit."""
+    checks = (check for check in budget.verdict.checks if check.on == DETRENDED)
+    return min(checks, key=lambda check: check.margin, default=None)
 
 
 def judged_along(budget: Budget) -> str:
@@ -233,7 +219,7 @@ def _agreement_table(study: SarStudy, beside: SarStudy, key: str) -> TableBlock:
             NAMES[pair.key],
             *(_number(scale * sigma) for sigma in (pair.flown, pair.fast) for scale in scales),
             f"{number(pair.ratio, 4)} ± {number(pair.error, 2)}",
-            Cell("✓ agrees", tone="good") if pair.agrees else Cell("✗ differs", tone="warn"),
+            "✓ agrees" if pair.agrees else Cell("✗ differs", tone="warn"),
         )
         for pair in pairs
     )

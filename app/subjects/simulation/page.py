@@ -181,7 +181,7 @@ class SimulatePage(StudyPage[Flown]):
             () if self.run.running else (f"{flown.wanted - done} runs remain. Press Start for all {flown.wanted}.",)
         )
         word = "Running" if self.run.running else f"Partial: {done} of {flown.wanted} runs"
-        return Answer(word, "open", (*rest, f"{answer.word[2:]} after {done} runs.", *answer.sentences))
+        return Answer(word, "open", (*rest, f"{answer.word} after {done} runs.", *answer.sentences))
 
     def _subject(self, design: Design) -> object:
         return subject(design, plan=self.trajectory == _PLAN)

@@ -26,11 +26,11 @@ def verdict(study: SimulationStudy) -> Answer:
     """Answer to whether the filter's covariance describes the errors of the runs."""
     result = study.result
     nees = result.nees
-    word, tone = "✓ Consistent", "good"
+    word, tone = "Consistent", "open"
     meaning = "The filter covariance matches the simulated errors."
     if not nees.inside:
         high = nees.mean > nees.high
-        word, tone = ("✗ Optimistic", "bad") if high else ("✗ Pessimistic", "warn")
+        word, tone = "Optimistic" if high else "Pessimistic", "warn"
         meaning = f"The errors of the runs are {'larger' if high else 'smaller'} than the filter's sigmas."
     runs = f"{result.spec.runs} run{'' if result.spec.runs == 1 else 's'}"
     sentences = [

@@ -29,7 +29,7 @@ def answer(page: Content) -> tuple[Answer, KeyFigures]:
     if not study.used.any():
         word, tone = "The star tracker gives no frame on this flight", "warn"
     elif after < _HELPS * before:
-        word, tone = f"The star tracker cuts the final position error {what}", "good"
+        word, tone = f"The star tracker cuts the final position error {what}", "open"
     else:
         word, tone = f"The star tracker hardly changes the final position error: {what}", "warn"
     remaining = {label: _size(study.aided.position_m[study.case(case), -1]) for case, label in _CARDS.items()}

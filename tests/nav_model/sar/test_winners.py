@@ -4,12 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from quadratic_forms import corrected_residual_variance
 from scipy.optimize import brentq
 
 from nav_model.analytic.discrete import cycle
 from nav_model.analytic.steady_state import Horizontal
-from nav_model.sar.advice import advise
+from nav_model.sar.advice import advise, recommendation
+from nav_model.sar.strategies import NAMES
 from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_residual_variance
 from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners, strategy_variances, whole_variances
 
@@ -147,16 +150,39 @@ def test_autofocus_leaves_nothing_to_choose_between():
     assert np.isfinite(few[[0, 1, 3]]).all()
 
 
+@given(
+    st.dictionaries(st.sampled_from(["2", "4", "5", "8", "9"]), st.floats(0.01, 10.0), min_size=1),
+    st.floats(0.01, 10.0),
+    st.one_of(st.none(), st.floats(0.01, 10.0)),
+)
+def test_advice_names_nothing_that_fails_or_is_worse_than_what_is_in_use(others, used, limit):
+    """In any ranking: what it says of the limit is so, and what it names is at least as good as what is in use."""
+    phase = {"3": used, **others}
+    key, sentence = recommendation(phase, "3", "real time", limit)
+    assert phase[key] <= used * 1.01  # of equals, to the digits that are shown, the one in use
+    least = min(phase.values())
+    if limit is None:
+        assert "meets" not in sentence
+    elif least > limit:
+        assert sentence.startswith("No strategy meets ")
+        assert phase[key] <= least * 1.01
+    else:
+        name = NAMES["3"] if used <= limit else NAMES[key]
+        assert sentence.startswith(f"{name} meets ")
+        assert phase[key] <= limit
+    assert "Use " not in sentence
+
+
 def test_advice_says_which_why_and_what_would_change():
     short = advise(Conditions(5.0, 0.02, 1.0, 0.07 / 60, np.radians(0.15) / 60, settled(1e-8)), 0.031)
     assert short.strategy == "2"
-    assert "Use INS from filter" in short.sentence
+    assert short.sentence.endswith("INS from filter: free INS from the last fix.")
     assert short.break_even_aperture > 5.0
     case = Conditions(20.0, 0.02, 1.0, SA, SW, settled(2e-7), coast_time=100.0)
     good = advise(case, 0.031, required_phase=0.1)
     assert good.strategy == "5"
     assert good.break_even_aperture < 20.0
-    assert "misses the limit" in good.would_change
+    assert good.sentence.startswith("No strategy meets 5.73° in real time. Closest: Quadratic fit, ")
     assert "INS after outage (100 s without fixes)" in good.because
     assert good.break_even_gnss_sigma > 0.02
     # At the noise named, the two are equal.

@@ -49,7 +49,7 @@ def camera_noise_answer(swept: CameraNoise, now_rad: float) -> Answer:
         level = _crossing(arcsec, swept.total_m, np.full_like(swept.total_m, swept.alone_m), int(worse[0]))
         sentences.append(f"Above {number(level, 2)} arcsec the tracker adds more noise than it removes.")
     if not len(over):
-        return Answer("Camera noise stays below IMU noise", "good", tuple(sentences))
+        return Answer("Camera noise stays below IMU noise", "open", tuple(sentences))
     level = _crossing(arcsec, swept.camera_m, imu, int(over[0]))
     word = f"Camera noise exceeds IMU noise above about {number(level, 2)} arcsec"
     return Answer(word, "open", tuple(sentences))

@@ -3,6 +3,7 @@
 import csv
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from pages import at_once, when_done
 from waiting import soon
 
 import app.subjects.explore.search as search_panel
+from app.document.numbers import margin_in_short
 from app.document.wording import entered
 from app.library.offers import library_files
 from app.library.store import Library
@@ -26,6 +28,7 @@ from app.subjects.explore.uncertainty import range_of, row_of
 from nav_model import read_design
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
+from nav_model.design.contributors import Contributor
 from nav_model.design.file import format_design
 from nav_model.design.link import split_link
 from nav_model.design.parts import declaration_of
@@ -302,7 +305,35 @@ def test_the_table_and_its_csv_say_the_same(explore: ExplorePage) -> None:
     rows = list(csv.DictReader(io.StringIO(search._csv())))
     pairs = re.findall(r'<button type="button" value="(.*?)"', search._table.html)
     assert [f"{row['imu']} with {row['gnss']}" for row in rows] == pairs
-    assert search._table.html.count("✓ closes") == sum(row["closes"] == "True" for row in rows) > 0
+    passing = [row["imu"] for row in rows if row["closes"] == "True"]
+    table_rows = re.findall(r"<tr>.*?</tr>", search._table.html, re.DOTALL)
+    marked = [re.search('value="(.*?) with', row)[1] for row in table_rows if "<button" in row and "✓ " in row]
+    assert marked == passing
+    assert passing
+
+
+def test_the_list_begins_with_the_designs_own_imu_as_the_budget_judges_it(explore: ExplorePage) -> None:
+    """Its margin and tightest requirement are those of the verdict, also of edited values and with a contributor; and
+    green and red are for that verdict alone."""
+    search, session = _search(explore), explore.session
+    arm = Contributor("lever arm", 2e-3, "detrended_phase", "length")
+    for changes, entries, name in (
+        ({}, None, "STIM300"),
+        ({"imu.angle_random_walk": 1.1e-5}, None, "Custom, based on STIM300"),
+        ({}, replace(session.design.entries, contributors=(arm,)), "Custom, based on STIM300"),
+    ):
+        assert session.change(changes, entries=entries) is None
+        search.show(session.budget)
+        first = re.search(r"<tbody><tr>(.*?)</tr>", search._table.html)[1]
+        tightest = session.budget.verdict.tightest
+        cells = re.sub("<[^>]+>", "|", first)
+        assert f"Your IMU ({name})" in cells
+        assert margin_in_short(tightest.margin) in cells
+        assert tightest.label in cells
+        assert search._ranking.own.margin == pytest.approx(tightest.margin, rel=1e-9)
+        assert "button" not in first
+        assert not re.search(r"tone (good|bad)", search._table.html)
+        assert search.answer.tone == "open"
 
 
 @pytest.mark.parametrize(
@@ -497,6 +528,7 @@ def test_the_map_of_each_figure_says_what_the_budget_says_at_its_confidence_and_
         check = min((check for check in verdict.checks if check.on == name), key=lambda check: check.margin)
         view.result = name
         assert view._value(analyse(design), view._now()) == pytest.approx(1 - check.margin, rel=1e-9), name
-        assert view.answer.word == ("✓ Within the limit" if check.met else "✗ Over the limit")
+        assert f": {margin_in_short(check.margin)} in this design" in view.answer.word
+        assert view.answer.tone == "open"
         trade = trade_map(design, view.x, view.y, name, 2)
         assert trade.limit == pytest.approx(check.limit, rel=1e-12)
