@@ -24,9 +24,16 @@ Value = Callable[[str], Array]
 
 
 def fast_sources(design: Design, value: Value, wavelength: Array, aperture: Array) -> Mapping[str, Fast]:
-    """Every source that the design has, over its aperture [s].
+    """Every source that the design has, over its aperture.
 
-    `value` gives an input's number or array under its dotted key, and `wavelength` is in m.
+    Parameters
+    ----------
+    design : Design
+        Its motion, oscillator and window.
+    value : callable
+        Dotted key -> an input's number or array.
+    wavelength, aperture : array
+        m and s.
     """
     numbers = {key: value(key) for key in _NUMBERS if design[key] is not None}
     numbers |= {"wavelength": wavelength, "aperture": aperture}
@@ -155,7 +162,19 @@ def not_flown(design: Design) -> tuple[str, ...]:
 
 
 def levels(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
-    """Amplitudes over a target's, by figure: the highest paired echo, and the root of the scattered energy."""
+    """Amplitudes over a target's, by figure: the highest paired echo, and the root of the scattered energy.
+
+    Parameters
+    ----------
+    effects : iterable of Fast
+        Sources.
+    to_phase : array
+        Two-way phase of a metre, rad.
+    aperture : array
+        Seconds.
+    window : str
+        Weighting.
+    """
     sources, lobe = tuple(effects), ideal_null_cells(window)
     exponent = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)
     return {
@@ -165,7 +184,13 @@ def levels(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: st
 
 
 def power_at_target(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> tuple[Array, Array]:
-    """Power that stays at a target, and the same with only the errors within ten null distances."""
+    """Power that stays at a target, and the same with only the errors within ten null distances.
+
+    Parameters
+    ----------
+    effects, to_phase, aperture, window
+        As `levels`.
+    """
     sources, lobe = tuple(effects), ideal_null_cells(window)
     near = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe, "near")
     return np.exp(-paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)), np.exp(-near)

@@ -136,12 +136,22 @@ def recommendation(
 def advise(
     conditions: Conditions, wavelength: float, required_phase: float | None = None, confidence: float = 1.0
 ) -> Advice:
-    """Advice for one design. ``required_phase`` [rad]: limit on the detrended phase, at the ``confidence`` at which
-    the sentences tell every residual.
+    """Advice for one design.
 
     The fix noise at which 2 and 5 break even is given at the design's state at the last fix (which itself
     depends on that noise, so it is a first estimate and said to be "about"); zero when fewer than three fixes
     lie in the aperture or no noise is low enough.
+
+    Parameters
+    ----------
+    conditions : Conditions
+        The design.
+    wavelength : float
+        m.
+    required_phase : float, optional
+        Limit on the detrended phase, rad.
+    confidence : float, optional
+        Sigmas at which the limit holds and the sentences tell every residual.
     """
     result = map_of_winners(conditions)
     sigma = {key: float(value) for key, value in zip(result.strategies, result.sigma, strict=True)}
@@ -207,7 +217,7 @@ def _break_even_noise(conditions: Conditions) -> float:
 
 
 def spread_of(confidence: float) -> str:
-    """What a residual at a confidence is called."""
+    """Name of a residual at a confidence."""
     return "rms" if confidence == 1 else f"at {confidence:g}σ"
 
 

@@ -249,7 +249,18 @@ def conclude(
 ) -> SimulationStudy:
     """The study from the runs summed so far, `spec.runs` of them, for a worker process to make.
 
-    total, nominal: as `monte_carlo.run_chunk` and `single_run.fly_without_errors` give them.
+    Parameters
+    ----------
+    design : Design
+        The design.
+    spec : SimulationSpec
+        Its study.
+    total : Statistics
+        As `monte_carlo.run_chunk` gives them.
+    nominal : RunRecord
+        As `single_run.fly_without_errors` gives it.
+    wall_s : float
+        Time that the runs took.
     """
     from nav_model.simulation.result import summarise
 

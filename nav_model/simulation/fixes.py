@@ -76,10 +76,20 @@ def first_order(factors: FloatArray, values: FloatArray) -> None:
 def observe(
     matrix: FloatArray, arm: FloatArray, body_rate: FloatArray, lever: FloatArray, swing: FloatArray, rows: FloatArray
 ) -> None:
-    """Write what a fix measures of the filter's error states into the first MEASURED of `rows` (n states each).
+    """Write what a fix measures of the filter's error states.
 
-    matrix: body to NED; arm: antenna from the IMU; body_rate: against the Earth, body axes [rad/s]. lever, swing:
-    for the arm and its velocity, NED, which are written too.
+    Parameters
+    ----------
+    matrix : array (3, 3)
+        Body to north, east, down.
+    arm : array (3,)
+        Antenna from the IMU, body axes, m.
+    body_rate : array (3,)
+        Against the Earth, body axes, rad/s.
+    lever, swing : array (3,)
+        Take the arm and its velocity, north, east, down.
+    rows : array (MEASURED or more, n)
+        The first MEASURED take the rows of H, n states each.
     """
     n = rows.shape[1]
     for i in range(MEASURED):
@@ -124,11 +134,30 @@ def take_fix(
     estimate: FloatArray,
     work: FloatArray,
 ) -> float:
-    """Update the filter with what was reported at a fix; leaves the error estimate in `estimate`, returns the NIS.
+    """Update the filter with what was reported at a fix; returns the NIS. Residuals are predicted minus measured.
 
-    slow: the filter's estimate of the slow error over its sigma, north, east, down; empty where it does not know it.
-    report, variance: (MEASURED), as `reported` gives them and the filter assumes, infinite for what did not come.
-    rate: the INS's bias-corrected inertial rate, body axes [rad/s]. Residuals are predicted minus measured.
+    Parameters
+    ----------
+    state : array
+        Navigation state.
+    report, variance : array (MEASURED,)
+        As `reported` gives them and the filter assumes, infinite for what did not come.
+    arm : array (3,)
+        Antenna from the IMU, body axes, m.
+    rate : array (3,)
+        The INS's bias-corrected inertial rate, body axes, rad/s.
+    matrix : array (3, 3)
+        Body to north, east, down.
+    covariance : array (n, n)
+        The filter's, updated in place.
+    tuning : FilterTuning
+        Assumptions of the filter.
+    slow : array (3,) or (0,)
+        The filter's estimate of the slow error over its sigma, north, east, down; empty where it does not know it.
+    estimate : array (n,)
+        Takes the error estimate.
+    work : array (4, n, n)
+        Working space.
     """
     # Parts of `work` that `update` does not use.
     rows, lever, swing, body_rate, residual = work[3], work[2, 0], work[2, 1], work[2, 2], work[2, 3]
@@ -161,7 +190,19 @@ def take_fix(
 
 @kernel
 def correct(state: FloatArray, bias: FloatArray, slow: FloatArray, estimate: FloatArray) -> None:
-    """Take the estimated error out of the navigation state and the estimates of biases (12) and slow error (0, 3)."""
+    """Take the estimated error out of the navigation state and the filter's further estimates.
+
+    Parameters
+    ----------
+    state : array
+        Navigation state.
+    bias : array (12,)
+        Estimates of biases.
+    slow : array (3,) or (0,)
+        Estimate of the slow error.
+    estimate : array (n,)
+        Error estimate of `take_fix`.
+    """
     meridian, prime = curvature_radii_kernel(math.sin(state[LATITUDE]))
     state[LONGITUDE] -= estimate[POSITION + 1] / ((prime + state[HEIGHT]) * math.cos(state[LATITUDE]))
     state[LATITUDE] -= estimate[POSITION] / (meridian + state[HEIGHT])

@@ -53,16 +53,41 @@ _BLOCK = 512  # steps at a time, for memory
 class ErrorModel:
     """The linear model of a flight with k nodes; n states, m of them the filter's, and s sources as in `States`.
 
-    time_s (k); end_s: until when apertures may last; outputs: nodes of the results. before, after, middle (outputs):
-    nodes of the states that a result's fix interval is judged by: of the fix that ends it, of that with which it
-    begins, and smoothed. Where fixes are lost, they are the result's own. output_rows (outputs, 9, n): position,
-    velocity and roll, pitch, yaw as the radar takes them, of all states. rates (k, 9): what these change in a second.
-    phi (k - 1, 9, n): rows of the transition from node to node, and decay_factor (k - 1, n - 9) that of each further
-    state, which none changes. factors (k - 1, drives, 12, 9): their square is the covariance of what a process noise
-    adds in a step to the first nine states and to the three that it drives, where those are further ones.
-    filter_noise (k - 1, m, m): as the filter assumes it. rows (k, r, n): what the fix at a node measures, zeros where
-    there is none, with the filter's variance (k, r) and the true ones (k, measuring, r) of the sources in
-    `measuring`; is_fix (k): whether there is one, and of_position (k): one that measures the position.
+    Attributes
+    ----------
+    time_s : array (k,)
+        Times of the nodes.
+    end_s : float
+        Until when apertures may last.
+    outputs : array of int
+        Nodes of the results.
+    before, after, middle : array (outputs,) of int
+        Nodes of the states that a result's fix interval is judged by; the result's own where fixes are lost.
+        `before`: node of the fix that ends the interval; `after`: of the fix that begins it;
+        `middle`: where the smoothed state is taken.
+    truth : TruthStates
+        At the nodes.
+    output_rows : array (outputs, 9, n)
+        Position, velocity and roll, pitch, yaw as the radar takes them, of all states.
+    rates : array (k, 9)
+        Their change in a second.
+    phi : array (k - 1, 9, n)
+        Rows of the transition from node to node.
+    decay_factor : array (k - 1, n - 9)
+        That of each further state, which no other changes.
+    factors : array (k - 1, drives, 12, 9)
+        Their square is the covariance of what a process noise adds in a step to the first nine states and to the
+        three that it drives, where those are further ones.
+    filter_noise : array (k - 1, m, m)
+        Process noise, as the filter assumes it.
+    rows : array (k, r, n)
+        Measurement of the fix at a node, zeros where there is none.
+    variance, noise : array (k, r), array (k, measuring, r)
+        Variances of the measurement: the filter's, and the true ones of the sources in `measuring`.
+    measuring : array of int
+        Sources of measurement noise.
+    is_fix, of_position : array (k,) of bool
+        True where there is a fix, and one that measures the position.
     """
 
     states: States
@@ -288,7 +313,23 @@ def measurements(
     rates: FloatArray,
     scheduled: FloatArray,
 ) -> dict[str, Any]:
-    """What the fix at each node measures, in the fields of `ErrorModel`."""
+    """Measurements of the fix at each node, in the fields of `ErrorModel`.
+
+    Parameters
+    ----------
+    study : SimulationSpec
+        Receiver and aids.
+    states : States
+        States of filter and truth.
+    trajectory : QuinticPath
+        The flight.
+    truth : TruthStates
+        At the nodes.
+    rates : array (k, 9)
+        Rates of the navigation states.
+    scheduled : array
+        Times of the fixes, s.
+    """
     gnss, k, sources = study.gnss, len(truth.time_s), states.sources[: states.noisy]
     at = np.searchsorted(truth.time_s, scheduled - 1e-9)
     sigma = np.full((k, MEASURED), np.inf)

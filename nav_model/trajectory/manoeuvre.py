@@ -1,4 +1,4 @@
-"""Which manoeuvre would close a flight, and when: candidates are flown through the covariance of the design's plan.
+"""Manoeuvres that would close a flight, and when: candidates are flown through the covariance of the design's plan.
 
 A candidate is a change of the design: waypoints in front of a line or within it, an aid, another IMU. It is judged by
 the flight of the changed design, so that an option that closes does so once it is taken.
@@ -76,7 +76,7 @@ class Limited(NamedTuple):
 
 @dataclass(frozen=True)
 class Option:
-    """What one change makes of the lines in question.
+    """Effect of one change on the lines in question.
 
     kind: "manoeuvre", "aid" for further fixes, or "imu". lines: where it is flown, in words `where`: "before line 1",
     "of line 1" for turns within it; empty for what is not flown. before_s: how long before the end of such a line it
@@ -162,7 +162,7 @@ def manoeuvres(
     progress: Callable[[float, str], None] = lambda share, what: None,
     flight: PlannedFlight | None = None,
 ) -> Manoeuvres:
-    """What would close the lines of a design's flight that fail: those named `line`, or all.
+    """Options that would close the lines of a design's flight that fail: those named `line`, or all.
 
     Parameters
     ----------
@@ -218,8 +218,10 @@ def manoeuvres(
 
 
 def _latest(question: _Question, option: Option) -> float:
-    """How long before the end of a line an option that closes may be over [s], the least of its lines: in real time
-    when a longer line fails, which what follows does not change; post-processed as it is flown."""
+    """Time before the end of a line at which an option that closes may be over [s], the least of its lines.
+
+    In real time when a longer line fails, which what follows does not change; post-processed as it is flown.
+    """
     design = question.plan.design.replace(option.changes)
     flight = planned(design)
     spec = along_flight(design, flight, question.states)
