@@ -5,6 +5,7 @@
     errors.py         their linear model along a flight: nodes, transition, noise of each source, fixes
     covariance.py     covariance(spec): filter, smoother and the share of every source -> TrajectoryResult
     aperture.py       the weights of the image figures, of the errors at the nodes of a flight
+    place.py          the place of the image, by the budget's model of it
     result.py         TrajectoryResult and its parts; to_json
     lines.py          the lines of a flight against their limits
     line_length.py    how long a line of a plan may be

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import Inputs
-from nav_model.processing.geolocation import Shifts, circular_error, ground_covariance
+from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.layout import ATTITUDE, BIASES, VELOCITY
 from nav_model.simulation.specification import GnssModel
 from nav_model.trajectory.errors import ErrorModel
@@ -192,32 +192,21 @@ def smoothed_rest(whole: FloatArray, variances: FloatArray, free: FloatArray) ->
 
 
 def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, FloatArray]:
-    """Variances of the image figures by name, of those of the sums (sources, apertures, COLUMNS); [rad²], [m²].
+    """Variances of the phases by name [rad²], of those of the sums (sources, apertures, COLUMNS).
 
     rest: mean square that the coefficients leave, (sources, apertures) or (sources, 1) [m²].
-    `ce90` is the sum of both variances on the ground: `circular` makes the radius of the whole.
     """
     phase = x.to_phase**2
     higher = sum(variances[..., n] / (2 * n + 1) for n in range(x.autofocus_order + 1, ORDERS))
-    moved = _shifts(variances)
-    along, across, _ = ground_covariance(moved, x.grazing_angle, 0.0, x.squint)
     return {
         "quadratic_phase": 9 / 4 * phase * variances[..., 2],
         "along_track_quadratic_phase": phase * variances[..., TURNED],
         "cubic_phase": 25 / 4 * phase * variances[..., 3],
         "detrended_phase": phase * (higher + rest),
-        "azimuth_shift": moved.azimuth,
-        "range_shift": moved.range,
-        "ce90": along + across,
     }
 
 
-def circular(variances: FloatArray, x: Inputs) -> FloatArray:
-    """CE90 [m] of variances of the sums (apertures, COLUMNS), with the error of the scene's height. [P-7]"""
-    on_ground = ground_covariance(_shifts(variances), x.grazing_angle, x.scene_height_error, x.squint)
-    return np.asarray(circular_error(*on_ground))
-
-
-def _shifts(variances: FloatArray) -> Shifts:
+def shifts_of(variances: FloatArray) -> Shifts:
+    """Variances of the image's shift [m²], of those of the sums (..., COLUMNS). [P-7]"""
     mean, azimuth, together = variances[..., 0], variances[..., ORDERS], variances[..., -1]
     return Shifts(mean, azimuth, 0.5 * (together - mean - azimuth), mean)

@@ -5,8 +5,9 @@ from numpy.typing import NDArray
 
 from nav_model.budget.contributors import composed
 from nav_model.trajectory import aperture
-from nav_model.trajectory.aperture import Apertures
+from nav_model.trajectory.aperture import Apertures, shifts_of
 from nav_model.trajectory.errors import ErrorModel
+from nav_model.trajectory.place import PLACES, beside, places_of
 from nav_model.trajectory.result import STATE_AXES, Processed
 from nav_model.trajectory.specification import CovarianceSpec
 
@@ -14,9 +15,9 @@ FloatArray = NDArray[np.float64]
 
 
 def all_sources(spec: CovarianceSpec, model: ErrorModel) -> tuple[str, ...]:
-    """The model's sources, then the user's own contributors."""
+    """The model's sources, those beside the flight, then the user's own contributors."""
     entered = (part.name for parts in spec.contributors.in_figures.values() for part in parts)
-    return *model.states.sources, *dict.fromkeys(entered)
+    return *model.states.sources, *dict.fromkeys((*beside(spec.inputs), *entered))
 
 
 def processed(
@@ -48,22 +49,26 @@ def processed(
     processing : str
         Real time or post-processed.
     """
-    judged, sources = np.maximum(judged, 0.0), model.states.sources
+    judged, sources, count = np.maximum(judged, 0.0), model.states.sources, len(model.outputs)
     groups = {name: judged[:, :, axes].sum(axis=2) for name, axes in STATE_AXES.items()}
     sigmas = {name: np.sqrt(judged[:, :, axes].sum(axis=0).max(axis=1)) for name, axes in STATE_AXES.items()}
     for name, values in aperture.figures(image, spec.inputs, rest).items():
-        groups[name] = np.full((len(sources), len(model.outputs)), np.nan)
+        groups[name] = np.full((len(sources), count), np.nan)
         groups[name][:, apertures.output] = np.maximum(values, 0.0)
         sigmas[name] = np.sqrt(groups[name].sum(axis=0))
-    sigmas["ce90"][apertures.output] = aperture.circular(image.sum(axis=0), spec.inputs)
+    moved, by_source = (shifts_of(sums) for sums in (image.sum(axis=0), image))
+    for name, (sigma, values) in places_of(moved, by_source, spec.inputs).items():
+        groups[name], sigmas[name] = np.full((len(values), count), np.nan), np.full(count, np.nan)
+        groups[name][:, apertures.output] = np.maximum(values, 0.0)
+        sigmas[name][apertures.output] = sigma
     entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
     shares = {}
     for name, values in groups.items():
         total = values.sum(axis=0)
         with np.errstate(invalid="ignore"):
-            by_source = dict(zip(sources, values / total, strict=True))
-        whole = composed(sigmas[name], by_source, entered.get(name, ()))
-        sigmas[name], by_source = whole.sigma, dict(whole.shares)
-        shares[name] = np.stack([by_source.get(source, 0.0 * total) for source in all_sources(spec, model)])
+            of_model = dict(zip((*sources, *beside(spec.inputs)), values / total, strict=name in PLACES))
+        whole = composed(sigmas[name], of_model, entered.get(name, ()))
+        sigmas[name], mixed = whole.sigma, dict(whole.shares)
+        shares[name] = np.stack([mixed.get(source, 0.0 * total) for source in all_sources(spec, model)])
     states = np.sqrt(np.maximum(variances, 0.0).sum(axis=0))
     return Processed(states[:, 0:3], states[:, 3:6], states[:, 6:9], sigmas, shares)

@@ -5,18 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from nav_model.aperture.phase import SOURCES
 from nav_model.base.errors import InputError, under
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Contribution, Contributors
-from nav_model.budget.inputs import Inputs, inputs_of
-from nav_model.budget.real_time import RealTime, with_fast
+from nav_model.budget.inputs import RECTIFICATION, Inputs, inputs_of
+from nav_model.budget.real_time import RealTime
 from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.verdict import all_required, confidence_of, flight_required
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
 from nav_model.design.figures import FIGURES, IN_FLIGHT, STEADY
 from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
-from nav_model.processing.geolocation import Shifts
 from nav_model.simulation.design_study import named_flight, settling, specification
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import PlannedFlight, fly
@@ -174,16 +174,16 @@ def _lowest(design: Design, *, every: bool) -> Most:
 
 
 def _besides(x: Inputs) -> Contributors:
-    """What enters the image figures beside the errors of the flight: vibration, unsensed motion and the oscillator
-    [P-8], in CE90 as circles, and the user's own contributors."""
+    """What enters the figures beside the errors of the flight: in the phases vibration, unsensed motion and the
+    oscillator [P-8], and all else that the budget's phases have; and the user's own contributors."""
     in_figures = dict(x.contributors.in_figures)
-    for source, fast in x.fast.items():
-        # The formulas of a budget in which nothing else moves the image.
-        alone = RealTime(replace(x, fast={source: fast}, scene_height_error=np.zeros(())))
-        alone.shift = with_fast(alone.x, Shifts(*np.zeros(len(Shifts._fields))))
-        alone.phases = {source: alone.phases[source]}
+    for source, variances in RealTime(x).phases.items():
+        if source in (*SOURCES, RECTIFICATION):  # along the flight
+            continue
+        alone = RealTime(x)
+        alone.phases = {source: variances}
         for name in LIMITED:  # none moves along the track
-            if FIGURES[name].kind in ("phase", "place"):
+            if FIGURES[name].kind == "phase":
                 part = Contribution(source, alone.value(name), False, BOTH)
                 in_figures[name] = (*in_figures.get(name, ()), part)
     return Contributors(FrozenMapping(in_figures), x.contributors.alone)
