@@ -68,12 +68,30 @@ def specification(
     [T-3] on all axes, position with the slow error of the fixes where the filter knows it, so that little time is
     spent settling; yaw starts at 0.1°.
 
-    trajectory: one of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as a file gives.
-    duration, outages, every: s. states: of the filter, as `FILTER_STATES` has them; 0 for one that knows what the
-    design and `more` declare: 9; 15 where a sensor has a bias, constant or varying; 21 where one has both; and 3 more
-    for a slow GNSS error. more: sensor errors, receiver and tuning beyond the design.
+    Parameters
+    ----------
+    design : Design
+        The design.
+    trajectory : str or TrajectorySpec, optional
+        One of `NAMED_TRAJECTORIES`, or a `TrajectorySpec` such as a file gives.
+    runs, seed : int, optional
+        Number of runs, and the seed of their noise.
+    duration, every : float, optional
+        Of the flight, and between results, s.
+    outages : sequence of pair, optional
+        Start and end of each, s.
+    states : int, optional
+        Of the filter, as `FILTER_STATES` has them; 0 for one that knows what the design and `more` declare: 9; 15
+        where a sensor has a bias, constant or varying; 21 where one has both; and 3 more for a slow GNSS error.
+    keep_runs : bool, optional
+        True to keep every run's arrays.
+    more : SimulationInputs, optional
+        Sensor errors, receiver and tuning beyond the design.
 
-    Raises InputError naming the key of the design, or the option, that cannot be flown.
+    Raises
+    ------
+    InputError
+        Naming the key of the design, or the option, that cannot be flown.
     """
     imu, gnss, section = design.imu, design.gnss, design.trajectory
     settled, velocity = analyse(design).steady_state.closed, _velocity_noise(design, more)
