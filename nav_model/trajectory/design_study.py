@@ -119,6 +119,7 @@ def covariance_specification(
         limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     x = inputs_of(design)
+    waits = _waited(design)
     return CovarianceSpec(
         study,
         x,
@@ -130,7 +131,8 @@ def covariance_specification(
         settled=True,
         moment=x.steady_state,
         smoothed_after=_smoothed_after(x),
-        flown_further=0.0 if lines or study.trajectory.kind == "file" else _waited(design),
+        smoother_waits=waits,
+        flown_further=0.0 if lines or study.trajectory.kind == "file" else waits,
     )
 
 

@@ -9,6 +9,7 @@ from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import format_quantity, time_in_words
 from nav_model.budget.verdict import WHOLE_FLIGHT
 from nav_model.design.figures import FIGURES, figure_in_sentence
+from nav_model.design.processing import REAL_TIME
 from nav_model.trajectory.result import STATE_AXES, LineResult, Processed
 from nav_model.trajectory.specification import CovarianceSpec, FlightLine
 
@@ -58,7 +59,7 @@ def _judged(
     stop = min(line.stop, duration) if start < duration else line.stop
     most = dict(spec.most) | dict(line.most)
     first, worst, worst_s, mean, within, failing = {}, {}, {}, {}, {}, []
-    beyond: list[tuple[float, float, str, int]] = []
+    beyond: list[tuple[float, float, str, int, bool]] = []
     for name, figure in chosen.figures.items():
         on = along(start, stop, spec, time_s, image=name not in STATE_AXES)
         outputs = np.flatnonzero(on & np.isfinite(figure))
@@ -72,20 +73,20 @@ def _judged(
             within[name] = 1.0 - len(over) / len(values) if values.size else 0.0
             if over.size:
                 failing.append(name)
-            if over.size:
                 there = int(over[0])
                 near = slice(there - 1, there + 1)  # it passes on a straight line between two outputs
                 at = np.interp(most[name], values[near], time_s[outputs][near]) - start if there else 0.0
-                beyond.append((float(at), -worst[name] / most[name], name, int(outputs[there])))
+                stays = len(over) == len(values) - there
+                beyond.append((float(at), -worst[name] / most[name], name, int(outputs[there]), stays))
     reason, refused = _refused(start, stop, spec, most, chosen, worst)
     because = fails_by = ""
     beyond = [fails for fails in beyond if fails[2] not in refused]
     fails_at = None
     if beyond:
-        fails_at, _, fails_by, output = min(beyond)
+        fails_at, _, fails_by, output, stays = min(beyond)
         shares = chosen.shares[fails_by][:, output]
         cause = f"{'mostly' if shares.max() > 0.5 else 'largest part'} {sources[int(shares.argmax())]}"
-        because = f"{_passed(fails_by, most[fails_by], fails_at)}; {cause}"
+        because = f"{_passed(fails_by, most[fails_by], fails_at, None if stays else within[fails_by])}; {cause}"
     return LineResult(
         name=line.name,
         start_s=start,
@@ -102,7 +103,18 @@ def _judged(
         fails_at_s=fails_at,
         fails_by=fails_by,
         because=because,
+        remark=_lacking(stop, spec),
     )
+
+
+def _lacking(stop: float, spec: CovarianceSpec) -> str:
+    """Which fixes after a line that ends at `stop` [s] its smoother waits for in vain, in words."""
+    if spec.processing == REAL_TIME or stop > spec.study.duration:
+        return ""
+    after = spec.study.duration + spec.flown_further - stop
+    if after >= spec.smoother_waits - spec.study.gnss.interval:
+        return ""
+    return f"no fixes for {time_in_words(spec.smoother_waits)} after it: fly on"
 
 
 def _refused(
@@ -125,11 +137,16 @@ def _refused(
     return "", ()
 
 
-def _passed(name: str, limit: float, fails_at: float) -> str:
-    """That a figure passes its limit, and when, in words."""
+def _passed(name: str, limit: float, fails_at: float, within: float | None) -> str:
+    """That a figure passes its limit, and when, in words; `within` it for a share of the line, None where it stays
+    beyond."""
     figure = FIGURES[name]
     unit, spread = DIMENSIONS[figure.dimension].default_unit, "1σ" if figure.scaled else "90 %"
     level = f"{format_quantity(limit, unit, figure.dimension, 3)} ({spread})"
+    if within is not None:
+        first = f"after {time_in_words(fails_at)}" if fails_at else "at its start"
+        share = f"{max(1.0 - within, 0.01):.0%}".replace("%", " %")
+        return f"{figure_in_sentence(name)} is beyond {level} for {share} of the line, first {first}"
     if fails_at == 0.0:
         return f"{figure_in_sentence(name)} is beyond {level} from the start"
     return f"{figure_in_sentence(name)} passes {level} after {time_in_words(fails_at)}"

@@ -67,7 +67,8 @@ class LineResult:
     that have a limit and no value on the line; reason: why, after its name in a sentence, else empty.
 
     fails_at_s: when the first figure passes its limit [s after the line's start], None where none does; fails_by:
-    that figure; because: the same in words, with the largest source at that time. longest_s, reserve_s: the longest
+    that figure; because: the same in words, with the largest source at that time. remark: which fixes after it a
+    smoother waits for in vain. longest_s, reserve_s: the longest
     line that holds, and by how much it is longer [s], as `nav_model.trajectory.line_length` solves them; None before.
     """
 
@@ -86,6 +87,7 @@ class LineResult:
     fails_at_s: float | None
     fails_by: str
     because: str
+    remark: str = ""
     longest_s: float | None = None
     reserve_s: float | None = None
 

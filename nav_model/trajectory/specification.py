@@ -34,7 +34,8 @@ class CovarianceSpec:
     `processing` that is judged. contributors: of the user's own, by the figure they enter. every: whether the flight
     judges all requirements on figures that are known along it, not only those that a straight leg does not tell.
     moment: at which states are judged in real time, as `requirements.steady_state`; smoothed_after: how long after a
-    fix smoothed ones are [s]. flown_further: how long the flight goes on after what is judged [s], for the smoother.
+    fix smoothed ones are [s]. smoother_waits: how long the smoother waits for fixes after an aperture; flown_further:
+    how long the flight goes on for it after what is judged [s].
     settled: the flight begins with the covariance of a filter that has settled on a straight leg of its first
     heading, correlations included, where only the heading is the study's initial one; else with the study's start.
     """
@@ -49,4 +50,5 @@ class CovarianceSpec:
     settled: bool = False
     moment: str = "posterior"
     smoothed_after: float = 0.0
+    smoother_waits: float = 0.0
     flown_further: float = 0.0

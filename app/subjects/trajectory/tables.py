@@ -82,7 +82,7 @@ def line_list(followed: Followed, name: str) -> TableBlock:
         fails = "✗\u00a0fails", "bad"
         sign, tone = (("✓\u00a0keeps", "good") if limit else ("no limit", "")) if line.closes else fails
         label = line.name if not result.spec.lines or line.name == f"line {place}" else f"{place}  {line.name}"
-        why = line.reason or line.because
+        why = "; ".join(filter(None, (line.reason or line.because, line.remark)))
         texts = (
             f"{why[:1].upper()}{why[1:]}" or figure.label,
             NONE if worst is None else show_value(figure.name, worst, like=limit),
@@ -122,7 +122,7 @@ def line_table(followed: Followed, name: str) -> TableBlock:
     rows: list[Row] = []
     for line in result.lines:
         span = f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"
-        rows.append(("; ".join(filter(None, (span, line.reason or line.because, _length(line)))),))
+        rows.append(("; ".join(filter(None, (span, line.reason or line.because, line.remark, _length(line)))),))
         for figure in figures:
             within = line.within.get(figure.name)
             limited: tuple[str | Cell, ...] = (NONE, NONE)

@@ -1,17 +1,20 @@
 """Where a flight begins and ends: what is judged there, and flights without a fix."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from app.examples import example
 from nav_model.budget import analyse
 from nav_model.design import Design
-from nav_model.design.processing import POST_PROCESSED
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.covariance import covariance, lines_along
-from nav_model.trajectory.design_study import covariance_specification
-from nav_model.trajectory.result import TrajectoryResult
+from nav_model.trajectory.design_study import along_flight, covariance_specification, planned
+from nav_model.trajectory.lines import judge
+from nav_model.trajectory.result import Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 
 MEMS = example("mems_x_band").replace({"processing.mode": POST_PROCESSED})
@@ -63,3 +66,32 @@ def test_a_flight_without_a_fix_coasts_from_its_start(kind: str) -> None:
     out = analyse(design, np.array([100.0])).coast.refined_horizontal
     assert result.real_time.position[1, :2] == pytest.approx(float(out[0]), rel=0.05)
     assert np.isfinite(result.post_processed.figures["quadratic_phase"][1])
+
+
+def test_a_line_at_the_end_of_a_plan_lacks_fixes_and_says_so() -> None:
+    plan = {"trajectory.flight": "lines", "trajectory.lines": 2.0, "trajectory.length": 6000.0}
+    design = MEMS.replace(plan | {"processing.leg_after": 30.0, "requirements.detrended_phase": 1.0})
+    spec = along_flight(design, planned(design))
+    first, last = lines_along(spec)
+    assert (first.remark, last.remark) == ("", "no fixes for 30 s after it: fly on")
+    assert last.worst["detrended_phase"] > 1.3 * first.worst["detrended_phase"]
+    real_time = replace(spec, processing=REAL_TIME)
+    assert [line.remark for line in lines_along(real_time)] == ["", ""]
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([1, 1, 3, 4, 5], "tilt passes 2° (1σ) after 15 s; mostly gyro noise"),
+        ([3, 3, 4, 4, 5], "tilt is beyond 2° (1σ) from the start; mostly gyro noise"),
+        ([3, 1, 1, 1, 1], "tilt is beyond 2° (1σ) for 20 % of the line, first at its start; mostly gyro noise"),
+        ([1, 3, 1, 3, 1], "tilt is beyond 2° (1σ) for 40 % of the line, first after 5 s; mostly gyro noise"),
+    ],
+)
+def test_how_long_a_figure_is_beyond_its_limit_is_told_as_it_is(values: list[float], words: str) -> None:
+    limit = np.deg2rad(2.0)
+    spec = replace(asked(MEMS, duration=40.0), most=(("tilt", float(limit)),))
+    figures, shares = {"tilt": np.deg2rad(np.array(values, float))}, {"tilt": np.ones((1, 5))}
+    none = np.zeros((5, 3))
+    (line,) = judge(spec, 10.0 * np.arange(5), Processed(none, none, none, figures, shares), ("gyro noise",))
+    assert line.because == words

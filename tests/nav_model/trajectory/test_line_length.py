@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR
+from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.trajectory import LIMITED, Rows
 from nav_model.earth.wgs84 import metres_per_radian
@@ -43,7 +44,7 @@ def test_heading_grows_along_a_straight_line_as_its_closed_form(states: int) -> 
     minutes, seconds = divmod(round(line.fails_at_s), 60)
     mostly = "gyro noise" if WALK**2 * passes > np.interp(passes, t, drift) else "gyro bias instability"
     assert line.because == f"heading passes 0.02° (1σ) after {minutes} min {seconds} s; mostly {mostly}"
-    (entry,) = to_json(flown)["lines"]
+    (entry,) = to_json(flown, analyse(TACTICAL).verdict)["lines"]
     assert (entry["because"], entry["limits"]) == (line.because, {"heading": limit})
     heading = entry["figures"]["heading"]
     assert heading["start"] == pytest.approx(math.sqrt(variance[1]), rel=0.01)
