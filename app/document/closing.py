@@ -87,5 +87,5 @@ def ways_table(ways: Sequence[Way], *, closes: bool) -> TableBlock:
         ("Change", "From", "Why"),
         ((Cell(way.text, value=way.text), way.now, way.why) for way in ways),
         "Values are solved with the other inputs fixed, rounded down to three digits, and checked by running the "
-        "budget again. A figure can fall again for larger values, by some per cent: such values are not offered.",
+        "budget again.",
     )

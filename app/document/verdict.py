@@ -119,7 +119,7 @@ def verdict_of(budget: Budget) -> Answer:
     if tightest is not None:
         words, name = check_words(design, tightest), figure_in_sentence(tightest.name)
         sentences += [
-            f"Tightest: {name}{_where(tightest)}, {words.value} against {words.limit}, "
+            f"Tightest: {name}{where_judged(tightest)}, {words.value} against {words.limit}, "
             f"{margin_in_sentence(tightest.margin)}.",
             f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
         ]
@@ -134,7 +134,7 @@ def count_words(verdict: Verdict) -> str:
         return f"all {count} requirements are met" if count > 1 else "its one requirement is met"
     failing = sorted((check for check in verdict.checks if check.state == "not met"), key=lambda check: check.margin)
     texts = [
-        f"{figure_in_sentence(check.name)} fails{_where(check)} ({check_quantity(check, check.value)}, limit "
+        f"{figure_in_sentence(check.name)} fails{where_judged(check)} ({check_quantity(check, check.value)}, limit "
         f"{check_quantity(check, check.limit, given=True)})"
         for check in failing
     ]
@@ -159,7 +159,8 @@ def tightest_words(verdict: Verdict) -> str:
     """The least margin of what is known, after a semicolon; empty without any."""
     if (tightest := verdict.tightest) is None:
         return ""
-    return f"; tightest {figure_in_sentence(tightest.name)}{_where(tightest)}, {margin_in_sentence(tightest.margin)}"
+    name = f"{figure_in_sentence(tightest.name)}{where_judged(tightest)}"
+    return f"; tightest {name}, {margin_in_sentence(tightest.margin)}"
 
 
 def open_words(verdict: Verdict) -> str:
@@ -173,7 +174,7 @@ def before_flight(design: Design) -> tuple[str, ...]:
     return (f"Before the flight, which decides on {names}.",) if names else ()
 
 
-def _where(check: Check) -> str:
+def where_judged(check: Check) -> str:
     """On which line a check was judged, after its name; empty on the straight leg."""
     if check.judged == STRAIGHT_LEG:
         return ""
@@ -205,7 +206,7 @@ def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
     return Answer(
         *_word_and_tone(budget.verdict),
         (
-            f"{tightest.label}{_where(tightest)} {value}, limit {limit}{at}; {share} from {tightest.sensor}"
+            f"{tightest.label}{where_judged(tightest)} {value}, limit {limit}{at}; {share} from {tightest.sensor}"
             f"{_through(tightest)}.",
         ),
         "A design closes when every requirement is met.",

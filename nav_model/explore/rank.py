@@ -161,11 +161,13 @@ def sentence(item: InputSensitivity, figure_label: str) -> str:
     """A sensitivity in words: what halving the input does, or doubling where that is what helps."""
     down = item.slope > 0
     verb, change = ("Halving", item.halved) if down else ("Doubling", item.doubled)
-    name = in_sentence(item.label) + (", which makes the image coarser," if item.coarser else "")
+    own = item.key.startswith("contributors.")
+    name = f'"{item.label}"' if own else in_sentence(item.label)
+    name += ", which makes the image coarser," if item.coarser else ""
     subject = in_sentence(figure_label)
     if np.isnan(change):
-        return f"{verb} the {name} is not possible; 1 % of it changes the {subject} by {abs(item.slope):.2g} %."
+        return f"{verb} {name} is not possible; 1 % of it changes {subject} by {abs(item.slope):.2g} %."
     if abs(change) < 5e-4:
-        return f"{verb} the {name} changes the {subject} by less than 0.05 %."
+        return f"{verb} {name} changes {subject} by less than 0.05 %."
     effect = "cuts" if change < 0 else "raises"
-    return f"{verb} the {name} {effect} the {subject} by {100 * abs(change):.2g} %."
+    return f"{verb} {name} {effect} {subject} by {100 * abs(change):.2g} %."

@@ -71,7 +71,7 @@ def test_rows_of_a_data_sheet_fill_the_design(visit: Visit, accessible: Check) -
         "Angle random walk 0.3 °/√h, bias instability 0.5 °/h, velocity random walk 60 µg/√Hz, scale factor 100 ppm"
     )
     page.get_by_role("button", name="Fill in").click()
-    made = page.get_by_role("region", name="Filled in; Undo takes it back")
+    made = page.get_by_role("region", name="Filled in. Undo reverts.")
     expect(made.get_by_role("row").nth(1)).to_contain_text("Angle random walk 0.3 °/√h")
     expect(page.get_by_text("scale factor 100 ppm: not known")).to_be_visible()
     walk = page.get_by_role("textbox", name="Angle random walk", exact=True)

@@ -79,5 +79,7 @@ class SolvedPanel(Question):
         chart = rank_chart(self.session.design, self.figure)
         self._ranking.say(effects_html(chart))
         lead = next((f'<p class="quiet fine">{prose(bar.sentence)}</p>' for bar in chart.bars if bar.bought), "")
-        head = head_html(chart.title, chart.knowledge) + lead
+        hatched = any(bar.doubled for bar in chart.bars)
+        key = '<span class="quiet fine">Plain: halved. Hatched: doubled.</span>' if hatched else ""
+        head = head_html(chart.title, chart.knowledge, key) + lead
         self._head.say(head)

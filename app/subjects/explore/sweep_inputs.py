@@ -44,7 +44,7 @@ def _all_labels() -> dict[str, str]:
 
 FIELDS = (
     Field("input", "Input", choices=tuple((key, label) for label, key in _all_labels().items()), needed=True),
-    Field("from", "From, or names: A; B"),
+    Field("from", "From (or list)"),
     Field("to", "To"),
     Field("points", "Points"),
     Field("spacing", "Spacing", choices=(("", "none"), ("log", "log"), ("linear", "linear"))),

@@ -13,6 +13,7 @@ from app.document.closing import Way, beyond_one, ways_table
 from app.document.numbers import margin_in_sentence, margin_in_short, number, percent, signed_percent
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
+from nav_model.budget.verdict import flown_names
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
@@ -28,28 +29,33 @@ from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
 
 def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Answer:
-    """The input that matters most, how far it may go, and what it is now, for a budget with a requirement."""
-    tightest = budget.straight_leg().tightest
+    """The input that matters most, how far it may go, and what it is now, for a budget with a requirement.
+
+    Grey where the flight decides: what is solved is of the straight leg.
+    """
+    leg = budget.straight_leg()
+    tightest = leg.tightest
     assert tightest is not None
-    tone = "good" if budget.straight_leg().closes else "bad"
+    mark, tone = ("✓ ", "good") if leg.closes else ("✗ ", "bad")
+    if flown_names(budget.design):
+        mark, tone = "", "open"
     wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.sensor), "")
     lever = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
     if lever is None:
-        head = (
-            "Every input may take any allowed value" if budget.straight_leg().closes else "No single change closes it"
-        )
-        return Answer(head, tone, _stuck(budget, solutions))
+        head = "Every input may take any allowed value" if leg.closes else "No single change closes it"
+        return Answer(f"{mark}{head}", tone, _stuck(budget, solutions))
     ((key, value),) = lever.changes.items()
     now = next(solution.current for solution in solutions if solution.key == key)
     room = float(value) / now if now else math.inf  # type: ignore[arg-type]
     gap = (
-        f"{number(1 / room)} times too high"
-        if room < 1
-        else ("at the limit" if room < 1.005 else f"{percent(room - 1)} headroom")
+        f"{number(1 / room)} ×" if room < 1 else ("at the limit" if room < 1.005 else f"{percent(room - 1)} headroom")
     )
     other = (f"Changing the {_name(wanted)} alone is not enough.",) if wanted and wanted not in lever.changes else ()
-    sentences = (f"You have {lever.now}: {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
-    return Answer(f"Closes if {_name(key)} is {lever.value}", tone, sentences)
+    most = lever.value.removeprefix("at most ")
+    head = f"{lever.what} {'may be up to' if leg.closes else 'must be ≤'} {most}"
+    return Answer(
+        f"{mark}{head}", tone, (f"Now {lever.now}, {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
+    )
 
 
 def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
@@ -89,7 +95,7 @@ def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequenc
         yield ways_table(ways, closes=budget.straight_leg().closes)
     helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
     if helpless:
-        yield Text(f"Improving any one of these alone is not enough: {', '.join(helpless)}.")
+        yield Text(f"Not enough alone: {', '.join(helpless)}.")
 
 
 def map_answer(chart: TradeMapChart, here: float) -> Answer:

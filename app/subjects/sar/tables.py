@@ -12,10 +12,10 @@ import numpy as np
 
 from app.document.blocks import Answer, Block, Bullets, Cell, Row, TableBlock, Text, numbers, table
 from app.document.numbers import NONE, hundredths, number
-from app.document.verdict import check_words
+from app.document.verdict import check_words, where_judged
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
-from nav_model.budget.verdict import Check, decisive
+from nav_model.budget.verdict import STRAIGHT_LEG, Check, Verdict, decisive
 from nav_model.design.figures import DETRENDED
 from nav_model.sar.advice import LEFT, Recommendation, recommendation
 from nav_model.sar.agreement import agreement, agreement_sentence
@@ -45,12 +45,16 @@ def strategies_of(budget: Budget) -> list[tuple[int, Strategy]]:
 
 def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple[Answer, tuple[Block, ...]]:
     """The verdict on the detrended phase, which is the budget's, and what the strategies can do; then why."""
-    word, tone = "No limit on detrended phase", "open"
-    if check := _check(budget):
-        value = check_words(budget.design, check).value
-        word, tone = f"{'✓' if check.met else '✗'} Detrended phase {value}", "good" if check.met else "bad"
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
-    return Answer(word, tone, (recommended(budget, closed, study).sentence,)), (
+    advised, check = recommended(budget, closed, study).sentence, _check(budget.verdict)
+    word, tone = "No limit on detrended phase", "open"
+    if check is not None and check.known:
+        value = f"{check_words(budget.design, check).value}{where_judged(check)}"
+        word, tone = f"{'✓' if check.met else '✗'} Detrended phase {value}", "good" if check.met else "bad"
+    elif check is not None:
+        word = f"Detrended phase is {check.state}"
+    before = () if check is None or check.judged == STRAIGHT_LEG else ("On a straight leg:",)
+    return Answer(word, tone, (" ".join((*before, advised)),)), (
         *runs,
         Text(closed.advice.sentence),
         Text(f"Why: {closed.advice.because}"),
@@ -59,9 +63,9 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple
 
 
 def recommended(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> Recommendation:
-    """The strategy to use, of the runs where there are some, otherwise of the formulas; the one in use with the
-    phase that is checked."""
-    design, in_use, check = budget.design, judged(budget.design), _check(budget)
+    """The strategy to use on a straight leg, of the runs where there are some, otherwise of the formulas; the one in
+    use with the phase that is checked."""
+    design, in_use, check = budget.design, judged(budget.design), _check(budget.straight_leg())
     confidence, limit = decisive(design, DETRENDED)
     to_phase = confidence * float(metres_to_phase(1.0, budget.sar.wavelength))
     formulas = {key: to_phase * value for key, value in closed.detrended.items() if value is not None}
@@ -73,10 +77,12 @@ def recommended(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> 
     return recommendation(known, in_use, design.processing.mode, limit, confidence, smoothed=smoothed)
 
 
-def _check(budget: Budget) -> Check | None:
-    """The check that decides on the detrended phase, if it has a limit."""
-    checks = (check for check in budget.verdict.checks if check.on == DETRENDED)
-    return min(checks, key=lambda check: check.margin, default=None)
+def _check(verdict: Verdict) -> Check | None:
+    """The check that decides on the detrended phase, if any: one that fails, else one that is not known."""
+    checks = [check for check in verdict.checks if check.on == DETRENDED]
+    failing = [check for check in checks if check.state == "not met"]
+    unknown = [check for check in checks if not check.known]
+    return min(failing or unknown or checks, key=lambda check: check.margin, default=None)
 
 
 def judged_along(budget: Budget) -> str:

@@ -50,7 +50,7 @@ class DataSheetBox(View):
                 for key, value in values.changes.items()
             )  # fmt: skip
             heads = [Column("Input"), *numbers("As printed", "1σ per axis"), Column("From")]
-            blocks.append(table("data-sheet", "Filled in; Undo takes it back", heads, rows))
+            blocks.append(table("data-sheet", "Filled in. Undo reverts.", heads, rows))
         if values.rest or not values.changes:
             rest = values.rest or ("The text has no row with a name and a number.",)
             blocks.append(Bullets(rest, "Not understood"))

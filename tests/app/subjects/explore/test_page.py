@@ -103,14 +103,14 @@ def test_an_address_names_a_question(explore: ExplorePage) -> None:
 def test_a_solved_value_is_taken_and_then_the_design_closes_at_its_limit(explore: ExplorePage) -> None:
     solved = explore.question
     assert not explore.session.budget.verdict.closes
-    assert solved.answer.word == "Closes if angle random walk is at most 0.0360 °/√h"
+    assert solved.answer.word == "✗ Angle random walk must be ≤ 0.0360 °/√h"
     solved._table._handle_msg("Angle random walk: at most 0.0360 °/√h")
     verdict = explore.session.budget.verdict
     assert verdict.closes
     assert 0 <= verdict.tightest.margin < 0.01  # rounded down to three digits
     assert 'angle_random_walk = "0.036 °/√h"' in format_design(explore.session.design)
     explore.session.undo()
-    assert "not enough: velocity random walk, vibration factor, position noise" in solved._table.html
+    assert "Not enough alone: velocity random walk, vibration factor, position noise" in solved._table.html
     solved._table._handle_msg("Angle random walk: at most 0.0370 °/√h")  # of a table that is no longer there
     assert explore.session.design == first_design()
 
@@ -500,7 +500,9 @@ async def test_names_of_the_catalogue_are_swept_too(explore: ExplorePage) -> Non
 def test_what_only_a_flight_judges_is_named_and_hinders_no_advice() -> None:
     design = read_design("examples/tactical_x_band.toml")
     plain, explore = (ExplorePage(Session(each)) for each in (design, design.replace({"requirements.heading": 1e-4})))
-    assert explore.question.answer == plain.question.answer
+    known, before = plain.question.answer, explore.question.answer
+    assert known == replace(before, word=f"✓ {before.word}", tone="good")  # grey until it has been flown
+    assert before.tone == "open"
     assert explore.question._ways == plain.question._ways != ()
     for name in ("What would close it", "Sensors that pass", "Trade-off map"):
         _ask(explore, name)
@@ -515,6 +517,9 @@ def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named
     assert "No two of these inputs together close it either. Lever arm alone: 46.1° of 20" in text
     assert "Trade-off map" not in text
     assert "½ × lever arm" in explore.question._ranking.object
+    lead = explore.question._head.object.replace("&quot;", '"').replace("\xa0", " ")
+    assert re.search(r'Halving "Lever arm" cuts detrended phase by \d+ %\.', lead)
+    assert "Plain: halved. Hatched: doubled." in lead
 
 
 def test_the_map_of_each_figure_says_what_the_budget_says_at_its_confidence_and_lowest_limit() -> None:
