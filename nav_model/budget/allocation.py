@@ -24,7 +24,7 @@ from nav_model.processing.paired_echo import NOTHING
 
 @dataclass(frozen=True)
 class AllocationEntry:
-    """What one source may take and takes today, both in SI at the confidence of the limit.
+    """Allowance of one source and its value today, both in SI at the confidence of the limit.
 
     ``margin`` is 1 - estimated/allocated, None where nothing is left to allocate.
     """
@@ -54,7 +54,7 @@ class Allocation:
 
     @property
     def closes(self) -> bool:
-        """Whether the entries fit the limit with the reserve."""
+        """True if the entries fit the limit with the reserve."""
         return not self.blocked_by
 
 

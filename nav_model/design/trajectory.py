@@ -33,7 +33,19 @@ AIDING = (
 
 
 def row_of(latitude: float, longitude: float, height: float, line: str = "", speed: float | None = None) -> Row:
-    """A place [rad, m] to a millimetre as a row of the design's waypoints; a name without what parts its cells."""
+    """A place to a millimetre as a row of the design's waypoints.
+
+    Parameters
+    ----------
+    latitude, longitude : float
+        rad.
+    height : float
+        m.
+    line : str, optional
+        Name of the line that begins there; loses what parts cells.
+    speed : float, optional
+        Of the leg that begins there, m/s.
+    """
     north, east = (to_si(Fraction(f"{math.degrees(angle):.8f}"), "°", "angle") for angle in (latitude, longitude))
     return north, east, round(height, 3), " ".join(re.sub(r"[,;=\s]+", " ", line).split()), speed
 

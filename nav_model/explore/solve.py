@@ -53,7 +53,7 @@ Outcome = Literal["limited", "any value", "no value"]
 
 @dataclass(frozen=True)
 class InputAnswer:
-    """How far one input may go for one requirement, or for all.
+    """Largest value of one input for one requirement, or for all.
 
     ``outcome`` is "limited" when ``value`` [SI] is the largest that meets it; "any value" when every allowed
     value does; "no value" when none does that can be bought or flown. ``margin`` is what `analyse` finds
@@ -241,7 +241,19 @@ def _closes(design: Design, candidate: Offer) -> bool:
 
 
 def rounded_offer(design: Design, key: str, value: float, digits: int = 3) -> Offer:
-    """A value [SI] rounded down to so many digits in the unit that the design has the input in."""
+    """A value rounded down to so many digits in the unit that the design has the input in.
+
+    Parameters
+    ----------
+    design : Design
+        Its units.
+    key : str
+        Dotted key of the input.
+    value : float
+        SI.
+    digits : int, optional
+        Significant ones.
+    """
     dimension = quantity(key).dimension
     unit = design.unit(key) if dimension else ""
     exact = DIMENSIONS[dimension].number(Fraction(value), unit) if dimension else Fraction(value)

@@ -1,4 +1,4 @@
-"""What a supplier of an inertial unit or a receiver has to deliver for a design, and how a log shows it.
+"""Values that a supplier of an inertial unit or a receiver has to deliver for a design, and how a log shows them.
 
 The required values are those that the design's allocation leaves to the sources of a unit. Without one they are the
 largest multiple of the design's own, of all units together, with which every limit is still met: every unit can be at
@@ -61,7 +61,7 @@ class RequiredInput:
 
     @property
     def bounded(self) -> bool:
-        """Whether no limit of the design asks for less than the most that a design may have, which is the value."""
+        """True if no limit of the design asks for less than the most that a design may have, which is the value."""
         return self.value >= quantity(self.key).limits[1]
 
 
@@ -78,7 +78,7 @@ class Acceptance:
 
     @property
     def passes(self) -> bool:
-        """Whether the upper confidence limit of the reading is within the required value."""
+        """True if the upper confidence limit of the reading is within the required value."""
         return self.reading <= self.accepted
 
 
@@ -129,7 +129,7 @@ def _allowed(key: str, largest: float) -> float:
 
 
 def frozen(design: Design, day: str = "") -> UserEntries:
-    """What a design adds, with the required values of every sheet frozen as they are; unchanged where no sheet is.
+    """Entries of a design with the required values of every sheet frozen as they are; unchanged where no sheet is.
 
     Required values follow the design's own, so a log whose values enter the design would move what it is judged by.
     `day` is noted beside the hash of the design.
@@ -148,7 +148,7 @@ def frozen(design: Design, day: str = "") -> UserEntries:
 
 
 def released(design: Design) -> UserEntries:
-    """What a design adds, without frozen values: those of its sheets follow it again."""
+    """Entries of a design without frozen values: those of its sheets follow it again."""
     plan = replace(design.allocation or Allotment(), required=(), frozen="")
     return replace(design.entries, allocation=None if plan == Allotment() else plan)
 

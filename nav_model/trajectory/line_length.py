@@ -1,4 +1,4 @@
-"""How long a line may be: its leg is made longer or shorter, and the plan is followed again by the same covariance.
+"""Longest line that holds: its leg is made longer or shorter, and the plan is followed again by the same covariance.
 
 All that follows the line moves along with its end, so that it is flown as before; outages stay at their times.
 """
@@ -45,8 +45,24 @@ def with_lengths(
 
 
 def line_longer(spec: CovarianceSpec, design: Design, number: int, longer: float) -> LineResult:
-    """A line of the plan (from 0), flown as `spec`, `longer` [s] than it is. In real time, what follows it changes
-    nothing. Raises InputError where it cannot be flown."""
+    """A line of the plan flown longer than it is. In real time, what follows it changes nothing.
+
+    Parameters
+    ----------
+    spec : CovarianceSpec
+        The study.
+    design : Design
+        Its plan.
+    number : int
+        The line, counted from 0.
+    longer : float
+        By which it is longer, s.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be flown.
+    """
     flight = planned(design, number, longer)
     line = flight.lines[number] if flight.lines else FlightLine("flight", 0.0, flight.duration)
     if spec.lines:

@@ -21,13 +21,25 @@ MOST_RESERVE = 1200.0
 def judge(
     spec: CovarianceSpec, time_s: FloatArray, chosen: Processed, sources: tuple[str, ...]
 ) -> tuple[LineResult, ...]:
-    """Each line against the limits, in the processing that is judged. Without lines the whole flight is one."""
+    """Each line against the limits, in the processing that is judged. Without lines the whole flight is one.
+
+    Parameters
+    ----------
+    spec : CovarianceSpec
+        Lines and limits.
+    time_s : array (outputs,)
+        Seconds.
+    chosen : Processed
+        Figures of that processing.
+    sources : tuple of str
+        Names of the sources.
+    """
     lines = spec.lines or (FlightLine(WHOLE_FLIGHT, 0.0, spec.study.duration),)
     return tuple(_judged(line, spec, time_s, chosen, sources) for line in lines)
 
 
 def length_in_words(line: LineResult) -> str:
-    """How long a line may be; empty where that is not solved."""
+    """Longest length of a line, in words; empty where that is not solved."""
     if line.longest_s is None or line.reserve_s is None:
         return ""
     if line.reserve_s >= MOST_RESERVE:
@@ -38,10 +50,21 @@ def length_in_words(line: LineResult) -> str:
 
 
 def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *, image: bool) -> NDArray[np.bool_]:
-    """Which times count for a line from `start` to `stop` [s], (outputs).
+    """Mask of the times that count for a line, (outputs).
 
-    An `image`'s aperture lies within its line as far as the line is long enough for one. Of a line so short that no
+    An image's aperture lies within its line as far as the line is long enough for one. Of a line so short that no
     time lies on it, the nearest to its middle counts; of one that is not flown, none.
+
+    Parameters
+    ----------
+    start, stop : float
+        Of the line, s.
+    spec : CovarianceSpec
+        The study.
+    time_s : array (outputs,)
+        Seconds.
+    image : bool
+        True for a figure of an aperture.
     """
     half = 0.5 * spec.inputs.aperture if image else 0.0
     middle, margin = 0.5 * (start + stop), min(half, 0.5 * (stop - start))

@@ -1,4 +1,4 @@
-"""What a covariance along a flight is of: the simulator's study, the budget's inputs, and limits.
+"""Question to a covariance along a flight: the simulator's study, the budget's inputs, and limits.
 
 Immutable and in SI. `SimulationSpec` holds the instruments, the filter, the flight and its outages; `Inputs` has the
 aperture at which the design looks to the right, wherever on the flight it lies.
@@ -12,7 +12,7 @@ from nav_model.design.processing import REAL_TIME
 from nav_model.simulation.specification import SimulationSpec
 
 Most = tuple[tuple[str, float], ...]
-"""What one sigma of a figure may be at most, by name of the figure."""
+"""Limits on one sigma, by name of the figure."""
 
 
 @dataclass(frozen=True)

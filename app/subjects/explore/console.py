@@ -191,7 +191,7 @@ def inverted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
 
 
 def manoeuvred(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
-    """What would close the lines of the flight that fail."""
+    """Options that would close the lines of the flight that fail."""
     from nav_model.trajectory.manoeuvre import manoeuvres
 
     try:

@@ -1,4 +1,4 @@
-"""Which sensors meet the requirements: IMUs that pass with the design's receiver, or pairs of IMU and receiver."""
+"""Sensors that meet the requirements: IMUs that pass with the design's receiver, or pairs of IMU and receiver."""
 
 import asyncio
 from collections.abc import Iterable, Mapping, Sequence
@@ -176,7 +176,7 @@ class SearchPanel(Question):
         self._notes.object = f'<p class="quiet fine">{escape(" ".join(notes))}</p>' if notes else ""
 
     def _text(self, row: Candidate) -> str:
-        """What a filter finds a row by."""
+        """Text by which a filter finds a row."""
         verdict = "passes" if row.closes else "fails"
         receiver = "" if self.own else row.gnss
         parts = (row.imu, receiver, verdict, label_of(row.tightest), row.dominant, *row.doubts)

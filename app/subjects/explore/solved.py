@@ -1,4 +1,4 @@
-"""What would close the design: the largest value of each input, with a button, and what to improve first."""
+"""Changes that would close the design: the largest value of each input, with a button, and what to improve first."""
 
 import panel as pn
 import panel_material_ui as pmui

@@ -68,7 +68,7 @@ _HELP = (
 
 
 def range_of(row: Mapping[str, str], unit: str) -> str:
-    """What a row says, as `read_uncertain` takes it; empty while it lacks a value, and for an input that is fixed."""
+    """Text of a row, as `read_uncertain` takes it; empty while it lacks a value, and for an input that is fixed."""
     kind, first, second = (row.get(name, "").strip() for name in ("kind", "first", "second"))
     if not (kind and second):
         return ""
