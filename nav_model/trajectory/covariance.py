@@ -436,6 +436,8 @@ def _put_residual_biases(
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:
     """Factors (drives, moving, 9) of what process noise adds in the step to a node."""
+    if model.states.moving == _AXES:
+        return model.factors[node - 1, :, :_AXES]
     factors = np.zeros((len(model.states.drives), model.states.moving, 9))
     factors[:, :_AXES] = model.factors[node - 1, :, :_AXES]
     for place, error in enumerate(model.states.drives):
