@@ -17,6 +17,7 @@ start, the noises within, and n at its end: three parts, independent of each oth
 the start on. Sources: Bryson and Ho, *Applied Optimal Control*, ch. 13; Gelb, *Applied Optimal Estimation*, ch. 7.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -42,6 +43,8 @@ FloatArray = NDArray[np.float64]
 Indices = NDArray[np.int64]
 _AXES = 9  # position, velocity, attitude
 _BLOCK = 256  # apertures at a time, for memory
+_Asked = defaultdict[int, list[tuple[FloatArray, FloatArray]]]
+"""Node -> where variances of sums of the errors there are added, (sources, q), and rows (q, n) of the sums."""
 
 
 class _Filter(NamedTuple):
@@ -53,12 +56,91 @@ class _Filter(NamedTuple):
     weight: FloatArray
 
 
-class _Sums(NamedTuple):
+class Sums(NamedTuple):
     """Sums of errors, q at each of some nodes: rows (nodes, q, n) on the errors there, and the variance that later
-    noises add by source (noisy, nodes, q)."""
+    noises add by source (noisy, nodes, q). Of the smoothed path, position and velocity at every node: q is 6, and
+    `added` is the covariance of position with both (noisy, nodes, 3, 6)."""
 
     rows: FloatArray
     added: FloatArray
+
+
+class Smoothed(NamedTuple):
+    """Sums that give smoothed errors: `states` position, velocity and roll, pitch, yaw as of `_smoothed_at`, `images`
+    those of the apertures, and the `path`, of no node unless asked for."""
+
+    states: Sums
+    images: Sums
+    path: Sums
+
+
+class Forward(NamedTuple):
+    """Variances by source of the errors along a flight.
+
+    states, judged: by processing, of position, velocity and roll, pitch, yaw (sources, outputs, 9), at the outputs
+    and at the moment by which a flight is judged. images: by processing, of the sums of the apertures (sources,
+    apertures, COLUMNS). path: covariances of the smoothed position with position and velocity at the nodes (sources,
+    nodes, 3, 6), of no node unless the path is asked for.
+    """
+
+    states: Mapping[str, FloatArray]
+    judged: Mapping[str, FloatArray]
+    images: Mapping[str, FloatArray]
+    path: FloatArray
+
+
+class _Errors:
+    """The errors of every source at a node of the flight, as they are carried along it.
+
+    Z (moving, noisy, moving) is the covariance of each noisy source, state before source: so both of its products are
+    of large matrices. constant (n, starts) is what each sigma of the constant sources does to every state.
+    """
+
+    def __init__(self, model: ErrorModel, run: _Filter) -> None:
+        states = self._states = model.states
+        self._model, self._run = model, run
+        self._driven = [error.source for error in states.drives]
+        size, noisy = states.moving, states.noisy
+        lasts = states.owner >= noisy
+        self._owned = np.eye(len(states.sources) - noisy)[states.owner[lasts] - noisy].T
+        self.constant = states.initial[:, lasts]
+        self.Z = np.zeros((size, noisy, size))
+        for column in np.flatnonzero(~lasts):
+            start = states.initial[:size, column]
+            self.Z[:, states.owner[column]] += np.outer(start, start)
+
+    def step(self, phi: FloatArray, node: int) -> None:
+        """Go on to a node, to which `phi` (n, n) leads, with the noise in between."""
+        size, noisy = self._states.moving, self._states.noisy
+        self.constant, phi = phi @ self.constant, phi[:size, :size]
+        self.Z = ((phi @ self.Z.reshape(size, -1)).reshape(-1, size) @ phi.T).reshape(size, noisy, size)
+        factors = _factors(self._model, node)
+        self.Z[:, self._driven] += (factors @ factors.swapaxes(1, 2)).swapaxes(0, 1)
+
+    def fix(self, node: int) -> None:
+        """Take a fix: (I - K H) Z (I - K H)' + K R K', with the true noise R of each source that is measured."""
+        model, size, noisy, m = self._model, self._states.moving, self._states.noisy, self._states.estimated
+        rows, gain = model.rows[node], self._run.gain[node]
+        self.constant[:m] -= gain @ (rows @ self.constant)
+        rows, Z = rows[:, :size], self.Z
+        Z[:m] -= (gain @ (rows @ Z.reshape(size, -1))).reshape(m, noisy, size)
+        Z[:, :, :m] -= ((Z.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, noisy, m)
+        Z[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
+
+    def variances(self, rows: FloatArray) -> FloatArray:
+        """Variances (sources, q) of sums of the errors, rows (q, n)."""
+        size, noisy = self._states.moving, self._states.noisy
+        product = (rows[:, :size] @ self.Z.reshape(size, -1)).reshape(-1, noisy, size)
+        of_noise = (product * rows[:, None, :size]).sum(axis=2)
+        return np.hstack([of_noise, (rows @ self.constant) ** 2 @ self._owned.T]).T
+
+    def covariances(self, rows: FloatArray) -> FloatArray:
+        """Covariances (sources, 3, q) of the first three of some sums with all of them, rows (q, n)."""
+        size, noisy = self._states.moving, self._states.noisy
+        of_noise = (rows[:3, :size] @ self.Z.reshape(size, -1)).reshape(3 * noisy, size) @ rows[:, :size].T
+        fixed = rows @ self.constant
+        of_constant = ((fixed[:3, None] * fixed) @ self._owned.T).transpose(2, 0, 1)
+        return np.concatenate([of_noise.reshape(3, noisy, -1).swapaxes(0, 1), of_constant])
 
 
 def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> TrajectoryResult:
@@ -110,30 +192,26 @@ def _followed(
     if only_lines:
         model = _of_lines(spec, model)
     run, apertures = _filtered(model), apertures_of(model, spec.inputs, spec.study.gnss.interval)
-    n, noisy = model.states.size, model.states.noisy
-    states, path = (
-        _Sums(np.zeros((0, _AXES, n)), np.zeros((noisy, 0, _AXES))),
-        _Path(np.zeros((0, 6, n)), np.zeros((noisy, 0, 3, 6))),
-    )
-    free_rest, images = aperture.free_rest(model.states, spec.inputs), list[_Sums]()
+    smoothed, images = None, dict[str, Sums]()
+    free_rest = aperture.free_rest(model.states, spec.inputs)
     if REAL_TIME in processings:
-        images.append(_free(model, run, apertures))
+        images[REAL_TIME] = _free(model, run, apertures)
     if POST_PROCESSED in processings:
         ends, by_innovation = _ends(model, run, apertures)
         reached = aperture.smoother_reaches(free_rest, spec.inputs, spec.study.gnss)
-        states, smooth, path = _later(model, run, apertures, ends, whole_path=reached)
-        _within(model, run, apertures, smooth, by_innovation)
-        images.append(smooth)
-    moment = spec.moment if REAL_TIME in processings else ""
-    variances, judged, of_images, squares = _forward(model, run, apertures, states, images, path, moment)
+        smoothed = _later(model, run, apertures, ends, whole_path=reached)
+        _within(model, run, apertures, smoothed.images, by_innovation)
+        images[POST_PROCESSED] = smoothed.images
+    forward = _forward(model, run, apertures, images, smoothed, spec.moment)
     figures = {}
-    for name, image in zip(processings, of_images, strict=True):
-        _put_residual_biases(spec, model, apertures, name, (variances, judged), image, squares)
-        rest, place = free_rest[:, None], int(name == POST_PROCESSED)
-        if place and len(path.rows):
-            whole = aperture.mean_square(squares, model.time_s, apertures, float(spec.inputs.aperture))
+    for name in processings:
+        _put_residual_biases(spec, model, apertures, forward, name)
+        image, rest = forward.images[name], free_rest[:, None]
+        if name == POST_PROCESSED and forward.path.shape[1]:
+            whole = aperture.mean_square(forward.path, model.time_s, apertures, float(spec.inputs.aperture))
             rest = aperture.smoothed_rest(whole, image, free_rest)
-        figures[name] = processed(spec, model, apertures, variances[place], judged[place], image, rest, name)
+        states, judged = forward.states[name], forward.judged[name]
+        figures[name] = processed(spec, model, apertures, states, judged, image, rest, name)
     return model, figures
 
 
@@ -148,10 +226,10 @@ def _of_lines(spec: CovarianceSpec, model: ErrorModel) -> ErrorModel:
     return replace(model, **{name: getattr(model, name)[on] for name in of_outputs})
 
 
-def _free(model: ErrorModel, run: _Filter, apertures: Apertures) -> _Sums:
+def _free(model: ErrorModel, run: _Filter, apertures: Apertures) -> Sums:
     """Sums of the apertures in real time: nothing later is known, and the INS is free from the start on."""
     count = len(apertures.output)
-    free = _Sums(np.zeros((count, COLUMNS, model.states.size)), np.zeros((model.states.noisy, count, COLUMNS)))
+    free = Sums(np.zeros((count, COLUMNS, model.states.size)), np.zeros((model.states.noisy, count, COLUMNS)))
     _within(model, run, apertures, free, None)
     return free
 
@@ -218,31 +296,32 @@ def _ends(model: ErrorModel, run: _Filter, apertures: Apertures) -> tuple[FloatA
     return ends, by_innovation
 
 
-class _Path(NamedTuple):
-    """Smoothed position and velocity at every node, as `_Sums`: rows (nodes, 6, n), and what later noises add to the
-    covariance of position with both (noisy, nodes, 3, 6)."""
-
-    rows: FloatArray
-    added: FloatArray
-
-
 def _smoothed_at(model: ErrorModel) -> Indices:
     """Nodes at which states are smoothed: those of the outputs, then `middle` of each unless they are the same."""
     same = np.array_equal(model.middle, model.outputs)
     return model.outputs if same else np.concatenate([model.outputs, model.middle])
 
 
-def _later(
-    model: ErrorModel, run: _Filter, apertures: Apertures, ends: FloatArray, *, whole_path: bool
-) -> tuple[_Sums, _Sums, _Path]:
-    """Position, velocity and roll, pitch, yaw smoothed as of `_smoothed_at`; what λ at the end of each aperture
-    adds to its sums, on the errors there; and the smoothed path, of no node unless asked for."""
+def _later(model: ErrorModel, run: _Filter, apertures: Apertures, ends: FloatArray, *, whole_path: bool) -> Smoothed:
+    """Back along the flight: the smoothed states, the path, and what λ at the end of each aperture adds to its sums,
+    on the errors there.
+
+    Parameters
+    ----------
+    model : ErrorModel
+    run : _Filter
+    apertures : Apertures
+    ends : array (apertures, COLUMNS, m)
+        Weights on λ at the end of each aperture, as `_ends` gives them.
+    whole_path : bool
+        Whether the smoothed path is asked for at every node.
+    """
     m, n, noisy = model.states.estimated, model.states.size, model.states.noisy
     at_nodes, count = _smoothed_at(model), len(model.outputs)
-    states = _Sums(np.zeros((len(at_nodes), _AXES, n)), np.zeros((noisy, len(at_nodes), _AXES)))
-    images = _Sums(np.zeros((len(ends), COLUMNS, n)), np.zeros((noisy, len(ends), COLUMNS)))
+    states = Sums(np.zeros((len(at_nodes), _AXES, n)), np.zeros((noisy, len(at_nodes), _AXES)))
+    images = Sums(np.zeros((len(ends), COLUMNS, n)), np.zeros((noisy, len(ends), COLUMNS)))
     nodes = len(model.time_s) if whole_path else 0
-    path = _Path(np.zeros((nodes, 6, n)), np.zeros((noisy, nodes, 3, 6)))
+    path = Sums(np.zeros((nodes, 6, n)), np.zeros((noisy, nodes, 3, 6)))
     driven = [error.source for error in model.states.drives]
     ending, output_of = _by_node(apertures.last), _by_node(at_nodes)
     L, N = np.zeros((m, n)), np.zeros((noisy, m, m))  # at the end of the flight nothing comes later
@@ -274,13 +353,24 @@ def _later(
         factors = L[:, : model.states.moving] @ _factors(model, node)
         N[driven] += factors @ factors.swapaxes(1, 2)
         L, N = phi[:m, :m].T @ L @ phi, phi[:m, :m].T @ N @ phi[:m, :m]
-    return states, images, path
+    return Smoothed(states, images, path)
 
 
 def _within(
-    model: ErrorModel, run: _Filter, apertures: Apertures, sums: _Sums, by_innovation: FloatArray | None
+    model: ErrorModel, run: _Filter, apertures: Apertures, sums: Sums, by_innovation: FloatArray | None
 ) -> None:
-    """Take the sums from the errors at the end of each aperture to those at its start, with the noises between."""
+    """Take sums from the errors at the end of each aperture to those at its start, with the noises between.
+
+    Parameters
+    ----------
+    model : ErrorModel
+    run : _Filter
+    apertures : Apertures
+    sums : Sums
+        Of the errors at the ends of the apertures, with the noises after them. Changed.
+    by_innovation : array (nodes, apertures, COLUMNS, r), optional
+        Weights on the innovations, as `_ends` gives them; without, the INS is free.
+    """
     radar = model.states.first.get(RADAR_TIME)
     for step, on, node in _along(apertures, back=True):
         # The sum is A z, of the errors z at this node. Position and velocity here have weights of their own; a radar
@@ -313,125 +403,109 @@ def _forward(
     model: ErrorModel,
     run: _Filter,
     apertures: Apertures,
-    states: _Sums,
-    images: Sequence[_Sums],
-    path: _Path,
+    images: Mapping[str, Sums],
+    smoothed: Smoothed | None,
     moment: str,
-) -> tuple[Sequence[FloatArray], Sequence[FloatArray], FloatArray, FloatArray]:
+) -> Forward:
     """Every source through the same gains.
 
-    Returns in real time and smoothed, where there are such `states`, variances of position, velocity and roll, pitch,
-    yaw (sources, outputs, 9) and those by which a flight is judged, at the `moment` of the fix interval, zeros
-    without one, and in the middle (sources, outputs, 9); of the sums of the apertures (images, sources, apertures,
-    COLUMNS), and covariances of the smoothed position with position and velocity at the nodes of the path (sources,
-    nodes, 3, 6).
+    Parameters
+    ----------
+    model : ErrorModel
+    run : _Filter
+    apertures : Apertures
+    images : mapping
+        Processing -> sums of the apertures, on the errors at their starts.
+    smoothed : Smoothed, optional
+        Where smoothed errors are asked for.
+    moment : str
+        Of the fix interval, at which states are judged in real time: "prior", "posterior", or "closed" for the mean.
     """
-    errors = model.states
-    m, n, s, size, sources = errors.estimated, errors.size, errors.noisy, errors.moving, len(errors.sources)
-    count, at_nodes = len(model.outputs), _smoothed_at(model)[: len(states.rows)]
-    free, smooth = np.zeros((sources, count, _AXES)), np.zeros((sources, len(at_nodes), _AXES))
-    judged = np.zeros_like(free)
-    of_images = np.zeros((len(images), sources, len(apertures.output), COLUMNS))
-    smooth[:s], of_images[:, :s] = states.added, [part.added for part in images]
-    squares = np.zeros((sources, len(path.rows), 3, 6))
-    squares[:s] = path.added
-    lasts = errors.owner >= s
-    owned = np.eye(sources - s)[errors.owner[lasts] - s].T
-    constant = errors.initial[:, lasts]  # what each sigma of the constant sources does to every state
-    # Z, the covariance of each noisy source, state before source: so both of its products are of large matrices.
-    Z = np.zeros((size, s, size))
-    for column in np.flatnonzero(~lasts):
-        Z[:, errors.owner[column]] += np.outer(errors.initial[:size, column], errors.initial[:size, column])
+    noisy, sources, count = model.states.noisy, len(model.states.sources), len(model.outputs)
+    before, after = _Asked(list), _Asked(list)
+    states, judged, of_images = dict[str, FloatArray](), dict[str, FloatArray](), dict[str, FloatArray]()
 
-    def by_source(rows: FloatArray) -> FloatArray:
-        """Variances (sources, q) of sums, rows (q, n)."""
-        product = (rows[:, :size] @ Z.reshape(size, -1)).reshape(-1, s, size)
-        noisy = (product * rows[:, None, :size]).sum(axis=2)
-        return np.hstack([noisy, (rows @ constant) ** 2 @ owned.T]).T
+    def ask(at: _Asked, nodes: Indices, sums: FloatArray, into: FloatArray) -> None:
+        for index, node in enumerate(nodes.tolist()):
+            at[node].append((into[:, index], sums[index]))
 
-    none = np.empty(0, dtype=np.int64)
-    starting, smoothed_of = _by_node(apertures.first), _by_node(at_nodes)
-    output_of = _by_node(model.outputs if moment else none)
-    before_of = _by_node(model.before if moment in ("prior", "closed") else none)
-    after_of = _by_node(model.after if moment in ("posterior", "closed") else none)
-    driven = [error.source for error in model.states.drives]
-    # What comes after the last of these matters to the smoother alone.
-    ends = (model.outputs, model.before, at_nodes, apertures.last)
-    last = max(int(np.max(nodes, initial=0)) for nodes in ends)
-    for node, phi in enumerate(_transitions(model, n)):
+    # First what is asked for at each node, before its fix or after: variances of sums, and where they are put.
+    if REAL_TIME in images:
+        states[REAL_TIME], judged[REAL_TIME] = np.zeros((2, sources, count, _AXES))
+        ask(after, model.outputs, model.output_rows, states[REAL_TIME])
+        if moment in ("prior", "closed"):
+            ask(before, model.before, model.output_rows, judged[REAL_TIME])
+        if moment in ("posterior", "closed"):
+            ask(after, model.after, model.output_rows, judged[REAL_TIME])
+    path = np.zeros((sources, 0, 3, 6))
+    if smoothed is not None:
+        at_nodes = _smoothed_at(model)
+        both = np.zeros((sources, len(at_nodes), _AXES))
+        both[:noisy] = smoothed.states.added
+        ask(after, at_nodes, smoothed.states.rows, both)
+        states[POST_PROCESSED], judged[POST_PROCESSED] = both[:, :count], both[:, -count:]
+        path = np.zeros((sources, len(smoothed.path.rows), 3, 6))
+        path[:noisy] = smoothed.path.added
+    for name, sums in images.items():
+        of_images[name] = np.zeros((sources, len(apertures.output), COLUMNS))
+        of_images[name][:noisy] = sums.added
+        ask(after, apertures.first, sums.rows, of_images[name])
+    # Then every source along the flight, as far as anything is asked for: what comes later is the smoother's alone.
+    last = max([*before, *after, *apertures.last.tolist()], default=0)
+    errors = _Errors(model, run)
+    for node, phi in enumerate(_transitions(model, model.states.size)):
         if node > last:
             break
         if node:
-            constant, phi = phi @ constant, phi[:size, :size]
-            Z = ((phi @ Z.reshape(size, -1)).reshape(-1, size) @ phi.T).reshape(size, s, size)
-            factors = _factors(model, node)
-            Z[:, driven] += (factors @ factors.swapaxes(1, 2)).swapaxes(0, 1)
-        for at in before_of.get(node, ()):
-            judged[:, at] += by_source(model.output_rows[at])
-        # Over the fix: (I - K H) Z (I - K H)' + K R K', with the true noise R of each source that is measured.
+            errors.step(phi, node)
+        _answer(before.get(node), errors)
         if node and model.is_fix[node]:
-            rows, gain = model.rows[node], run.gain[node]
-            constant[:m] -= gain @ (rows @ constant)
-            rows = rows[:, :size]
-            Z[:m] -= (gain @ (rows @ Z.reshape(size, -1))).reshape(m, s, size)
-            Z[:, :, :m] -= ((Z.reshape(-1, size) @ rows.T) @ gain.T).reshape(size, s, m)
-            Z[:m, model.measuring, :m] += ((gain * model.noise[node, :, None, :]) @ gain.T).swapaxes(0, 1)
-        # Sums of the errors at this node: states, and apertures that start here.
-        add_to: list[tuple[FloatArray, FloatArray]] = []
-        add_to += [(free[:, at], model.output_rows[at]) for at in output_of.get(node, ())]
-        add_to += [(judged[:, at], model.output_rows[at]) for at in after_of.get(node, ())]
-        add_to += [(smooth[:, at], states.rows[at]) for at in smoothed_of.get(node, ())]
-        for index in starting.get(node, ()):
-            add_to += [(part[:, index], sums.rows[index]) for part, sums in zip(of_images, images, strict=True)]
-        if add_to:  # all at once, for speed
-            whole, first = by_source(np.concatenate([rows for _, rows in add_to])), 0
-            for variances, rows in add_to:
-                variances += whole[:, first : first + len(rows)]
-                first += len(rows)
-        if len(path.rows):
-            rows = path.rows[node]
-            noisy = (rows[:3, :size] @ Z.reshape(size, -1)).reshape(3 * s, size) @ rows[:, :size].T
-            squares[:s, node] += noisy.reshape(3, s, 6).swapaxes(0, 1)
-            fixed = rows @ constant
-            squares[s:, node] += ((fixed[:3, None] * fixed) @ owned.T).transpose(2, 0, 1)
-    if moment == "closed":
-        judged /= 2.0
-    return (free, smooth[:, :count]), (judged, smooth[:, -count:]), of_images, squares
+            errors.fix(node)
+        _answer(after.get(node), errors)
+        if path.shape[1] and smoothed is not None:
+            path[:, node] += errors.covariances(smoothed.path.rows[node])
+    if moment == "closed" and REAL_TIME in judged:
+        judged[REAL_TIME] /= 2.0
+    return Forward(states, judged, of_images, path)
+
+
+def _answer(asked: Sequence[tuple[FloatArray, FloatArray]] | None, errors: _Errors) -> None:
+    """Add the variances of the sums of errors that are asked for at a node, all at once, for speed."""
+    if not asked:
+        return
+    whole, first = errors.variances(np.concatenate([rows for _, rows in asked])), 0
+    for into, rows in asked:
+        into += whole[:, first : first + len(rows)]
+        first += len(rows)
 
 
 def _put_residual_biases(
-    spec: CovarianceSpec,
-    model: ErrorModel,
-    apertures: Apertures,
-    processing: str,
-    variances: tuple[Sequence[FloatArray], Sequence[FloatArray]],
-    image: FloatArray,
-    squares: FloatArray,
+    spec: CovarianceSpec, model: ErrorModel, apertures: Apertures, forward: Forward, processing: str
 ) -> None:
     """Put what residual biases make in place of what their sources have, but for the heading. [S-5]
 
     Parameters
     ----------
-    variances : pair
-        Of states at the outputs, and of those that are judged, each (sources, outputs, 9) by processing. Changed.
-    image : array (sources, apertures, COLUMNS)
-        Variances of the sums of the apertures. Changed.
-    squares : array (sources, nodes, 3, 6)
-        Covariances of the smoothed path, of which they have none. Changed.
+    spec : CovarianceSpec
+    model : ErrorModel
+    apertures : Apertures
+    forward : Forward
+        Changed.
+    processing : str
     """
     x, interval, smoothed = spec.inputs, spec.study.gnss.interval, processing == POST_PROCESSED
     fixes, place = model.time_s[model.of_position], {name: n for n, name in enumerate(model.states.sources)}
     since = since_fix(fixes, model.time_s[model.outputs], interval)
     for source, made in residual.of_states(x, since, smoothed=smoothed).items():
-        for by_processing in variances:
-            by_processing[smoothed][place[source], :, : BIASES - 1] = made
-        squares[place[source]] = 0.0
+        for variances in (forward.states[processing], forward.judged[processing]):
+            variances[place[source], :, : BIASES - 1] = made
+        forward.path[place[source]] = 0.0
     nodes = np.minimum(apertures.first[:, None] + np.arange(apertures.weights.shape[1]), len(model.time_s) - 1)
     ends = np.concatenate([[0.0], fixes])
     last = ends[np.searchsorted(ends, apertures.begin + 1e-6, side="right") - 1]
     after = model.time_s[nodes] - last[:, None]
     for source, made in residual.of_images(x, after, apertures.weights).items():
-        image[place[source]] = 0.0 if smoothed else made
+        forward.images[processing][place[source]] = 0.0 if smoothed else made
 
 
 def _factors(model: ErrorModel, node: int) -> FloatArray:
