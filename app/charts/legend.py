@@ -36,12 +36,12 @@ def _listed(entries: Iterable[tuple[str, str]]) -> str:
 def _dot_entries(chart: DotChart) -> list[tuple[str, str]]:
     entries = [
         (_svg(f'<path d="M15 0 L20 5.5 L15 11 L10 5.5 Z" fill="none" stroke-width="2" '
-              f'stroke="{STYLES["vertical"].colour}"/>'), "formula, 1σ"),
+              f'stroke="{STYLES["vertical"].colour}"/>'), "formula"),
         (_box(STYLES["horizontal"], 0.55), "runs, rms"),
         (_line(Style("currentColor", "solid", 3.0)), "runs, 5 to 95 %"),
     ]  # fmt: skip
     if not math.isnan(chart.limit):
-        entries.append((_line(STYLES["limit"]), "limit (scaled to 1σ)"))
+        entries.append((_line(STYLES["limit"]), "limit"))
     return entries
 
 

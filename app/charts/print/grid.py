@@ -33,10 +33,10 @@ def draw_dots(axes: Any, chart: DotChart) -> None:
         axes.plot(runs, rows, color=band, marker="o", linestyle="none", markersize=4.5, label="runs, rms")
     axes.plot(
         closed, rows, color=form, marker="D", linestyle="none", markersize=6.5, fillstyle="none", markeredgewidth=1.1,
-        label="formula, 1σ",
+        label="formula",
     )  # fmt: skip
     if not math.isnan(chart.limit):
-        axes.axvline(chart.limit, label="limit (scaled to 1σ)", **pen(STYLES["limit"]))
+        axes.axvline(chart.limit, label="limit", **pen(STYLES["limit"]))
     axes.set_yticks(rows, [dot.label for dot in chart.dots])
     axes.set_ylim(len(chart.dots) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)

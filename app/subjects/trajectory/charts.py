@@ -207,6 +207,7 @@ def simulated(followed: Followed | None, flown: SimulationResult | None) -> dict
         return {}
     sigma = np.hstack([result.real_time.position, result.real_time.velocity, result.real_time.attitude])
     rms = np.column_stack([np.interp(result.time_s, flown.time_s, flown.rms[1][:, axis]) for axis in range(9)])
+    rms[result.time_s > flown.spec.duration] = np.nan  # runs of a shorter flight end where they end
     return {
         name: np.take_along_axis(rms, np.argmax(sigma[:, axes], axis=1)[:, None] + axes[0], axis=1)[:, 0]
         for name, axes in _RUNS.items()

@@ -198,11 +198,11 @@ def test_no_curve_at_all_still_makes_a_chart():
 
 
 def test_dots_name_rows_and_all_they_show():
-    legend = {"formula, 1σ", "runs, rms", "runs, 5 to 95 %", "limit (scaled to 1σ)"}
+    legend = {"formula", "runs, rms", "runs, 5 to 95 %", "limit"}
     assert {"one", "two", "phase [°]", *legend} <= set(texts(to_svg(dots())))
     bare = dots(dots=(Dot("one", 10.0, math.nan, math.nan, math.nan, ""),), limit=math.nan)
     words = texts(to_svg(bare))
-    assert not {"runs, rms", "limit (scaled to 1σ)"} & set(words)
+    assert not {"runs, rms", "limit"} & set(words)
 
 
 def test_the_closed_form_is_another_mark_than_the_runs_not_only_another_colour():

@@ -285,6 +285,11 @@ def test_simulated_runs_of_the_same_flight_are_laid_over_the_curves(session: Ses
     for of in ("horizontal", "vertical", "tilt", "yaw"):
         ratio = lines[f"{of} runs"].y[100:] / lines[f"{of} real time"].y[100:]
         assert np.abs(np.median(ratio) - 1.0) < 0.15  # one of 60 runs: 9 %, and the axes differ
+    short = timelines(followed, "tilt", simulate(replace(spec, runs=2, duration=spec.duration / 2), workers=1))
+    runs = next(line.y for line in short[1].lines if line.key == "vertical runs")
+    later = followed.result.time_s > spec.duration / 2
+    assert np.isfinite(runs[~later]).all()
+    assert np.isnan(runs[later]).all()
     other = timelines(followed, "tilt", simulate(replace(spec, runs=2, outages=()), workers=1))
     assert np.isnan(next(line.y for line in other[1].lines if line.key == "vertical runs")).all()
     session.change(TWO_LINES)
