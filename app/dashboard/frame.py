@@ -45,7 +45,7 @@ class Page(Protocol):
     """The interface of a tab's page."""
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """What is in view."""
+        """The page in view."""
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
@@ -281,5 +281,5 @@ class Frame(pn.viewable.Viewer):
 
 
 def is_review_link(query: str) -> bool:
-    """Whether a query is for the Review page and not a design's."""
+    """True for a query for the Review page, which is not a design's."""
     return query.startswith(("?compare=", "?review="))

@@ -24,7 +24,7 @@ class ReportChoice:
         (self._unticked.discard if ticked else self._unticked.add)(kind)
 
     def offered(self) -> list[dict[str, Any]]:
-        """What can be ticked, as `Bar` shows it."""
+        """Studies that can be ticked, as `Bar` shows them."""
         return [
             {"kind": kind, "label": f"{STUDIES[kind].study} in the report", "ticked": kind not in self._unticked}
             for kind, fits in self._fits().items()

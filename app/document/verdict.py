@@ -36,7 +36,7 @@ _FIGURES = MOMENTS | {"refined": "with Schuler and Coriolis terms"}
 
 
 def judged(verdict: Verdict) -> str:
-    """How a verdict is reached: "at 2σ in real time"."""
+    """Basis of a verdict: "at 2σ in real time"."""
     return f"at {verdict.confidence:g}σ {SAID[verdict.processing]}"
 
 

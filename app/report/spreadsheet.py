@@ -31,7 +31,7 @@ from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 LIVE, OTHER, TAKEN = "live formula", "from other inputs", "value, not a formula"
-"""What the column "State" says."""
+"""Words of the column "State"."""
 
 _TEXTS, _APART = ("State", "Name", "Processing", "Main error source"), ("Unit", "Met", "Equation", "What it is")
 """Columns of texts beside the first; those that stand apart from a number before them."""
@@ -111,7 +111,7 @@ class _Sheets:
         return row + 1
 
     def _end(self, sheet: Any, first: int, row: int, columns: Sequence[str]) -> None:
-        """What is printed, and grey for what belongs to other inputs."""
+        """Set the print area, and grey for what belongs to other inputs."""
         sheet.print_area(0, 0, row, len(columns) - 1)
         if "State" in columns:
             state = xl_rowcol_to_cell(first, [*columns].index("State"), col_abs=True)
@@ -184,7 +184,7 @@ class _Sheets:
         self._end(sheet, first, row + 2 + len(fixed), (*columns,))
 
     def _compared(self, sheet: Any, row: int) -> None:
-        """Whether a cell holds another value than that computed with."""
+        """Write a formula that tells whether a cell holds another value than that computed with."""
         sheet.write_formula(row, 5, f"=IF(B{row + 1}=E{row + 1},0,1)", self.changed, 0)
 
     def _input(self, sheet: Any, row: int, key: str) -> None:
@@ -247,7 +247,7 @@ class _Sheets:
             self.book.define_name(symbol, f"=Rule!${letter}$3:${letter}${len(values) + 2}")
 
     def _state(self, sheet: Any, row: int, column: int, *, taken: bool, symbol: str = "") -> None:
-        """Whether a value follows the inputs; in words, since grey alone is not enough."""
+        """Write whether a value follows the inputs; in words, since grey alone is not enough."""
         if taken:
             changed = f"OR({_CHANGED},{_ENTERING_CHANGED})" if symbol in self.traces.responses else _CHANGED
             sheet.write_formula(row, column, f'=IF({changed},"{OTHER}","{TAKEN}")', None, TAKEN)

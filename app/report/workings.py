@@ -33,7 +33,7 @@ _WITHOUT_FORMULA: tuple[str, ...] = (
     "motion.", "oscillator.", "gnss.correlated_noise", "gnss.vertical_correlated_noise", "gnss.correlation_time",
     "processing.leg_after",
 )  # fmt: skip
-"""How the keys of inputs begin that no formula follows."""
+"""Starts of the keys of inputs that no formula follows."""
 _STEP = 1e-6
 """Of a source's size, as a part of it: wide enough for rounding, and the share is right to as many digits."""
 _WITH_SHARES = ("phase", "place", "steady", "outage")
@@ -110,7 +110,7 @@ class Traces:
         return Traced(f'IF({cell.text}="",{otherwise.text},{cell.text})', used, self.workings)
 
     def _inputs(self) -> Inputs:
-        """What `inputs_of` makes of cells in the place of numbers."""
+        """Inputs as `inputs_of` makes them, of cells in the place of numbers."""
         name, design = self.workings.name, self.design
         self.workings.head("Inputs as the formulas use them")
         without, instead = _WITHOUT_FORMULA, {"gnss.vertical_position_noise": "gnss.position_noise"}
@@ -234,7 +234,7 @@ class Traces:
             self._figure(name, self.model.value(name))
 
     def _limits(self) -> None:
-        """What limits of the user's own limit, where that is no figure of before."""
+        """Write the values under limits of the user's own, where they are no figure of before."""
         self._dimensions = {contributor.name: contributor.dimension for contributor in self.design.contributors}
         if self.design.limits:
             self.workings.head("Limited by requirements of your own")
@@ -356,12 +356,12 @@ class Traces:
 
 
 def contributor_key(number: int) -> str:
-    """What the cells of a contributor of the user's own are called after."""
+    """Start of the names of the cells of a contributor of the user's own."""
     return f"contributor_{number}"
 
 
 def limit_key(number: int) -> str:
-    """What the cells of a limit of the user's own are called after."""
+    """Start of the names of the cells of a limit of the user's own."""
     return f"own_limit_{number}"
 
 

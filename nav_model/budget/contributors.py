@@ -36,13 +36,13 @@ class Contribution:
 
 @dataclass(frozen=True)
 class Contributors:
-    """What enters each figure (`in_figures`), and each contributor by itself (`alone`), as a limit on it has it."""
+    """Contributions to each figure (`in_figures`), and each contributor by itself (`alone`), for a limit on it."""
 
     in_figures: Mapping[str, tuple[Contribution, ...]] = field(default_factory=lambda: FrozenMapping({}))
     alone: Mapping[str, tuple[Contribution, ...]] = field(default_factory=lambda: FrozenMapping({}))
 
     def entering(self, name: str, processing: str) -> tuple[Contribution, ...]:
-        """What enters a figure in one processing, or the contributor of that name."""
+        """Contributions to a figure in one processing, or the contributor of that name."""
         parts = (self.in_figures if name in FIGURES else self.alone).get(name, ())
         return tuple(part for part in parts if part.processing in (BOTH, processing))
 
@@ -68,7 +68,7 @@ class Composed:
 
 
 def contributors_of(design: Design, wavelength: Any, counted: Mapping[str, Any] | None = None) -> Contributors:
-    """What enters each figure of a design, with the wavelength [m] that turns lengths into phases.
+    """Contributions to each figure of a design, with the wavelength [m] that turns lengths into phases.
 
     `counted` has the values with their allowance by name, SI, if they are not those of the design that are not zero.
     """

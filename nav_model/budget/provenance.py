@@ -245,7 +245,7 @@ def _fix_after(design: Design) -> bool:
 
 
 def _rounded(design: Design) -> bool:
-    """Whether position and velocity fixes come at intervals of which neither divides the other, to a thousandth."""
+    """True if position and velocity fixes come at intervals of which neither divides the other, to a thousandth."""
     gnss = design.gnss
     if gnss.velocity_noise is None or gnss.velocity_interval is None:
         return False

@@ -63,7 +63,7 @@ class RealTime:
         return formula  # type: ignore[no-any-return]
 
     def sigma(self, name: str, at: ArrayLike | None = None) -> Array:
-        """The same with contributors; also a contributor by itself, for a limit on it."""
+        """One sigma of a figure with contributors; also of a contributor by itself, for a limit on it."""
         value = self.value(name, at) if name in FIGURES else np.asarray(0.0)
         return np.asarray(with_contributors(value, self.x.contributors.entering(name, self.processing)))
 
@@ -112,7 +112,7 @@ class RealTime:
         return self.at_last_fix if moment == "closed" else getattr(self.cycle, moment)
 
     def at(self, moment: Sawtooth) -> Self:
-        """The same formulas with the steady state at another moment of the cycle."""
+        """Copy of the formulas with the steady state at another moment of the cycle."""
         other = copy(self)
         other.checked = moment
         return other
@@ -239,7 +239,7 @@ class RealTime:
 
     @cached_property
     def phases(self) -> Mapping[str, phase.PhaseVariances]:
-        """The same after the design's autofocus."""
+        """Variances of phase after the design's autofocus."""
         return self.phase_by_source(self.x.autofocus_order)
 
     @cached_property

@@ -114,7 +114,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     @property
     def post_processed(self) -> bool:
-        """Whether post-processing decides."""
+        """True if post-processing decides."""
         return self.processing == POST_PROCESSED
 
     def figure(self, name: str) -> Composed:
@@ -199,7 +199,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
     def origin(
         self, name: str, processing: str, at: float | None = None, moment: str = "", *, limited: bool = False
     ) -> tuple[str, str]:
-        """Which of the model's results a figure is, and the mark of its equation; arguments as `composed`."""
+        """Name of the model's result that a figure is, and the mark of its equation; arguments as `composed`."""
         figure, smoothed = FIGURES[name], processing == POST_PROCESSED
         mark = figure.smoothed_mark if smoothed and figure.smoothed_mark else figure.mark
         if figure.kind == "level":
@@ -276,12 +276,12 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     @property
     def verdict(self) -> Verdict:
-        """That of the design's processing, which decides."""
+        """Verdict in the design's processing, which decides."""
         return self.judged(self.processing)
 
     @property
     def other_verdict(self) -> Verdict:
-        """The same requirements against the other processing."""
+        """Verdict on the same requirements in the other processing."""
         return self.judged(REAL_TIME if self.post_processed else POST_PROCESSED)
 
     @cached_property
@@ -321,7 +321,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     @property
     def has_fast_sources(self) -> bool:
-        """Whether the design has residual vibration, unsensed motion or oscillator noise that shows."""
+        """True if the design has residual vibration, unsensed motion or oscillator noise that shows."""
         return self.spectral.shows
 
     def ground(self, processing: str) -> tuple[float, float, float]:
@@ -355,7 +355,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return self._response(self[QUADRATIC, processing].sigma)
 
     def response_after_autofocus(self) -> ImpulseResponse | None:
-        """That of what autofocus leaves of the quadratic phase in real time."""
+        """Impulse response with what autofocus leaves of the quadratic phase in real time."""
         return self.response(REAL_TIME) if self.sar.autofocus_order == 1 else self._response(0.0)
 
     def _response(self, quadratic: float) -> ImpulseResponse | None:

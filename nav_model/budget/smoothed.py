@@ -73,7 +73,7 @@ class Smoothed(RealTime):
         return np.asarray(sum(weight * axis for weight, axis in zip(weights, self.error[column], strict=True)))
 
     def sight_variance(self, column: str) -> Array:
-        """The same with vibration, unsensed motion and oscillator."""
+        """Variance along the line of sight with vibration, unsensed motion and oscillator."""
         fast = sum(getattr(effect, column) for effect in self.x.fast.values())
         return np.asarray(self._along_sight(column) + fast)
 

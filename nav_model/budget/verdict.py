@@ -243,7 +243,7 @@ def check_names(design: Design) -> tuple[str, ...]:
 
 
 def lowest_limit(design: Design, figure: str) -> Required | None:
-    """That which decides on a figure, of its requirement and the user's own limits on it; those at a time of the
+    """The limit that decides on a figure, of its requirement and the user's own limits on it; those at a time of the
     outage aside. None without any."""
     given = [each for each in all_required(design).values() if (each.on, each.at) == (figure, None)]
     return min(given, key=lambda each: each.at_one_sigma, default=None)

@@ -15,7 +15,7 @@ from nav_model.base.constants import DEGREE
 from nav_model.design.declaration import OptionalQuantity, in_sentence
 
 Kind = Literal["phase", "place", "level", "steady", "outage", "response", "flight"]
-"""What a figure is of: phase over the aperture, place of the image, side lobes of fast errors, the settled filter,
+"""Subject of a figure: phase over the aperture, place of the image, side lobes of fast errors, the settled filter,
 a time after the last fix, the azimuth impulse response with the quadratic phase at one sigma; or of a flight alone,
 as a straight leg does not tell it."""
 
@@ -75,7 +75,7 @@ class Figure:
 
     @property
     def pair(self) -> bool:
-        """Whether it is one sigma of each of two horizontal axes."""
+        """True if it is one sigma of each of two horizontal axes."""
         return "horizontal" in self.name
 
     @property
@@ -269,5 +269,5 @@ def label_of(name: str) -> str:
 
 
 def figure_in_sentence(name: str) -> str:
-    """The same within a sentence, where a name of the user's own stays as it was written."""
+    """Name of a figure within a sentence, where a name of the user's own stays as it was written."""
     return in_sentence(FIGURES[name].label) if name in FIGURES else name

@@ -33,7 +33,7 @@ _MOST_FIXES = 5000
 
 @dataclass(frozen=True)
 class DesignCase:
-    """What the ensemble simulates: SI; vibration factor applied; ``rate`` [Hz] of the histories.
+    """Case that the ensemble simulates: SI; vibration factor applied; ``rate`` [Hz] of the histories.
 
     ``flight``: what the simulator flies; None for the fast engine.
     """
@@ -50,7 +50,7 @@ class DesignCase:
 
     @property
     def engine(self) -> Engine:
-        """Which engine runs it."""
+        """The engine that runs it."""
         return "fast" if self.flight is None else "simulator"
 
 

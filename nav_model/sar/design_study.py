@@ -131,12 +131,12 @@ class SarStudy:
         return np.sqrt(self.whole_rms**2 + self.residuals**2 - self.rms**2)
 
     def residual(self, key: str) -> float:
-        """The same of one strategy."""
+        """Residual of one strategy."""
         return float(self.residuals[STRATEGY_KEYS.index(key)])
 
     @property
     def sentence(self) -> str:
-        """Which strategy the runs recommend, and whether the formulas agree."""
+        """A sentence on the strategy that the runs recommend, and whether the formulas agree."""
         smoothed = "9" in self._able()
         best, now, advised = self.best(), self.best(causal=True), self.closed.advice.strategy
         what = "flights of the simulator" if self.engine == "simulator" else "runs"

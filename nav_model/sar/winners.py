@@ -36,10 +36,10 @@ from nav_model.sar.strategy_forms import (
 )
 
 IN_APERTURE: tuple[str, ...] = ("2", "3", "5", "5w")
-"""Those whose closed forms need no fix after the aperture, simplest first."""
+"""Strategies whose closed forms need no fix after the aperture, simplest first."""
 
 MAP_STRATEGIES: tuple[str, ...] = (*IN_APERTURE, "9")
-"""Those that have a closed form, simplest first."""
+"""Strategies that have a closed form, simplest first."""
 WORTH = 0.05
 """A simpler strategy is chosen if its residual is within this fraction of the least."""
 
@@ -49,7 +49,7 @@ _SECTIONS = 64  # parts a step of the search for the break-even aperture cuts it
 
 @dataclass(frozen=True)
 class Conditions:
-    """What the closed forms need: SI, numbers or arrays that broadcast together.
+    """Arguments of the closed forms: SI, numbers or arrays that broadcast together.
 
     ``start``, ``start_vertical``: covariance of a horizontal axis and of the vertical one at the last fix.
     ``fast``: variances along the line of sight that no strategy changes (vibration, unsensed motion, oscillator), of
@@ -229,7 +229,7 @@ def _of_acceleration(c: Conditions) -> tuple[Array, Array]:
 
 
 class WinnerMap(NamedTuple):
-    """Which strategy to use at each point: index into `strategies`, and sigma (strategies, ...) [m] of each."""
+    """The strategy to use at each point: index into `strategies`, and sigma (strategies, ...) [m] of each."""
 
     strategies: tuple[str, ...]
     winner: NDArray[np.intp]

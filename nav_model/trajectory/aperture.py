@@ -143,7 +143,7 @@ def free_rest(states: States, x: Inputs) -> FloatArray:
 
 
 def smoother_reaches(free: FloatArray, x: Inputs, gnss: GnssModel) -> bool:
-    """Whether fixes hold down what the coefficients leave of a free INS, `free` (sources) [m²]: if not, the smoothed
+    """True if fixes hold down what the coefficients leave of a free INS, `free` (sources) [m²]: if not, the smoothed
     trajectory has the same. A coefficient is known from fixes as well as white noise of their density lets it be."""
     length = float(x.aperture)
     known = 1.0 / (min(gnss.axis_noise) ** 2 * gnss.interval)

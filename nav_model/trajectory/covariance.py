@@ -278,7 +278,7 @@ def _along(apertures: Apertures, *, back: bool = False) -> Iterator[tuple[int, I
 
 
 def _ends(model: ErrorModel, run: _Filter, apertures: Apertures) -> tuple[FloatArray, FloatArray]:
-    """What smoothing adds to the sums of the apertures: weights on λ at the end of each (apertures, COLUMNS, m), and
+    """Parts of smoothing in the sums of the apertures: weights on λ at the end of each (apertures, COLUMNS, m), and
     on the innovations at its nodes (nodes, apertures, COLUMNS, r)."""
     m, (count, nodes) = model.states.estimated, apertures.weights.shape[:2]
     ends = np.zeros((count, COLUMNS, m))  # D

@@ -31,7 +31,7 @@ PLAN = "plan"
 
 
 def plan_like(design: Design) -> Plan:
-    """How the design flies waypoints, without any."""
+    """A plan that flies as the design does, without waypoints."""
     trajectory = design.trajectory
     flown = trajectory.bank, trajectory.climb_rate, trajectory.ground, trajectory.acceleration
     return Plan((), design.flight.speed, *flown)
@@ -155,7 +155,7 @@ def at_range(spec: CovarianceSpec, design: Design) -> CovarianceSpec:
 
 
 def _smoothed_after(x: Inputs) -> float:
-    """How long after a fix the smoothed states of the budget are [s]: in the middle of an aperture that begins with
+    """Time after a fix of the budget's smoothed states [s]: in the middle of an aperture that begins with
     one [P-3]. Zero where they are those at a fix to half a percent, which takes fewer steps."""
     half = float(x.aperture) / 2
     since = half % float(x.interval)

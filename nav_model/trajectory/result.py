@@ -1,4 +1,4 @@
-"""What a covariance along a flight gives: figures over time, real time and post-processed, and shares by source."""
+"""Results of a covariance along a flight: figures over time, real time and post-processed, and shares by source."""
 
 import math
 from collections.abc import Mapping
@@ -93,7 +93,7 @@ class LineResult:
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
+        """Duration [s]."""
         return self.stop_s - self.start_s
 
     @property

@@ -126,7 +126,7 @@ def regime_chart(budget: Budget) -> Chart:
 
 
 def _regime_knowledge(kappa: float, ratio: float, *, velocity: bool) -> str:
-    """What rules the horizontal channel; with velocity fixes gyro dominance alone does not say it."""
+    """Sentence on what rules the horizontal channel; with velocity fixes gyro dominance alone does not say it."""
     if velocity:
         return (
             f"Real time: κ = {number(kappa)}; with this design's velocity fixes the variance ratio is "
@@ -170,7 +170,7 @@ def response_chart(budget: Budget) -> Chart:
 
 
 def response_curves(budget: Budget) -> Chart:
-    """The same without the measures of its side lobes: what a slider moves."""
+    """Impulse response without the measures of its side lobes: what a slider moves."""
     sar, focused = budget.sar, budget.half_power_extent is not None
     cells, ideal = _ideal_response(sar.window)
     cells, spread = _spread(budget) if focused else (cells, np.full((2, len(cells)), np.nan))

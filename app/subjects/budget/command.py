@@ -118,7 +118,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def check_lines(path: str, budget: Budget) -> list[str]:
-    """What `navbudget check` prints of a design: a line per requirement and caution, then both verdicts, the design's
+    """Lines of `navbudget check` for a design: one per requirement and caution, then both verdicts, the design's
     last and with the file's name.
 
     Words and digits are those of the page and the report; the minus sign is the one that scripts read.

@@ -60,7 +60,7 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
 
 
 def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> str:
-    """What a figure is: how it is known, and what belongs beside it."""
+    """Words below a figure: how it is known, and what belongs beside it."""
     smoothed, spread = budget.post_processed, display.named(pair=figure.pair)
 
     def text_of(name: str, moment: str = "") -> str:

@@ -25,7 +25,7 @@ CONTRIBUTORS_ENTER = (
     "line of sight enters a phase by 4π/λ. What enters a position lasts through the outage. What enters CE90 or LE90 "
     "is given as a 90 % value."
 )
-"""How the design's own contributors enter its figures."""
+"""Sentence on how the design's own contributors enter its figures."""
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 
 

@@ -119,7 +119,7 @@ def biases_text(design: Design, biases: Biases = "design") -> str:
 
 
 def search_answer(rows: Sequence[Candidate], yours: bool, unbiased: int) -> Answer:
-    """How many units or pairs meet the requirements, and which does by the widest margin; `unbiased`: how many would
+    """Units or pairs that meet the requirements, and the one with the widest margin; `unbiased`: how many would
     with residual biases of zero."""
     good = [row for row in rows if row.closes]
     what = "IMUs pass with your receiver" if yours else "pairs of IMU and receiver pass"
@@ -215,7 +215,7 @@ def uncertain_answer(verdict: UncertainVerdict) -> Answer:
 
 
 def uncertain_table(verdict: UncertainVerdict) -> TableBlock:
-    """What each requirement adds to the probability."""
+    """Part of each requirement in the probability."""
     return table(
         "uncertain",
         "Requirements under these ranges",
@@ -243,7 +243,7 @@ def sweep_order(plan: SweepPlan, columns: Mapping[str, Swept]) -> NDArray[np.int
 
 
 def sweep_answer(plan: SweepPlan, columns: Mapping[str, Swept], stale: bool) -> Answer:
-    """How many designs of a sweep meet all requirements, and the one that just does."""
+    """Number of designs of a sweep that meet all requirements, and the one that just does."""
     old = ("The results belong to an earlier sweep or design. Run again.",) if stale else ()
     if columns["closes"][0] is None:
         return Answer(f"{plan.rows:,} designs", "open", (*old, "No requirement is set, so no design is judged."))

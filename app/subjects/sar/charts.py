@@ -105,7 +105,7 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None)
 
 
 def _chosen(budget: Budget) -> str:
-    """Whether the whole-leg smoother is a candidate."""
+    """Sentence on whether the whole-leg smoother is a candidate."""
     if budget.design.processing.mode == POST_PROCESSED:
         return f"The design is post-processed, so {NAMES['9']} can be the best."
     return (
@@ -147,7 +147,7 @@ def _dot_chart(
 
 
 def _rank(dot: Dot) -> float:
-    """What a row is ranked by: the runs, else the formula; rows without either last. Of equals, to the digits that
+    """Value that ranks a row: of the runs, else the formula; rows without either last. Of equals, to the digits that
     are shown, the simplest stays first."""
     value = dot.closed if math.isnan(dot.ensemble) else dot.ensemble
     return math.inf if math.isnan(value) else float(f"{value:.3g}")

@@ -99,12 +99,12 @@ def _degrees(sigma: float, budget: Budget) -> str:
 
 
 def runs_in_words(study: SarStudy) -> str:
-    """Which runs, and how many."""
+    """Runs and their number, in words."""
     return f"{study.runs} {_ENGINES[study.engine]}, seed {study.seed}"
 
 
 def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
-    """What a careful reader must know."""
+    """Cautions for a careful reader."""
     flown = flight_cautions(study.budget) if study is not None and study.engine == "simulator" else ()
     return Bullets((*study_cautions(budget), *flown), "Assumptions and cautions")
 

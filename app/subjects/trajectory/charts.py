@@ -92,7 +92,7 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
 
 
 def judged_how(followed: Followed | None, name: str) -> str:
-    """How the figure `name` comes about, and for states the moment at which they are judged."""
+    """Source of the figure `name`, and for states the moment at which they are judged."""
     states = "horizontal", "vertical", "tilt", "heading"
     at = f"; {followed.result.moment}" if followed and name.startswith(states) else ""
     return f"{_FORMULA}{at}."

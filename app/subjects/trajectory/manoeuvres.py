@@ -1,4 +1,4 @@
-"""What would close a flight: a block of the page that flies candidates in a worker, with a button for each option."""
+"""Options that would close a flight: a block of the page that flies candidates in a worker, a button for each."""
 
 from __future__ import annotations
 

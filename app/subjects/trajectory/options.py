@@ -1,4 +1,4 @@
-"""What would close a flight as blocks: the answer in a sentence, and a table of what each option buys and costs."""
+"""Options that would close a flight, as blocks: the answer in a sentence, and a table of what each buys and costs."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _note(option: Option, *, buys: bool) -> str:
 
 
 def _change(figure: Limited, planned: Limited) -> str:
-    """How much nearer to its limit a figure is than what decided as planned."""
+    """Change of a figure towards its limit against what decided as planned."""
     change = figure.ratio / planned.ratio - 1.0
     if not math.isfinite(change):
         return NONE

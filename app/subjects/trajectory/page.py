@@ -219,7 +219,7 @@ class TrajectoryPage(StudyPage[Followed]):
     # --- the parts ------------------------------------------------------------------------------------
 
     def _plan_parts(self) -> tuple[Any, ...]:
-        """What the drawer has: the flight and its inputs, numbered waypoints, aiding, limits of single lines."""
+        """Parts of the drawer: the flight and its inputs, numbered waypoints, aiding, limits of single lines."""
         choices, box, flies = self.param, self._plan.box, self.param.flight.rx
         file = upload(
             "Plan or recording", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded,
@@ -375,7 +375,7 @@ class TrajectoryPage(StudyPage[Followed]):
 
 
 def _solved(result: "TrajectoryResult") -> bool:
-    """Whether lengths of lines, or near and far range, are known."""
+    """True if lengths of lines, or near and far range, are known."""
     return bool(result.swath) or any(line.longest_s is not None for line in result.lines)
 
 

@@ -155,7 +155,7 @@ async def follow_ahead(design: Design) -> None:
 def closing_options(
     design: Design, states: int = 0, file: File | None = None, *, progress: Callable[[float, str], None]
 ) -> Manoeuvres:
-    """What would close the flight of a design's plan, or of a file; for a process of its own.
+    """Options that would close the flight of a design's plan, or of a file; for a process of its own.
 
     Raises InputError as `follow` and `manoeuvres`.
     """

@@ -106,7 +106,7 @@ def _swath(result: TrajectoryResult) -> str:
 
 
 def _length(line: LineResult) -> str:
-    """How long a line may be; empty where that is not solved."""
+    """Longest length of a line; empty where that is not solved."""
     from nav_model.trajectory.lines import length_in_words
 
     return length_in_words(line)
