@@ -10,12 +10,34 @@ from nav_model.base.errors import InputError, under
 from nav_model.base.units import parse_quantity
 
 if TYPE_CHECKING:
+    from nav_model.budget import Budget
     from nav_model.design import Design
     from nav_model.simulation.specification import SimulationSpec
     from nav_model.simulation.study_inputs import SimulationInputs
     from nav_model.trajectory.plan import PlannedFlight
 
 _DURATION = 500.0
+
+
+def flown_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the option of the commands that give a verdict, which fly the design's plan for it."""
+    parser.add_argument(
+        "--no-flight", action="store_true", help="do not fly the design's plan: what it judges stays open (faster)"
+    )
+
+
+def flown_budget(budget: Budget, options: argparse.Namespace) -> Budget:
+    """The budget with the checks of the design's flight, unless the options leave it out or it judges nothing.
+
+    Raises InputError for a flight that cannot be flown.
+    """
+    from nav_model.budget.verdict import flies
+
+    if options.no_flight or not flies(budget.design):
+        return budget
+    from nav_model.trajectory.verdict import flown  # with Numba, which takes a second
+
+    return flown(budget)
 
 
 def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
+from app.console.flight import flown_arguments, flown_budget
 from app.report import SPREADSHEET, document_bytes, kind_of, report_bytes
 from app.subjects import STUDIES
 from nav_model.base.errors import InputError
@@ -16,6 +17,7 @@ def add_to(commands: Any) -> None:
     """Declare the command."""
     report = commands.add_parser("report", help="write a design report")
     design_arguments(report, single=False)
+    flown_arguments(report)
     add = report.add_argument
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html, FILE.pdf or FILE.xlsx")
     add("--with", dest="studies", default="", metavar="STUDY,...",
@@ -56,6 +58,8 @@ def _report(options: argparse.Namespace) -> int:
             raise InputError("-o", "a requirement sheet is a page: FILE.html or FILE.pdf")
         sheet = supplier_report(designs[0], options.supplier)
     budgets = [analyse(design) for design in designs]
+    if not options.supplier:
+        budgets = [flown_budget(budget, options) for budget in budgets]
     with whole_file(options.output) as file:  # refused now, not after the studies
         if options.supplier:
             file.write(document_bytes(sheet, kind))

@@ -219,6 +219,11 @@ def flown_names(design: Design) -> tuple[str, ...]:
     return tuple(flight_required(design, every=design.trajectory.planned))
 
 
+def flies(design: Design) -> bool:
+    """Whether a flight judges anything of a design; limits of lines without a plan are refused there."""
+    return bool(flown_names(design) or design.trajectory.limits)
+
+
 def flight_required(design: Design, *, every: bool) -> dict[str, Required]:
     """The requirements that a flight checks, by name; `every`: on all figures known along one, not only on those that
     a straight leg does not tell."""

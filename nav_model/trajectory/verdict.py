@@ -2,14 +2,16 @@
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
+from nav_model.base.errors import InputError
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget import Budget
 from nav_model.budget.contributors import Shares
-from nav_model.budget.verdict import Check, Required, all_required, check_of, flight_required, flown_names
+from nav_model.budget.verdict import Check, Required, all_required, check_of, flies, flight_required
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.trajectory.covariance import figures_on_lines
 from nav_model.trajectory.design_study import along_flight, planned
@@ -28,14 +30,17 @@ def flown(budget: Budget, most_steps: int = MOST_STEPS) -> Budget:
     Raises
     ------
     InputError
-        Naming the key of the design that cannot be flown in `most_steps` steps.
+        Naming the key of the design that cannot be flown in `most_steps` steps, or whose covariance is not finite.
     """
     design = budget.design
-    if not flown_names(design) and not design.trajectory.limits:
+    if not flies(design):
         return budget
-    return replace(
-        budget, flight=_checks(figures_on_lines(along_flight(design, planned(design)), most_steps=most_steps), budget)
-    )
+    spec = along_flight(design, planned(design))
+    try:
+        along = figures_on_lines(spec, most_steps=most_steps)
+    except ArithmeticError as error:
+        raise InputError("trajectory.flight", f"{error}. Bring the design's values closer together.") from error
+    return replace(budget, flight=_checks(along, budget))
 
 
 def checks_of(result: TrajectoryResult, budget: Budget) -> Mapping[str, tuple[Check, ...]]:
@@ -49,7 +54,9 @@ def _checks(along: OnLines, budget: Budget) -> Mapping[str, tuple[Check, ...]]:
     checks = {}
     for processing in along.figures:
         lines = judge(along.spec, along.time_s, along.figures[processing], along.sources)
-        legs = {check.name: check.value for check in budget.straight_leg(processing).checks}
+        legs: dict[str, float] = {}
+        with suppress(InputError):  # whoever reads that verdict is told
+            legs = {check.name: check.value for check in budget.straight_leg(processing).checks}
         checks[processing] = tuple(
             _check(name, requirement, name in everywhere, lines, along, processing, legs.get(name))
             for name, requirement in required.items()
@@ -110,5 +117,5 @@ def _check(
 def _shares(along: OnLines, processing: str, figure: str, time_s: float) -> Shares:
     """Shares of the sources in a figure at a time of the flight."""
     output = int(np.argmin(np.abs(along.time_s - time_s)))
-    shares = along.figures[processing].shares[figure][:, output]
+    shares = np.nan_to_num(along.figures[processing].shares[figure][:, output])  # a figure of zero has none
     return FrozenMapping(dict(zip(along.sources, shares.tolist(), strict=True)))

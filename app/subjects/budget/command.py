@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
 from app.console.ending import one_line, refuse
+from app.console.flight import flown_arguments, flown_budget
 from nav_model.base.errors import InputError
 from nav_model.base.text.csv_text import csv_of
 from nav_model.design.catalogue import catalogue
@@ -32,10 +33,12 @@ def add_to(commands: Any) -> None:
         action="store_true",
         help="print the image location errors as the SICD XML element ErrorStatistics instead",
     )
+    flown_arguments(evaluate)
     evaluate.set_defaults(run=_evaluate)
 
     check = commands.add_parser("check", help="check designs against their requirements")
     design_arguments(check, single=False)
+    flown_arguments(check)
     check.set_defaults(run=_check)
 
     share_out = commands.add_parser("allocate", help="split a requirement's limit among sources and contributors")
@@ -89,7 +92,7 @@ def _evaluate(options: argparse.Namespace) -> int:
 
         sys.stdout.write(sicd_xml(error_statistics(design)).decode())
         return 0
-    return put_json(lambda: to_json(budget))
+    return put_json(lambda: to_json(flown_budget(budget, options)))
 
 
 def _times(text: str | None) -> list[float] | None:
@@ -107,12 +110,13 @@ def _check(options: argparse.Namespace) -> int:
     worst = 0
     for path in paths_of(options):
         try:
-            budget = analyse(read_design(path, options.changes))
+            budget = flown_budget(analyse(read_design(path, options.changes)), options)
+            lines = check_lines(one_line(path), budget)
         except InputError as error:
             worst = refuse(error)
             continue
-        print("\n".join(check_lines(one_line(path), budget)))
-        if not budget.verdict.closes:
+        print("\n".join(lines))
+        if budget.verdict.failing or (budget.verdict.open and not options.no_flight):
             worst = max(worst, 1)
     return worst
 
