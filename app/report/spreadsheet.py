@@ -15,6 +15,7 @@ import numpy as np
 from xlsxwriter import Workbook
 from xlsxwriter.utility import xl_rowcol_to_cell
 
+from app.document.numbers import NONE
 from app.document.verdict import SAID
 from app.document.wording import printable, title_of
 from app.report.inputs import input_text
@@ -23,10 +24,10 @@ from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
-from nav_model.budget.verdict import Check, Verdict
+from nav_model.budget.verdict import STRAIGHT_LEG, Check
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.figures import FIGURES, REQUIRED, figure_in_sentence, label_of
+from nav_model.design.figures import FIGURES, REQUIRED, figure_in_sentence, label_of, of_kind
 from nav_model.design.parts import INPUTS, declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -36,6 +37,7 @@ LIVE, OTHER, TAKEN = "live formula", "from other inputs", "value, not a formula"
 _TEXTS, _APART = ("State", "Name", "Processing", "Main error source"), ("Unit", "Met", "Equation", "What it is")
 """Columns of texts beside the first; those that stand apart from a number before them."""
 
+_FLIGHT_DECIDES = "Judged on the flight, whose values are fixed and not known once a cell is changed"
 _CHANGED, _ENTERING_CHANGED = "inputs_changed", "contributors_changed"
 
 
@@ -292,36 +294,42 @@ class _Sheets:
 
     # -- limits and margins -----------------------------------------------------------------------------------------
 
-    def _judged(self, processing: str) -> Verdict:
-        return next(v for v in (self.budget.verdict, self.budget.other_verdict) if v.processing == processing)
-
     def _verdict(self, sheet: Any, processing: str) -> None:
-        verdict = self._judged(processing)
-        names = (*REQUIRED, *(limit.name for limit in self.design.limits))
+        verdict = self.budget.judged(processing)
+        of_flight = {check.name: check for check in verdict.checks if check.judged != STRAIGHT_LEG}
+        names = (*REQUIRED, *(limit.name for limit in self.design.limits if limit.on not in of_kind("flight")))
+        alone = [name for name in of_flight if name not in names]  # what a straight leg does not tell
         columns = {
             "Requirement": 38, "Value, 1σ": 14, "Factor": 8, "Value checked": 14, "Limit": 12, "Unit": 8,
             "Margin": 10, "Met": 12, "Equation": 16, "State": 22, "Main error source": 40,
         }  # fmt: skip
-        lines = (
+        if of_flight:
+            columns |= {"Along the flight": 14, "Judged": 16}
+        lines: tuple[str, ...] = (
             "",
             "Values are live formulas of the sheet Inputs, unless the column State says otherwise."
             if processing == REAL_TIME
             else "A smoother has no formula: its values are NavBudget's, for the column As computed of Inputs. "
             "Contributors, limits and confidence may change.",
         )
+        if of_flight:
+            lines = (*lines, f"{_FLIGHT_DECIDES}: {', '.join(figure_in_sentence(name) for name in of_flight)}.")
         first = row = self._start(sheet, f"{printable(title_of(self.design))}, {SAID[processing]}", columns, lines)
-        checks = {check.name: check for check in verdict.checks}
+        checks = {check.name: check for check in self.budget.straight_leg(processing).checks}
         for row, name in enumerate(names, first):
             self._check(sheet, row, name, checks.get(name), processing)
+            if name in of_flight:
+                self._of_flight(sheet, row, of_flight[name])
+        for name in alone:
+            row += 1
+            self._of_flight(sheet, row, of_flight[name])
         letters = f"H{first + 1}:H{row + 1}"
         closes = f'IF(COUNTIF({letters},"met")>0,"Closes","Not checked")'
-        if verdict.open:
-            closes = '"Open"'
-        for word, words in (("not known", "Not known for these inputs"), ("not met", "Does not close")):
+        for word, words in (("refused", "Open"), ("open", "Open"), ("not known", "Not known for these inputs"),
+                            ("not met", "Does not close")):  # fmt: skip
             closes = f'IF(COUNTIF({letters},"{word}")>0,"{words}",{closes})'
-        met = all(check.met for check in checks.values())
-        otherwise = "Open" if verdict.open else "Closes" if checks else "Not checked"
-        sheet.write_formula(1, 0, f"={closes}", self.bold, otherwise if met else "Does not close")
+        said = {"fails": "Does not close", "open": "Open", "closes": "Closes" if verdict.checks else "Not checked"}
+        sheet.write_formula(1, 0, f"={closes}", self.bold, said[verdict.state])
         if processing == REAL_TIME:
             self._name("verdict_in_real_time", "Budget", 1, 0)
         self._end(sheet, first, row, (*columns,))
@@ -374,11 +382,45 @@ class _Sheets:
             self.checks.append((check, processing, symbol))
             self._cause(sheet, row, len(self.checks) + 3, check)
 
+    def _of_flight(self, sheet: Any, row: int, check: Check) -> None:
+        """A requirement that the flight judges: NavBudget's value, not known once a cell is changed."""
+        at, unit = row + 1, _Unit.of(check.unit, check.dimension)
+        number, own = next(
+            ((n, limit) for n, limit in enumerate(self.design.limits, 1) if limit.name == check.name), (0, None)
+        )
+        key = f"requirements.{FIGURES[check.on].required_as}"
+        given = cast("float | None", own.value if own else self.design[key])
+        limit = limit_key(number) if own else symbol_of(key)
+        usual = self.design.requirements.confidence
+        other = f'{limit}<>""' if given is None else f'IF({limit}="",TRUE,ABS({limit}/{given!r}-1)>1E-9)'
+        changed = f"OR({_CHANGED},{_ENTERING_CHANGED},requirements_confidence<>{usual!r},{other})"
+
+        def fixed(column: int, value: Any, look: Any = None) -> None:
+            text = f'"{value}"' if isinstance(value, str) else repr(value)
+            sheet.write_formula(row, column, f'=IF({changed},"not known",{text})', look, value)
+
+        known, name = check.known, label_of(check.name)
+        sheet.write(row, 0, name)
+        sheet.write(row, 5, unit.symbol)
+        if check.straight is None or check.limit != given:
+            sheet.write(row, 4, unit.number(check.limit), self._format(unit.number(check.limit), unit.symbol))
+        fixed(6, check.margin if known else NONE, self.percent)
+        fixed(7, check.state)
+        sheet.write(row, 8, check.equation)
+        sheet.write_formula(row, 9, f'=IF({changed},"{OTHER}","{TAKEN}")', None, TAKEN)
+        fixed(10, _cause_words(check) if check.shares and known else NONE)
+        value = unit.number(check.value) if known else 0.0
+        fixed(11, value if known else NONE, self._format(value, unit.symbol))
+        sheet.write(row, 12, printable(check.judged))
+        sheet.conditional_format(row, 6, row, 12, {
+            "type": "formula", "criteria": f'=$J{at}="{OTHER}"', "format": self.grey,
+        })  # fmt: skip
+
     def _cause(self, sheet: Any, row: int, at: int, check: Check) -> None:
         """The source with the largest share, in row `at` of Shares."""
         shares, heads = f"Shares!$D{at}:$AZ{at}", "Shares!$D$3:$AZ$3"
         largest = f'INDEX({heads},MATCH(MAX({shares}),{shares},0))&", "&TEXT(100*MAX({shares}),"0")'
-        cause = f"{check.sensor}, {100 * check.sensor_share:.0f} % of the variance"
+        cause = _cause_words(check)
         formula = f'=IF(Shares!$C{at}="{OTHER}","not known",{largest}&" % of the variance")'
         sheet.write_formula(row, 10, formula, None, cause)
 
@@ -395,6 +437,11 @@ class _Sheets:
                 value = float(np.nan_to_num(share.value))
                 sheet.write_formula(row, 3 + sources.index(source), f"=IFERROR({share.text},0)", self.share, value)
         self._end(sheet, first, row, (*columns,))
+
+
+def _cause_words(check: Check) -> str:
+    """The sensor with the largest share."""
+    return f"{check.sensor}, {100 * check.sensor_share:.0f} % of the variance"
 
 
 class _Unit(NamedTuple):
