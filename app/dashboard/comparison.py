@@ -68,9 +68,11 @@ class ComparisonChoice(PlainScript):
 
     async def _take_saved(self, key: str) -> None:
         from app.library.place import library
+        from app.library.store import fly_ahead
 
         try:
             revision = await asyncio.to_thread(lambda: library().revision(key))
+            await fly_ahead((revision,))
             self._session.compare(Compared(revision.budget(), revision.name))
         except InputError as error:
             self.problem = f"Not compared. {error}"

@@ -7,9 +7,9 @@ and loses nothing.
 
 import functools
 import secrets
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -21,9 +21,10 @@ from app.document.verdict import verdict_of
 from app.library.engine import database_faults, engine_at, is_read_only
 from app.library.schema import is_current, migrate, version_of
 from app.library.texts import clean, clean_tags
+from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
-from nav_model.budget.verdict import check_names
+from nav_model.budget.verdict import Check, check_names, flies
 from nav_model.design.file import format_design, parse_design
 
 MOST = {"designs": 5_000, "revisions": 20_000, "reviews": 2_000, "bytes": 200_000_000}
@@ -38,8 +39,8 @@ class Conflict(InputError):
 class Revision:
     """One revision: the design file's text, author, date and note, its hash, and its verdict at that time.
 
-    ``closes`` is None without a requirement, ``saved`` is ISO 8601 in UTC, ``product`` the version of the program
-    that judged it, ``origin`` is "import" when author and date come from a file.
+    ``closes`` is None without a requirement and where the verdict is open, ``saved`` is ISO 8601 in UTC, ``product``
+    the version of the program that judged it, ``origin`` is "import" when author and date come from a file.
     """
 
     design: str
@@ -76,10 +77,46 @@ class Saved(Revision):
     tags: tuple[str, ...]
 
 
+Flight = Mapping[str, tuple[Check, ...]]
+_MOST_FLIGHTS = 256
+_flights: dict[str, Flight | None] = {}  # text of a design -> the checks of its flight, None where it cannot be flown
+
+
+def flight_of(budget: Budget) -> Flight | None:
+    """The checks of a design's flight; None where it has none, or one that cannot be flown. For a worker: seconds."""
+    if budget.flight is not None or not flies(budget.design):
+        return budget.flight
+    from nav_model.trajectory.verdict import flown  # with Numba, which takes a second
+
+    try:
+        return flown(budget).flight
+    except InputError:
+        return None
+
+
+async def fly_ahead(revisions: Iterable[Revision]) -> None:
+    """Have the flights of some revisions flown by a worker, so that their `budget` is there at once."""
+    for revision in revisions:
+        if revision.text in _flights:
+            continue
+        with suppress(InputError):  # whoever asks for its budget is told
+            budget = analyse(parse_design(revision.text, revision.name))
+            _keep_flight(revision.text, await run_in_pool(flight_of, budget) if flies(budget.design) else None)
+
+
+def _keep_flight(content: str, flight: Flight | None) -> None:
+    _flights[content] = flight
+    while len(_flights) > _MOST_FLIGHTS:
+        del _flights[next(iter(_flights))]
+
+
 # A revision never changes, and one review asks for its budget a dozen times, a list of reviews for all their checks.
 @functools.lru_cache(maxsize=64)
 def _worked_out(content: str, where: str) -> Budget:
-    return analyse(parse_design(content, where))
+    budget = analyse(parse_design(content, where))
+    if content not in _flights:
+        _keep_flight(content, flight_of(budget))
+    return replace(budget, flight=_flights[content])
 
 
 @functools.lru_cache(maxsize=4096)
@@ -325,6 +362,8 @@ def revision_from_file(data: bytes | str, where: str, author: str, note: str, sa
 
 
 def _revision(budget: Budget, author: str, note: str, *, saved: str, name: str = "", origin: str = "") -> Revision:
+    budget = replace(budget, flight=flight_of(budget))
+    verdict = budget.verdict
     answer = verdict_of(budget)
     return Revision(
         design="",
@@ -335,7 +374,7 @@ def _revision(budget: Budget, author: str, note: str, *, saved: str, name: str =
         saved=saved,
         text=format_design(budget.design),
         content_hash=budget.design.content_hash,
-        closes=budget.verdict.closes if budget.verdict.checks else None,
+        closes=verdict.closes if verdict.checks and verdict.state != "open" else None,
         verdict=" ".join((f"{answer.word}.", *answer.sentences)),
         product=version("navbudget"),
         origin=origin,

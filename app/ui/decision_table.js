@@ -70,7 +70,7 @@ export function render({ model }) {
       const line = body.insertRow()
       line.append(make("th", row.label, { scope: "row" }))
       for (const text of [row.value, row.limit]) line.append(make("td", text, { className: "num" }))
-      line.append(make("td", row.met ? "✓ met" : "✗ not met", { className: `tone ${row.met ? "good" : "bad"}` }))
+      line.append(make("td", row.verdict, { className: `tone ${row.tone}` }))
       line.append(make("td", row.decision), make("td", row.reason))
       if (model.open) line.append(actions(row))
     }

@@ -19,7 +19,8 @@ class DecisionTable(PlainScript):
     caption = param.String()
     open = param.Boolean(default=True, doc="Whether decisions are taken still.")
     rows = param.List(
-        default=[], doc="Dicts of place, name, label, value, limit, met, seen, decision and reason, as texts to show."
+        default=[],
+        doc="Dicts of place, name, label, value, limit, met, verdict, tone, seen, decision and reason, as shown.",
     )
 
     _stylesheets: ClassVar[list[str]] = [SHEET]

@@ -11,7 +11,7 @@ from app.document.display import display_of
 from app.document.numbers import signed_percent
 from app.document.pane import html_of
 from app.document.wording import design_labels
-from app.library.store import Revision
+from app.library.store import Revision, fly_ahead
 from app.report import report_bytes
 from app.report.comparison import closing_words, difference_tables, phase_comparison, position_comparison
 from app.subjects.review.desk import LOOK, Desk, listed
@@ -46,6 +46,7 @@ class CompareView(View):
 
     async def compare(self, revisions: tuple[Revision, ...]) -> bool:
         """Set revisions side by side; whether all of them could be computed."""
+        await fly_ahead(revisions)
         try:
             budgets = [revision.budget() for revision in revisions]
         except InputError as error:

@@ -1,7 +1,7 @@
 """The library's part of the Review page: save, find, pick, archive, export and import."""
 
 from collections.abc import Awaitable, Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -14,7 +14,7 @@ from app.document.blocks import Answer, Block, Cell, Row, Text, table
 from app.document.pane import html_of
 from app.document.wording import shortened
 from app.library.exchange import MAX_ARCHIVE, add_histories, export_archive, read_archive
-from app.library.store import Library, Revision, Saved
+from app.library.store import Library, Revision, Saved, flight_of
 from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
 from app.ui.downloads import download
@@ -24,6 +24,7 @@ from app.ui.upload import upload
 from app.ui.view import View
 from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
+from nav_model.budget.verdict import flies
 from nav_model.design.file import parse_design
 
 _LIBRARY = Answer("Library", "open", ("Opening the library …",))
@@ -187,6 +188,8 @@ class LibraryView(View):
     async def _save(self, new: bool) -> None:
         base = None if new else self.desk.base
         budget, author, note = self.desk.session.budget, self.desk.who, self._note.value or ""
+        if flies(budget.design) and budget.flight is None:
+            budget = replace(budget, flight=await run_in_pool(flight_of, budget))
 
         def work(place: Library) -> Revision:
             if base is None:
@@ -298,5 +301,7 @@ def _answer(listing: _Listing) -> Answer:
     closing = sum(saved.closes is True for saved in listing.designs)
     what = counted(len(listing.designs), "design") + (" found" if listing.narrowed else " saved")
     sentence = f"{closing} of {len(listing.designs)} close." if closing else "No design closes."
+    if unknown := sum(saved.closes is None for saved in listing.designs):
+        sentence += f" {counted(unknown, 'design')} without a verdict."
     sentence = sentence if listing.designs else "Save the current design."
     return Answer(what, "open", (sentence,))

@@ -25,7 +25,7 @@ from app.library.reviews import (
     sign,
     version_of,
 )
-from app.library.store import Library
+from app.library.store import Library, fly_ahead
 from app.library.texts import counted
 from app.report import report_bytes
 from app.subjects.review import report
@@ -121,6 +121,7 @@ class ReviewRoom(View):
         reviews = await self.desk.ask(list_reviews)
         if reviews is None:
             return
+        await fly_ahead(revision for review in reviews for revision in review.revisions)
         table = await asyncio.to_thread(lambda: html_of(overview(reviews)))
         if self._asked is not asked:
             return

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from app.document.verdict import CheckWords, check_words, judged
+from app.document.verdict import CheckWords, check_words, judged, met_cell
 from app.document.wording import shortened
 from app.library.reviews import Review
 from app.library.texts import moment
@@ -38,8 +38,9 @@ def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
     decision = "open" if standing is None else (
         f"{decided_word(standing, met=check.met).text} by {standing.author}, {moment(standing.decided)}"
     )  # fmt: skip
+    state = met_cell(check)
     return {
         "place": place, "name": name, "label": f"D{place}: {check.label}", "value": words.value, "limit": words.limit,
-        "met": check.met, "seen": standing.number if standing else 0, "decision": decision,
-        "reason": standing.reason if standing else "",
+        "met": check.met, "verdict": state.text, "tone": state.tone, "seen": standing.number if standing else 0,
+        "decision": decision, "reason": standing.reason if standing else "",
     }  # fmt: skip
