@@ -53,7 +53,8 @@ def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:
     add("--ground", metavar="G",
         help="height of the ground, or of the take-off, for a file with heights above it, e.g. '430 m' "
         "(default: the design's, unless that is 0)")  # fmt: skip
-    add("--every", type=float, default=1.0, metavar="S", help="spacing of the results (default 1 s)")
+    add("--every", type=float, metavar="S",
+        help="spacing of the results (default 1 s; of the design's plan a 1200th, where that is more)")  # fmt: skip
     add("--states", type=int, choices=(9, 12, 15, 18, 21, 24), default=0,
         help="filter states: 15 estimates biases, 21 constant and varying ones separately; 12, 18 and 24 the slow "
         "GNSS error too (default: 15 if there is a bias, else 9, and 3 more for a slow GNSS error)")  # fmt: skip
@@ -90,7 +91,7 @@ def flight_study(
             trajectory=flight.trajectory if flight else options.trajectory,
             duration=whole if options.duration is None else options.duration,
             outages=outages,
-            every=options.every,
+            every=1.0 if options.every is None else options.every,
             states=options.states,
             more=more,
             **others,

@@ -213,8 +213,8 @@ _DECLARED = (
     Figure("coast_heading", "Heading growth in the outage", "angle", "outage", "[T-5]"),
     _limited(
         "heading", "Heading", "angle", "flight", "", "rhd",
-        "Heading error on each line of a flight. A straight leg does not observe it, so only the Flight page and "
-        "`navbudget trajectory` check it.",
+        "Heading error on each line of the flight plan, or without one on a straight flight of its flight time, as a "
+        "straight leg does not observe it.",
         "0.005 to 0.05° for a lidar or a camera", "0.2.0",
         requirement={"bounds": (1e-6 * DEGREE, math.pi), "softbounds": (1e-3 * DEGREE, 1 * DEGREE)}, in_flight=True,
     ),

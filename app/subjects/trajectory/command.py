@@ -33,7 +33,7 @@ def _trajectory(options: argparse.Namespace) -> int:
     from nav_model.budget import analyse
     from nav_model.simulation.study_inputs import read_study_inputs, split_changes
     from nav_model.trajectory.covariance import covariance
-    from nav_model.trajectory.design_study import PLAN, covariance_specification
+    from nav_model.trajectory.design_study import PLAN, along_flight, covariance_specification
     from nav_model.trajectory.line_length import with_lengths
     from nav_model.trajectory.result import to_json
     from nav_model.trajectory.swath import with_swath
@@ -44,12 +44,12 @@ def _trajectory(options: argparse.Namespace) -> int:
     design = read_design(path, of_design)
     study, flight = flight_study(design, read_study_inputs(of_study), options)
     lines = flight.lines if flight else ()
-    own = (
-        options.trajectory == PLAN
-        and options.duration is None
-        and not (options.outages or options.states or of_study)
-    )
-    spec = covariance_specification(design, study, lines, every=design.trajectory.planned or not own)
+    # The design's own flight is that of its verdict; another is a study, which judges all that it knows.
+    own = options.trajectory == PLAN and not (of_study or options.outages or options.states)
+    if own and flight and options.duration is None and options.every is None:
+        spec = along_flight(design, flight)
+    else:
+        spec = covariance_specification(design, study, lines, every=design.trajectory.planned or not own)
     result = covariance(spec)
     if options.trajectory == PLAN and options.duration is None:
         with show_progress() as show:
