@@ -65,6 +65,8 @@ def comparison_chapter(
 def closing_words(budgets: Sequence[Budget]) -> str:
     """A title with the number of two or more designs that close."""
     count, closing = len(budgets), sum(budget.verdict.closes for budget in budgets)
+    if unknown := sum(budget.verdict.state == "open" for budget in budgets):
+        return f"{closing} of {count} designs close, {unknown} open"
     if closing == count:
         return f"{'Both' if count == 2 else f'All {count}'} designs meet their requirements"
     if not closing:

@@ -44,7 +44,7 @@ def verdict(followed: Followed, name: str) -> Answer:
     if failing:
         worst = max(failing, key=lambda line: (bool(line.reason), line.excess[1]))
         first = failure(worst)
-        sentences = (f"{first[0].upper()}{first[1:]}.", "What would close it is below the charts.")
+        sentences = (f"{first[0].upper()}{first[1:]}.",)
     return Answer(
         f"{'✓' if followed.verdict.closes else '✗'} {word} {SAID[processing]}",
         "good" if followed.verdict.closes else "bad",
