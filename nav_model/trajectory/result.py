@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS
+from nav_model.budget.inputs import Inputs
 from nav_model.budget.json import verdict_json
+from nav_model.budget.real_time import RealTime
 from nav_model.budget.verdict import Verdict
 from nav_model.design.figures import FIGURES
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -31,6 +33,7 @@ _SHARES = {
 }  # in JSON, where these names came first
 _HEADING_SHOWS = {REAL_TIME: 0.35, POST_PROCESSED: 0.02}  # from there it adds a per cent of tilt
 _GRAVITY_SHOWS = 0.03  # from there it takes a per cent
+_START_SHOWS = 0.05  # part by which the budget's start is larger
 _WAITED = 4.0  # of the filter's time constants: fixes that come later change less than a per cent
 _MOMENTS = {
     "prior": "just before a fix",
@@ -178,6 +181,18 @@ class TrajectoryResult:
         return _MOMENTS[self.spec.moment]
 
 
+def larger_start(x: Inputs) -> float:
+    """By which factor at most the errors with which the budget's real-time aperture begins, on average between fixes,
+    are larger than those just after a fix. [T-3], [T-8]"""
+    model = RealTime(x)
+    average, after = model.at_last_fix, model.cycle.posterior
+    pairs = [
+        (getattr(average, channel), getattr(after, channel), names)
+        for channel, names in (("horizontal", ("p11", "p22", "p33")), ("vertical", ("v11", "v22")))
+    ]
+    return max(math.sqrt(getattr(a, name) / getattr(b, name)) for a, b, names in pairs for name in names)
+
+
 def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
     """Why figures of a straight line differ from those of the budget of the same design, in sentences."""
     x, study, real_time = spec.inputs, spec.study, spec.processing == REAL_TIME
@@ -191,7 +206,13 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
         sigma, time = (float(np.asarray(value)) for value in (x.slow.vertical, x.slow.correlation_time))
         slowest, known = max(slowest, time), known + 2 * sigma**2 * time
     gravity = 2 * g / MEAN_RADIUS * math.sqrt(known) / sigma_a
+    larger = larger_start(x) - 1.0
     cases = (
+        (
+            real_time and larger > _START_SHOWS,
+            "An aperture begins just after a fix here, in the budget with the average between fixes, whose errors "
+            f"are up to {larger:.0%} larger: so may be the budget's images.".replace("%", " %"),
+        ),
         (
             heading_ratio > _HEADING_SHOWS[spec.processing],
             f"The heading at the start, {math.degrees(study.initial.yaw):.2g}° (1σ), turns the Earth's rate into a "
