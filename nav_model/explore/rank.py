@@ -142,18 +142,20 @@ def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> 
     """Relative change of the figure with each input scaled alone; NaN where it is out of reach."""
     identity = np.eye(len(keys))
     changes = {key: np.asarray(design[key], float) * (1 + (factor - 1) * identity[i]) for i, key in enumerate(keys)}
-    allowed = [_in_reach(key, float(design[key]), factor) for key in keys]  # type: ignore[arg-type]
+    allowed = [_in_reach(design, key, factor) for key in keys]
     now = figures(inputs_of(design), (figure,))[figure]
     then = figures(inputs_of(design, changes), (figure,))[figure]
     return np.where(allowed, np.broadcast_to(then, len(keys)) / now - 1, np.nan)
 
 
-def _in_reach(key: str, now: float, factor: float) -> bool:
-    """True if a scaled input can be bought or flown: an angle within what people explore."""
-    declaration = quantity(key)
+def _in_reach(design: Design, key: str, factor: float) -> bool:
+    """True if a scaled input can be bought or flown: an angle as explored, a scene no nearer than the ground."""
+    declaration, now = quantity(key), float(design[key])  # type: ignore[arg-type]
     if declaration.dimension == "angle":
         low, high = usual_range(key)
         return low <= factor * now <= high
+    if key == "radar.slant_range" and factor * now < design.flight.altitude - design.trajectory.ground:
+        return False
     return least(key, now) <= factor * now <= declaration.limits[1]
 
 

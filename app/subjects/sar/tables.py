@@ -69,8 +69,8 @@ def recommended(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> 
     confidence, limit = decisive(design, DETRENDED)
     to_phase = confidence * float(metres_to_phase(1.0, budget.sar.wavelength))
     formulas = {key: to_phase * value for key, value in closed.detrended.items() if value is not None}
-    smoothed = formulas.get("9")
     phase = formulas if study is None else {key: to_phase * study.residual(key) for key in STRATEGY_KEYS}
+    smoothed = phase.get("9")
     if check is not None:
         phase[in_use] = check.value
     known = {key: phase[key] for key in able(design) if key in phase}

@@ -170,6 +170,17 @@ def test_an_angle_that_cannot_be_flown_is_not_offered_and_a_coarser_image_is_nam
     assert not flown["radar.grazing_angle"].bought
 
 
+def test_a_scene_nearer_than_the_ground_below_is_not_offered():
+    """Half of 7 km is less than 4 km of height, but more than 3 km, be it over high ground."""
+    for height, ground, possible in ((4000.0, 0.0, False), (3000.0, 0.0, True), (4000.0, 1000.0, True)):
+        design = Design(
+            {"radar.slant_range": 7000.0, "flight.altitude": height, "trajectory.ground": ground,
+             "radar.grazing_angle": math.radians(30)}
+        )  # fmt: skip
+        halved = {item.key: item.halved for item in rank(design, "detrended_phase")}["radar.slant_range"]
+        assert np.isfinite(halved) == possible
+
+
 def test_a_change_that_leaves_no_line_of_sight_is_not_possible():
     """The design would be refused, and so are its figures on maps, in sweeps and backwards."""
     steep = Design({"radar.squint_angle": math.radians(22), "radar.grazing_angle": math.radians(55)})
