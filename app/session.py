@@ -4,18 +4,21 @@ No widget lives here. Controls call `change`; pages watch `budget`. A refused ch
 returns the message to show.
 """
 
+import asyncio
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import param
 
 from app.declared import declared, optional, required
 from app.examples import EXAMPLES, example
+from app.work.flight import DesignFlight
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
+from nav_model.budget.verdict import flown_names
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
@@ -50,11 +53,17 @@ class Session(param.Parameterized):
     ``budget`` changes with every accepted change; ``design`` is always ``budget.design``. ``lineage`` changes when a
     whole design takes the place of another, and is triggered when its base is another. ``running`` is for long work
     of this person alone.
+
+    The flight that the verdict needs is computed in a worker once a design has come to rest. Then the budget has its
+    checks, and ``flown`` changes, not ``budget``: what does not read the verdict stays as it is.
     """
 
     lineage = required(Lineage, constant=False)
     budget = required(Budget, constant=False)
     running = param.Boolean(default=False, doc="Whether a long run of this session is under way.")
+    flown = param.Integer(
+        default=0, doc="How often the flight of the design has ended: what reads the verdict follows."
+    )
     display = param.String(doc="How figures are told, as a link says it (`app.document.display`); empty: as usual.")
     study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
     settings: dict[str, str] = declared(
@@ -67,7 +76,9 @@ class Session(param.Parameterized):
         Compared, "What the budget is held against: the value before the last change, or a design that was chosen."
     )
     narrow = param.Boolean(default=False, doc="Whether the window was narrow when the page was made, as on a phone.")
-    invalid = param.Integer(default=0, doc="Inputs whose last typed text was refused: what was valid before counts.")
+    invalid: dict[str, int] = declared(
+        param.Dict(default={}, doc="What was typed and refused, and how many: what was valid before counts.")
+    )
     adopted = param.Integer(default=0, doc="How often a whole design took the place of another.")
     can_undo = param.Boolean(default=False)
     can_redo = param.Boolean(default=False)
@@ -78,8 +89,12 @@ class Session(param.Parameterized):
         self._past: list[tuple[Design, Lineage]] = []
         self._future: list[tuple[Design, Lineage]] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)
-        self._runs: list[Run] = []
         self._follows_changes = True
+        self.flight = DesignFlight()
+        self.last_flown = self.budget  # with the checks of the last flight, of whatever design
+        self._runs: list[Run] = [self.flight.run]
+        self.flight.run.param.watch(self._follow_flight, ["result", "message"])
+        self._fly()
 
     def compare(self, chosen: Compared | None) -> None:
         """Compare the budget with a design until another is chosen; None: compare with nothing."""
@@ -98,7 +113,7 @@ class Session(param.Parameterized):
         old = self._past[-1][0]
         if self.compared is not None and self.compared.budget.design is old:
             return self.compared
-        return Compared(analyse(old))
+        return Compared(self.last_flown if self.last_flown.design == old else analyse(old))
 
     def new_run(self) -> Run:
         """A run of this session: `running` follows it, and it ends with the session."""
@@ -110,6 +125,52 @@ class Session(param.Parameterized):
     def _follow_runs(self, *_: Any) -> None:
         self.running = any(run.running for run in self._runs)
 
+    def _fly(self) -> None:
+        """Have the design's flight computed once it has come to rest, where the verdict needs it."""
+        if self.budget.flight is None and flown_names(self.design):
+            self.flight.rest(self.design)
+        else:
+            self.flight.drop()
+
+    def _follow_flight(self, *_: Any) -> None:
+        """Give the budget the checks of its flight; one of a design that has gone meanwhile counts for nothing."""
+        flown = self.flight.known(self.design)
+        if flown is None and not self.flight.run.message:
+            return
+        if flown is not None:
+            self.keep("trajectory", flown)
+            with param.parameterized.discard_events(self):
+                self.budget = self._with_flight(self.budget)
+        self.flown += 1
+
+    def _with_flight(self, budget: Budget) -> Budget:
+        """A budget with the checks of its flight, where the verdict needs one and the last was of its design."""
+        flown = self.flight.known(budget.design) if flown_names(budget.design) else None
+        if flown is None:
+            return budget
+        self.last_flown = replace(budget, flight=flown.checks)
+        return self.last_flown
+
+    @property
+    def flight_words(self) -> str:
+        """The reason why checks of the flight are open, in a sentence; empty where none is."""
+        if self.budget.flight is not None or not flown_names(self.design):
+            return ""
+        run = self.flight.run
+        return f"The flight is not computed. {run.message}" if run.message else "The flight is being computed."
+
+    async def with_flight(self) -> Budget:
+        """The current budget with the checks of its flight, once they are known or cannot be."""
+        while self.flight_words and not self.flight.run.message:
+            changed = asyncio.Event()
+            watcher = self.param.watch(lambda _, changed=changed: changed.set(), ["flown", "budget"])
+            try:
+                self.flight.begin(self.design)
+                await changed.wait()
+            finally:
+                self.param.unwatch(watcher)
+        return self.budget
+
     def close(self) -> None:
         """End every run, and have nobody follow any more: the person has left, and the charts are gone."""
         for run in self._runs:
@@ -120,6 +181,22 @@ class Session(param.Parameterized):
     def keep(self, kind: str, finding: Any) -> None:
         """Keep a finished study for the report, in place of an earlier one of its kind (`app.report.studies`)."""
         self.findings = {**self.findings, kind: finding}
+
+    def refuse(self, what: str, count: int) -> None:
+        """Remember how many of a kind, such as "input", are refused as they were typed."""
+        others = {each: number for each, number in self.invalid.items() if each != what}
+        invalid = others | {what: count} if count else others
+        if invalid != self.invalid:
+            self.invalid = invalid
+
+    @property
+    def refused(self) -> str:
+        """The inputs that are invalid as they were typed, in words; empty if none is."""
+        parts = [f"{count} {what}{'' if count == 1 else 's'}" for what, count in self.invalid.items()]
+        if not parts:
+            return ""
+        verb = "is" if sum(self.invalid.values()) == 1 else "are"
+        return f"{' and '.join(parts)} {verb} invalid: last valid values used."
 
     @property
     def design(self) -> Design:
@@ -203,7 +280,7 @@ class Session(param.Parameterized):
             if design == before:
                 # A unit was chosen, or another origin named: shown, not undone.
                 if (design.written, design.origins) != (before.written, before.origins):
-                    self.budget = analyse(design)
+                    self.budget = self._with_flight(analyse(design))
                 return None
             budget = analyse(design)
         except InputError as error:
@@ -238,6 +315,7 @@ class Session(param.Parameterized):
         self._show(analyse(design), lineage)
 
     def _show(self, budget: Budget, lineage: Lineage) -> None:
+        budget = self._with_flight(budget)
         with param.parameterized.batch_call_watchers(self):  # "update" looks at every parameter
             if self._follows_changes:
                 self.compared = self._before(budget)
@@ -245,6 +323,7 @@ class Session(param.Parameterized):
             self.can_undo, self.can_redo = bool(self._past), bool(self._future)
             if lineage is not self.lineage:  # what is set counts as changed, be it the same
                 self.lineage = lineage
+        self._fly()
 
 
 def link_parts(query: str) -> tuple[str, str, str]:

@@ -212,7 +212,7 @@ export function render({ model }) {
       since = performance.now()
       const show = () => {
         const seconds = Math.floor((performance.now() - since) / 1000)
-        report.textContent = `Writing… ${seconds} s`
+        report.textContent = `${/waits/.test(model.writing) ? "Waiting" : "Writing"}… ${seconds} s`
         if (seconds % 5 === 0) at(".writing").textContent = `Writing the ${model.writing}: ${seconds} s.`
       }
       show()

@@ -105,6 +105,13 @@ class Frame(pn.viewable.Viewer):
                 if view is not None:
                     view.show(self.session.budget)
 
+    @param.depends("session.flown", watch=True)
+    def _show_verdict(self) -> None:
+        """The flight has ended: what reads the verdict follows, the rest of the page stays."""
+        if show := getattr(self._pages.get(self._toolbar.bar.active), "show_verdict", None):
+            with pn.io.hold():
+                show(self.session.budget)
+
     @param.depends("session.display", watch=True)
     def _tell_otherwise(self) -> None:
         self._toolbar.bar.display = self.session.display
@@ -159,7 +166,7 @@ class Frame(pn.viewable.Viewer):
         """Where figures do not follow the choice of how to show them, say so."""
         design, address = self.session.design, TABS[self._toolbar.bar.active].address
         display = display_of(self.session.display).of(design)
-        page = AS_REQUIRED.of(design) if address == "image" else ONE_SIGMA
+        page = AS_REQUIRED.of(design) if address in ("image", "flight") else ONE_SIGMA
         self._note.visible = display != page and address in _OF_ITS_OWN
         if self._note.visible:
             self._note.object = f'<p class="quiet">{_SAID_OTHERWISE.format(page.spread, display.in_words)}</p>'

@@ -33,9 +33,11 @@ class ReportChoice:
 
     def lacking(self) -> str:
         """What a report written now would omit, in words."""
-        studies = [STUDIES[kind].study for kind, fits in self._fits().items() if not fits]
+        waits = self._session.flight_words  # for a flight: the last one is of the design before
+        kinds = [kind for kind, fits in self._fits().items() if not fits and not (waits and kind == "trajectory")]
+        studies = [STUDIES[kind].study for kind in kinds]
         text = f"Not in the report, because they belong to another design: {', '.join(studies)}."
-        lines = [text] if studies else []
+        lines = [*([text] if studies else []), *([waits] if waits else [])]
         if self._session.running:
             lines.append("A study is still running. A report written now will not include it.")
         return " ".join(lines)

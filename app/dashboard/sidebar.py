@@ -36,7 +36,7 @@ class Sidebar(pn.viewable.Viewer):
         self._start = StartChoice(visible=empty, sizing_mode="stretch_width", margin=(8, 10, 0, 10))
         self._start.param.watch(self._begin, "chosen")
         self._sheet = InputSheet(design_groups(session, _FIRST_OPEN), heading="Design")
-        self._sheet.param.watch(lambda event: session.param.update(invalid=event.new), "invalid")
+        self._sheet.param.watch(lambda event: session.refuse("input", event.new), "invalid")
         self._sheet.picture = geometry_sketch(session.budget)
         self.parts = [self._start, ComparisonChoice(session), self._sheet]
 

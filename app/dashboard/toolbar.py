@@ -135,15 +135,21 @@ class Toolbar(View):
     async def _write(self, suffix: str) -> None:
         """Write a report in a worker."""
 
+        name = f"{slug(self.session.design.name)}.{suffix}"
+        what = "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report"
+
         async def write() -> bytes:
-            budget, findings, display = self.session.budget, self._choice.chosen(), self.session.display
+            if self.session.flight_words:
+                self.bar.writing = f"{what}, which waits for the flight"
+            budget = await self.session.with_flight()
+            self.bar.writing = what
+            findings, display = self._choice.chosen(), self.session.display
             # Sections are made here, in a thread: findings are large, their sections are small enough to send to the
             # worker.
             study = await asyncio.to_thread(study_sections, findings, budget.design, chapter_key(""))
             return await run_in_pool(report_bytes, [budget], f".{suffix}", None, (), [study], None, display)
 
-        name = f"{slug(self.session.design.name)}.{suffix}"
-        await self._hand_over(name, "spreadsheet" if suffix == "xlsx" else f"{suffix.upper()} report", write)
+        await self._hand_over(name, what, write)
 
     async def _write_sheet(self, unit: Unit) -> None:
         """Write a sheet for a supplier in a worker."""

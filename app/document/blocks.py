@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -177,22 +178,35 @@ class Answer:
     sentences: tuple[str, ...]
     tip: str = ""
 
+    def more(self, *sentences: str) -> Self:
+        """The same with further sentences; empty ones are left out."""
+        return replace(self, sentences=(*self.sentences, *filter(None, sentences)))
+
 
 @dataclass(frozen=True)
 class KeyFigure:
-    """One figure with its unit; ``detail`` says which, ``met`` whether it keeps its ``limit`` (None: it has none, and
-    a tile says under it what ``limit`` says).
+    """One figure with its unit; ``detail`` says which.
 
-    ``amount`` is the value as a number, to compare it by; ``used`` is the part of the limit it takes; None: none.
+    ``state`` is that of the check of its ``limit`` ("met", "not met", "open", "refused"; empty: it has none, and a
+    tile says under it what ``limit`` says). ``amount`` is the value as a number, to compare it by; ``used`` is the
+    part of the limit it takes; None: none. ``beside`` is what stands beside the limit, such as the straight leg's
+    value. ``last``: the value is that of the last flight, of other inputs.
     """
 
     label: str
     value: str
     detail: str = ""
     limit: str = ""
-    met: bool | None = None
+    state: str = ""
     amount: float | None = None
     used: float | None = None
+    beside: str = ""
+    last: bool = False
+
+    @property
+    def met(self) -> bool | None:
+        """True where it is known to keep its limit; None where that is not known, or there is none."""
+        return {"met": True, "not met": False}.get(self.state)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from app.document.verdict import check_quantity
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.budget.contributors import with_contributors
+from nav_model.budget.verdict import flown_names
 from nav_model.design import Design, Value
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
@@ -78,9 +79,14 @@ def beyond_one(budget: Budget) -> str:
     return " ".join(sentences)
 
 
-def ways_table(ways: Sequence[Way], *, closes: bool) -> TableBlock:
-    """The ways, for a design that ``closes`` already or does not; the value of a row is its text."""
-    what = "Largest values that still close, one at a time" if closes else "Each of these alone closes the design"
+def ways_table(budget: Budget, ways: Sequence[Way]) -> TableBlock:
+    """The ways to close a design, or the largest values that leave it closing; the value of a row is its text."""
+    if flown_names(budget.design):
+        what = "Each of these alone meets what a straight leg judges; the flight is computed once it is applied"
+    elif budget.verdict.closes:
+        what = "Largest values that still close, one at a time"
+    else:
+        what = "Each of these alone closes the design"
     return table(
         "ways",
         f"{what}. Click one to apply it; you can undo.",

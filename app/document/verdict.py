@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import NamedTuple
 
 from app.document.blocks import Answer, Cell
@@ -56,9 +57,10 @@ def check_words(design: Design, check: Check) -> CheckWords:
     return CheckWords(value, limit, margin, percent(check.sensor_share) if check.shares else NONE, figure)
 
 
-def displayed_check(design: Design, check: Check, display: Display) -> tuple[str, str, str]:
-    """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it; and
-    that spread, as in " at 95 %", empty for what has none. As required, both are those that are compared."""
+def displayed_check(design: Design, check: Check, display: Display) -> tuple[str, str, str, str]:
+    """Value and limit of a check as they are shown: both at the spread of the display, the limit scaled to it; that
+    spread, as in " at 95 %", empty for what has none; and the straight leg's value beside that of a flight, in words,
+    empty without any. As required, all are those that are compared."""
     pair = "horizontal" in check.on
     factor = display.factor(pair=pair) / check.confidence if check.confidence and not display.required else 1.0
 
@@ -69,7 +71,8 @@ def displayed_check(design: Design, check: Check, display: Display) -> tuple[str
 
     spread = f"{check.confidence:g}σ" if display.required and check.confidence else display.named(pair=pair)
     at = "" if check.confidence is None else f" at {spread}"
-    return text_of(factor * check.value), text_of(factor * check.limit, given=True), at
+    beside = "" if check.straight is None else f"straight leg {text_of(factor * check.straight)}"
+    return text_of(factor * check.value), text_of(factor * check.limit, given=True), at, beside
 
 
 _MET: Mapping[str, Cell] = {
@@ -80,9 +83,10 @@ _MET: Mapping[str, Cell] = {
 }
 
 
-def met_cell(check: Check) -> Cell:
-    """The state of a requirement, as a cell of a table."""
-    return _MET[check.state]
+def met_cell(check: Check, verdict: Verdict) -> Cell:
+    """The state of a requirement, as a cell of a table; green where nothing of the verdict fails or is open."""
+    cell = _MET[check.state]
+    return replace(cell, tone="") if check.met and not verdict.closes else cell
 
 
 def closes_cell(verdict: Verdict) -> Cell:
@@ -145,6 +149,13 @@ def count_words(verdict: Verdict) -> str:
     return "; ".join((f"{met} of {count} requirement{'' if count == 1 else 's'} met", *texts))
 
 
+def _count_open(verdict: Verdict) -> str:
+    """How many requirements are met and which are open, or how many: "1 of 7 requirements met; heading is open"."""
+    count, met, names = len(verdict.checks), sum(check.met for check in verdict.checks), verdict.open
+    rest = f"{figure_in_sentence(names[0])} is" if len(names) == 1 else f"{len(names)} are"
+    return f"{met} of {count} requirement{'' if count == 1 else 's'} met; {rest} open"
+
+
 def _open_words(verdict: Verdict) -> str:
     """What is not known yet: "open: heading is judged along the flight"."""
     names = [figure_in_sentence(check.name) for check in verdict.checks if check.state == "open"]
@@ -174,6 +185,13 @@ def before_flight(design: Design) -> tuple[str, ...]:
     return (f"Before the flight, which decides on {names}.",) if names else ()
 
 
+def verdict_along(verdict: Verdict) -> Answer:
+    """A verdict with what fails where: "6 of 7 requirements met; heading fails on L1 (0.105°, limit 0.05°)"."""
+    if not verdict.checks:
+        return Answer("Not checked", "open", ("The design has no requirement.",))
+    return Answer(*_word_and_tone(verdict), (f"{judged(verdict).capitalize()}, {count_words(verdict)}.",))
+
+
 def where_judged(check: Check) -> str:
     """On which line a check was judged, after its name; empty on the straight leg."""
     if check.judged == STRAIGHT_LEG:
@@ -196,12 +214,12 @@ def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
     """The verdict in one line: the tightest requirement, shown like the figures below it, and what dominates it."""
     tightest = budget.verdict.tightest
     if budget.verdict.state == "open":
-        return Answer(*_word_and_tone(budget.verdict), (f"{count_words(budget.verdict)}.",))
+        return Answer(*_word_and_tone(budget.verdict), (f"{_count_open(budget.verdict)}.",))
     if tightest is None:
         largest = max(budget.phase_lines(REAL_TIME), key=lambda line: line.share)
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
-    value, limit, at = displayed_check(budget.design, tightest, display.of(budget.design))
+    value, limit, at, _ = displayed_check(budget.design, tightest, display.of(budget.design))
     share = percent(tightest.sensor_share)
     return Answer(
         *_word_and_tone(budget.verdict),

@@ -87,6 +87,10 @@ class StudyPage(View, Generic[_T]):
         with pn.io.hold():
             self._write()
 
+    def show_verdict(self, _: Budget) -> None:
+        """Follow the verdict alone, which the design's flight has changed."""
+        self._strip.show(*self._answer())
+
     # --- what a subclass says -----------------------------------------------------------------------------
 
     async def _study(self, run: Run) -> _T:

@@ -5,6 +5,7 @@ from itertools import zip_longest
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 
 from app.declared import required
 from app.document.allocation import SPLIT_WORDS, entry_texts, outcome
@@ -56,6 +57,14 @@ def _limit_fields(entries: tuple[tuple[str, str], ...]) -> tuple[Field, ...]:
     )
 
 
+def _in_the_outage(rows: Rows) -> Rows:
+    """Limits as rows, each with a time on the figure of the outage, where a person has named that of the cycle."""
+    return [
+        row | {"on": after} if row.get("at") and (after := f"coast_{row.get('on')}") in FIGURES else row
+        for row in rows
+    ]
+
+
 def _frozen_in_words(plan: Allotment) -> str:
     values = counted(len(plan.required), "value")
     origin = f" with the design {plan.frozen}" if plan.frozen else ""
@@ -82,9 +91,11 @@ class AllocatePage(View):
         self._ask()
         ready = pn.FlexBox(self._made, *self._boxes, make, margin=(6, 0, 0, 0), stylesheets=[PRINT_NOTHING])
         self._limits = RowEditor(
-            _limit_fields(()), lambda rows: self._enter("limits", rows), noun="requirement",
+            _limit_fields(()), lambda rows: self._enter("limits", _in_the_outage(rows)), noun="requirement",
             caption="More requirements",
         )  # fmt: skip
+        for editor, what in ((self._contributors, "contributor"), (self._limits, "limit")):
+            editor.param.watch(lambda event, what=what: session.refuse(what, int(bool(event.new))), "refused")
         self._requirement = pmui.Select(label="Requirement", **_BOX)
         splits = {words.capitalize(): split for split, words in SPLIT_WORDS.items()}
         self._split = pmui.Select(label="Split", options=splits, **_BOX)
@@ -106,9 +117,17 @@ class AllocatePage(View):
         )  # fmt: skip
         self.show(session.budget)
 
+    @param.depends("session.invalid", watch=True)
+    def _warn(self) -> None:
+        self.show_verdict(self.session.budget)
+
+    def show_verdict(self, budget: Budget) -> None:
+        """Follow the verdict alone, which its flight has changed."""
+        self._strip.show(verdict_strip(budget).more(self.session.flight_words), self.session.refused)
+
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        self._strip.show(verdict_strip(budget))
+        self.show_verdict(budget)
         entries, plan = budget.design.entries, budget.design.allocation or Allotment()
         tables = entries.tables()
         limits = tables.get("limits", [])

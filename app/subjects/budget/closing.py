@@ -5,6 +5,7 @@ from app.document.closing import Way, beyond_one, value_ways, ways_table
 from app.document.numbers import margin_in_sentence
 from app.document.wording import preset_name
 from nav_model.budget import Budget
+from nav_model.budget.verdict import flown_names
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
 from nav_model.explore.margins import limits
@@ -44,8 +45,8 @@ def ways_block(budget: Budget, single_ways: tuple[Way, ...]) -> Block:
     if not budget.straight_leg().checks:
         return Text("Give a limit under Requirements. The values that meet it then appear here.")
     if not single_ways:
-        text = "Every requirement is met, whatever a single input is." if budget.straight_leg().closes else (
-            f"No single input and no unit of the catalogue closes the design. {beyond_one(budget)}"
-        )  # fmt: skip
-        return Text(text)
-    return ways_table(single_ways, closes=budget.straight_leg().closes)
+        if budget.straight_leg().closes:
+            where = " on a straight leg" if flown_names(budget.design) else ""
+            return Text(f"Every requirement is met{where}, whatever a single input is.")
+        return Text(f"No single input and no unit of the catalogue closes the design. {beyond_one(budget)}")
+    return ways_table(budget, single_ways)

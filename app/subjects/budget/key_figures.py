@@ -3,19 +3,21 @@
 from app.document.blocks import KeyFigure, KeyFigures
 from app.document.display import AS_REQUIRED, Display
 from app.document.numbers import show
-from app.document.verdict import check_words, displayed_check
+from app.document.verdict import check_words, displayed_check, where_judged
 from app.document.wording import MOMENTS
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.navigation import steady_marks
-from nav_model.budget.verdict import Check
+from nav_model.budget.verdict import STRAIGHT_LEG, Check
 from nav_model.design.figures import FIGURES, Figure, Kind, of_kind
 from nav_model.design.processing import REAL_TIME
 
 _KINDS: tuple[Kind, ...] = ("steady", "outage", "phase", "place")
 
 
-def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures | None = None) -> KeyFigures:
+def key_figures(
+    budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures | None = None, last: Budget | None = None
+) -> KeyFigures:
     """The main figures of the design's processing, each with its kind and limit; and every other check.
 
     Parameters
@@ -24,9 +26,12 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
     display : Display
     was : KeyFigures, optional
         What they are compared with: they keep its units.
+    last : Budget, optional
+        That of the last flight, which has the values of what is open.
     """
     display = display.of(budget.design)
     checks = {check.name: check for check in budget.verdict.checks}
+    before = {check.name: check for check in last.verdict.checks if check.known} if last else {}
     entered = {contributor.enters for contributor in budget.design.contributors}
     names = [name for kind in _KINDS for name in of_kind(kind) if FIGURES[name].tile or name in entered]
     units = {figure.label: figure.amount for figure in was.items} if was else {}
@@ -44,11 +49,18 @@ def key_figures(budget: Budget, display: Display = AS_REQUIRED, was: KeyFigures 
         return KeyFigure(figure.label, value, detail, f"{spread}, no limit" if spread != "1σ" else "", amount=amount)
 
     def limited(check: Check, detail: str) -> KeyFigure:
-        value, *_ = displayed_check(budget.design, check, display)
-        limit = _limit_text(budget, check, display)
-        if not check.known:
-            return KeyFigure(check.label, value, check.reason, limit)
-        return KeyFigure(check.label, value, detail, limit, check.met, check.sigma, 1 - check.margin)
+        shown = check if check.known else before.get(check.name, check)
+        value, *_ = displayed_check(budget.design, shown, display)
+        *_, beside = displayed_check(budget.design, check, display)
+        limit, known = _limit_text(budget, check, display), check.known
+        amount, used = (check.sigma, 1 - check.margin) if known else (None, None)
+        if check.judged != STRAIGHT_LEG:
+            detail = check_words(budget.design, check).figure
+        if not known:
+            detail = check.reason + (f"; last flight: {value}" if shown.known else "")
+        return KeyFigure(
+            check.label, value, detail, limit, check.state, amount, used, beside, last=shown.known and not known
+        )
 
     others = tuple(
         limited(check, check_words(budget.design, check).figure)
@@ -102,10 +114,12 @@ def _width(budget: Budget, display: Display, units: dict[str, float | None]) -> 
 
 
 def _limit_text(budget: Budget, check: Check, display: Display) -> str:
-    """A limit, with its spread unless that is 1σ or chosen, which is told above the charts; after an outage, a
-    smoothed budget's is of real time."""
-    _, limit, at = displayed_check(budget.design, check, display)
+    """A limit with the line that decides, and with its spread unless that is 1σ or chosen, which is told above the
+    charts; after an outage, a smoothed budget's is of real time."""
+    _, limit, at, _ = displayed_check(budget.design, check, display)
     if at != " at 1σ" and display.required:
         limit += at
+    if check.known:
+        limit += where_judged(check)
     outage = check.on in FIGURES and FIGURES[check.on].kind == "outage"
     return f"{limit}, real time" if budget.post_processed and outage else limit

@@ -13,7 +13,7 @@ from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
 from app.declared import required
 from app.document.bars import bars_html
-from app.document.blocks import KeyFigures
+from app.document.blocks import Answer, KeyFigures
 from app.document.closing import Way
 from app.document.display import Display, display_of
 from app.document.pane import html_of
@@ -43,6 +43,7 @@ from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
+from nav_model.design import Design
 
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
@@ -75,10 +76,10 @@ class BudgetPage(View):
             margin=(8, 4), sizing_mode=None,
         )  # fmt: skip
         self._ways: tuple[Way, ...] = ()
-        self._ways_of: Budget | None = None
+        self._ways_of: Design | None = None
         self._table = SortableTable(self._take, over=True, margin=(4, 14))
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
-        self._strip = AnswerStrip(verdict_strip(budget, self._display), self._mode, self._close, self._panel)
+        self._strip = AnswerStrip(self._answer, self._mode, self._close, self._panel)
         self._tiles = html_pane("", margin=0)
         self._lines = self._timelines(budget)
         self._stack = Timelines(self._lines)
@@ -123,6 +124,10 @@ class BudgetPage(View):
         return self._compared.budget if self._compared else None
 
     @property
+    def _answer(self) -> Answer:
+        return verdict_strip(self.session.budget, self._display).more(self.session.flight_words)
+
+    @property
     def _display(self) -> Display:
         return display_of(self.session.display).of(self.session.design)
 
@@ -134,7 +139,7 @@ class BudgetPage(View):
         if self.session.compared is not self._compared or self._drawn_display != self.session.display:
             self._drawn_display = self.session.display
             self._hold()
-        self._strip.show(verdict_strip(budget, self._display), _invalid(self.session.invalid))
+        self._show_strip()
         self._offer_modes(both=False)
         self._lines = self._timelines(budget)
         with validate(False):  # computed here, so it needs no check at each step
@@ -151,8 +156,16 @@ class BudgetPage(View):
         self.session.change({"processing.mode": mode})
 
     @param.depends("session.invalid", watch=True)
-    def _warn(self) -> None:
-        self._strip.show(verdict_strip(self.session.budget, self._display), _invalid(self.session.invalid))
+    def _show_strip(self) -> None:
+        self._strip.show(self._answer, self.session.refused)
+
+    def show_verdict(self, budget: Budget) -> None:
+        """Follow the verdict alone, which the design's flight has changed."""
+        self._show_strip()
+        self._offer_modes()
+        self._feed(budget)
+        self._close.label = _ask(budget)
+        self._details.follow()
 
     @param.depends("session.compared", watch=True)
     def _compare(self) -> None:
@@ -172,7 +185,8 @@ class BudgetPage(View):
         """Update tiles and bars; unchanged text is not sent."""
         self._displayed_budget = budget
         figures, bars = self._was
-        self._tiles.say(tiles_html(key_figures(budget, self._display, figures), figures))
+        shown = key_figures(budget, self._display, figures, self.session.last_flown)
+        self._tiles.say(tiles_html(shown, figures))
         self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), bars))
 
     def _tell(self) -> None:
@@ -198,25 +212,25 @@ class BudgetPage(View):
         self._panel.visible = not self._panel.visible
         self._close.end_icon = "expand_less" if self._panel.visible else "expand_more"
         if self._panel.visible:
-            if self._ways_of is not self.session.budget:  # buttons for an earlier design are removed
+            if self._ways_of != self.session.design:  # buttons for an earlier design are removed
                 self._table.html = "<p role='status'>Solving …</p>"
             self._find_ways()
 
     def _find_ways(self) -> None:
-        if self._ways_of is not self.session.budget:
+        if self._ways_of != self.session.design:
             pn.state.execute(self._solve)
 
     async def _solve(self) -> None:
         """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
-        budget = self.session.budget
-        closing_ways = await run_in_pool(ways, budget.design)
-        if budget is self.session.budget:
-            self._ways, self._ways_of = closing_ways, budget
-            self._table.html = html_of(ways_block(budget, closing_ways))
+        design = self.session.design
+        closing_ways = await run_in_pool(ways, design)
+        if design == self.session.design:
+            self._ways, self._ways_of = closing_ways, design
+            self._table.html = html_of(ways_block(self.session.budget, closing_ways))
 
     def _take(self, text: str) -> None:
         way = next((way for way in self._ways if way.text == text), None)
-        if way is not None and self._ways_of is self.session.budget:
+        if way is not None and self._ways_of == self.session.design:
             self.session.change(way.changes, way.written)
             self._toggle_ways(None)
         elif not text and self._panel.visible:
@@ -257,14 +271,7 @@ class BudgetPage(View):
 
 
 def _ask(budget: Budget) -> str:
-    return "Largest allowed values" if budget.straight_leg().closes else "What would close it"
-
-
-def _invalid(count: int) -> str:
-    """The strip's note on boxes with an invalid text."""
-    if not count:
-        return ""
-    return f"{count} input{' is' if count == 1 else 's are'} invalid: last valid values used."
+    return "Largest allowed values" if budget.verdict.closes else "What would close it"
 
 
 def requirements(budget: Budget) -> str:

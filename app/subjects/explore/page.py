@@ -10,7 +10,7 @@ import param
 
 from app.declared import declared, required
 from app.document.blocks import Answer
-from app.document.verdict import SAID, before_flight
+from app.document.verdict import SAID, verdict_along
 from app.session import Session
 from app.subjects.explore.map import MapPanel
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -26,6 +26,7 @@ from app.ui.study_settings import StudySettings
 from app.ui.turns import defer
 from app.ui.view import View
 from nav_model.budget import Budget
+from nav_model.budget.verdict import flown_names
 
 QUESTIONS: Mapping[str, type[Question]] = {
     "What would close it": SolvedPanel,
@@ -76,13 +77,25 @@ class ExplorePage(View):
         self._strip.show(Answer(event.new, "open", ("Computing …",)))
         defer(lambda: self.show(self.session.budget))
 
+    def show_verdict(self, _: Budget) -> None:
+        """Follow the verdict alone, which the design's flight has changed."""
+        self._tell()
+
+    @param.depends("session.invalid", watch=True)
     def _tell(self) -> None:
-        answer, verdict = self.question.answer, self.session.budget.straight_leg()
-        basis: tuple[str, ...] = ()
+        """Show the answer; where a flight decides too, it is one before the flight, beside the whole verdict."""
+        answer, budget = self.question.answer, self.session.budget
+        verdict = budget.straight_leg()
         if verdict.checks and self.question.of_design:
             assumed = biases_text(self.session.design, self.question.biases)
-            basis = (f"{assumed}, {SAID[verdict.processing]}.", *before_flight(self.session.design))
-        self._strip.show(replace(answer, sentences=(*answer.sentences, *basis)))
+            answer = answer.more(f"{assumed}, {SAID[verdict.processing]}.")
+            if flown_names(budget.design):
+                word = answer.word.lstrip("✓✗ ")
+                whole = verdict_along(budget.verdict)
+                answer = replace(answer, word=f"Before the flight: {word[:1].lower()}{word[1:]}", tone="open").more(
+                    f"With the flight: {whole.word}. {whole.sentences[0]}", self.session.flight_words
+                )
+        self._strip.show(answer, self.session.refused)
 
     def go_to(self, place: str) -> None:
         """Ask the question whose name begins like the end of an address, such as "sensors" of "#close-sensors"."""

@@ -92,7 +92,7 @@ def _value(design: Design, solved: Solved) -> str:
 def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Iterator[Block]:
     """Every input with a value that closes the design, and the others by name."""
     if ways:
-        yield ways_table(ways, closes=budget.straight_leg().closes)
+        yield ways_table(budget, ways)
     helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
     if helpless:
         yield Text(f"Not enough alone: {', '.join(helpless)}.")

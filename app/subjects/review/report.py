@@ -168,7 +168,7 @@ def _status(budget: Budget, check: Check, decision: Decision | None) -> Row:
     if decision is not None:
         decided, by = decided_word(decision, met=check.met), f"{decision.author}, {moment(decision.decided)}"
         reason = decision.reason or NONE
-    return check.label, words.value, words.limit, met_cell(check), decided, by, reason
+    return check.label, words.value, words.limit, met_cell(check, budget.verdict), decided, by, reason
 
 
 def decided_word(decision: Decision, *, met: bool) -> Cell:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.charts.kinds import Array, Band, Chart, LimitLine, Line, Points, Span, without_fixes
-from app.subjects.trajectory.figures import FIGURES, limits_along
-from app.subjects.trajectory.run import Followed
+from app.document.display import AS_REQUIRED, ONE_SIGMA
+from app.subjects.trajectory.figures import FIGURES, factor, limits_along
+from app.work.flight import Followed
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
 from nav_model.design.figures import figure_in_sentence
@@ -32,18 +33,21 @@ _ALIKE = (  # of two studies that fly the same
     "imu", "gnss", "aiding", "trajectory", "filter", "initial", "outages", "radar_time_offset",
 )  # fmt: skip
 _FORMULA = "Covariance analysis"
-_HOW = f"{_FORMULA}, 1σ after each fix."
+_HOW = f"{_FORMULA}, after each fix."
 _USUAL = (("horizontal", "horizontal refined"), ("vertical", "vertical refined"))
 
 
 def timelines(followed: Followed | None, name: str, flown: SimulationResult | None = None) -> tuple[Chart, ...]:
-    """The figure `name`, position, velocity and attitude; None: the frames alone. All on one time array.
+    """The figure `name`, position, velocity and attitude at the design's confidence; None: the frames alone. All on
+    one time array.
 
     flown: simulated runs, laid over the curves where they are of the same flight.
     """
     figure, label = FIGURES[name], figure_in_sentence(name)
     unit = DIMENSIONS[figure.dimension].default_unit
-    scale, spread = from_si(1.0, unit, figure.dimension), "1σ" if figure.scaled else "90 %"
+    confidence = 1.0 if followed is None else factor(followed.design, name)
+    display = ONE_SIGMA if followed is None else AS_REQUIRED.of(followed.design)
+    scale, spread = confidence * from_si(1.0, unit, figure.dimension), f"{confidence:g}σ" if figure.scaled else "90 %"
     axis = f"{label.rpartition(' ')[2]}, {spread} [{unit}]"  # which has room for its last word
     time = np.array([0.0, 300.0]) if followed is None else followed.result.time_s
     nothing = np.full(len(time), np.nan)
@@ -85,9 +89,9 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
     return (
         chart("figure", figure.label, axis, chosen, drawn, judged_how(followed, name)),
-        chart("position", "Position", "position, 1σ [m]", level_and_up("position")),
-        chart("velocity", "Velocity", "velocity, 1σ [m/s]", level_and_up("velocity")),
-        chart("attitude", "Attitude", "attitude, 1σ [°]", attitude),
+        display.timeline(chart("position", "Position", "position, 1σ [m]", level_and_up("position"))),
+        display.timeline(chart("velocity", "Velocity", "velocity, 1σ [m/s]", level_and_up("velocity"))),
+        display.timeline(chart("attitude", "Attitude", "attitude, 1σ [°]", attitude)),
     )
 
 

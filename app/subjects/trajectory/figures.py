@@ -6,6 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from app.document.numbers import show
+from nav_model.budget.verdict import decisive
+from nav_model.design import Design
 from nav_model.design.figures import FIGURES as DECLARED
 from nav_model.design.figures import IN_FLIGHT
 
@@ -17,9 +19,33 @@ FIGURES = {name: DECLARED[name] for name in IN_FLIGHT}
 """Figures that a requirement of the design may limit along a flight."""
 
 
-def show_value(name: str, value: float, *, given: bool = False, like: float | None = None) -> str:
-    """A value of a figure with its unit; `given` as a person gave it, ``like`` in the unit of this one."""
-    return show(value, FIGURES[name].dimension, given=given, like=like)
+def factor(design: Design, name: str) -> float:
+    """The confidence at which a figure is told, along a flight as in the budget."""
+    return decisive(design, name)[0]
+
+
+def spread_of(design: Design) -> str:
+    """The confidence of what is shown of a flight, for captions."""
+    return f"at {design.requirements.confidence:g}σ"
+
+
+def show_value(design: Design, name: str, sigma: float, *, given: bool = False, like: float | None = None) -> str:
+    """One sigma of a figure [SI] at the confidence of its limit, with its unit.
+
+    Parameters
+    ----------
+    design : Design
+        Has the confidence.
+    name : str
+    sigma : float
+    given : bool
+        As a person gave it.
+    like : float, optional
+        In the unit of this one.
+    """
+    scale = factor(design, name)
+    like = None if like is None else scale * like
+    return show(scale * sigma, FIGURES[name].dimension, given=given, like=like)
 
 
 def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, float, float], ...]:

@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from app.document.wording import printable
-from app.subjects.trajectory.run import Followed
 from app.subjects.trajectory.tables import failure
+from app.work.flight import Followed
 from nav_model.trajectory.result import LineResult
 
 NAMESPACE = "http://www.opengis.net/kml/2.2"
@@ -28,7 +28,7 @@ def as_kml(followed: Followed) -> bytes:
     parts = [("flight", followed.flight, "path", 0.0, float(result.time_s[-1]))]
     for line in result.lines if result.spec.lines else ():
         look = "closes" if line.closes else "fails"
-        parts.append((line.name, line_verdict(line), look, line.start_s, line.stop_s))
+        parts.append((line.name, line_verdict(followed, line), look, line.start_s, line.stop_s))
     for name, description, look, start, stop in parts:
         mark = _add(document, "Placemark")
         _add(mark, "name", name.translate(_NO_TAGS))
@@ -42,9 +42,9 @@ def as_kml(followed: Followed) -> bytes:
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
-def line_verdict(line: LineResult) -> str:
+def line_verdict(followed: Followed, line: LineResult) -> str:
     """Whether a line keeps its limits, or why not."""
-    return f"{line.name} keeps its limits." if line.closes else f"{failure(line)}."
+    return f"{line.name} keeps its limits." if line.closes else f"{failure(followed, line)}."
 
 
 def _add(parent: ElementTree.Element, name: str, text: str = "", **attributes: str) -> ElementTree.Element:

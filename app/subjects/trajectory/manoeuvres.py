@@ -13,12 +13,13 @@ from app.declared import required
 from app.document.pane import html_of
 from app.session import Session
 from app.subjects.trajectory.options import option_label, options_answer, options_table
-from app.subjects.trajectory.run import File, closing_options
+from app.subjects.trajectory.run import closing_options
 from app.ui.html_pane import html_pane, stale_mark
 from app.ui.run_bar import RunBar
 from app.ui.sortable_table import SortableTable
 from app.ui.view import View
 from app.work.cancellable import run_alone
+from app.work.flight import File
 from app.work.run import Run
 from nav_model.base.errors import InputError
 
@@ -86,7 +87,7 @@ class ManoeuvreBlock(View):
     def _show(self, _: object) -> None:
         design, file, answer = self.run.result
         self._share(design, file, answer)
-        self._table.html = html_of(options_table(answer)) if answer.options else ""
+        self._table.html = html_of(options_table(answer, design)) if answer.options else ""
         self.follow()
 
     def _take(self, name: str) -> None:

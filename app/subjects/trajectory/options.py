@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from app.document.blocks import Answer, Cell, Row, TableBlock, numbers, table
 from app.document.numbers import NONE, percent
-from app.subjects.trajectory.figures import FIGURES, show_value
+from app.subjects.trajectory.figures import FIGURES, show_value, spread_of
 from nav_model.base.units import time_in_words
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
@@ -16,6 +16,7 @@ from nav_model.design.trajectory import lines_in_words
 _SAME, _NOTHING = 0.005, "the same"
 
 if TYPE_CHECKING:
+    from nav_model.design import Design
     from nav_model.trajectory.manoeuvre import Limited, Manoeuvres, Option
 
 
@@ -26,15 +27,15 @@ def options_answer(answer: Manoeuvres) -> Answer:
     closing, note = [option for option in answer.options if option.closes], filter(None, [answer.note])
     if not closing:
         word = f"✗ None of these closes {lines_in_words(answer.lines)}"
-        return Answer(word, "bad", ("The table has what each of them buys.", *note))
+        return Answer(word, "bad", ("The table has what each of them changes.", *note))
     shortest, bought = closing[0], [option for option in closing[1:] if option.kind != "manoeuvre"]
     ways = "; or ".join(map(_in_words, (shortest, *bought)))
     word = f"✓ {len(closing)} option{'' if len(closing) == 1 else 's'} for {lines_in_words(answer.lines)}"
     return Answer(word, "good", (f"{ways[:1].upper()}{ways[1:]}.", *note))
 
 
-def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> TableBlock:
-    """Each option, the shortest that closes first; the value of a row is the option's name."""
+def options_table(answer: Manoeuvres, design: Design, key: str = "trajectory-options") -> TableBlock:
+    """Each option, at the confidence of the design, the shortest that closes first; a row's value is its name."""
     rows: list[Row] = []
     name = max(answer.figures, key=lambda figure: answer.figures[figure].ratio)
     for option in answer.options:
@@ -47,23 +48,24 @@ def options_table(answer: Manoeuvres, key: str = "trajectory-options") -> TableB
                 Cell(option_label(option), value=option.name),
                 Cell(sign, tone=tone),
                 FIGURES[decides].label,
-                NONE if math.isinf(value.worst) else show_value(decides, value.worst),
-                show_value(decides, value.limit, given=True),
+                NONE if math.isinf(value.worst) else show_value(design, decides, value.worst),
+                show_value(design, decides, value.limit, given=True),
                 change,
                 _longer(option.costs_s),
                 _note(option, buys=not option.useless and change != _NOTHING),
             )
         )
     planned = answer.figures[name].worst
-    worst = "no value" if math.isinf(planned) else show_value(name, planned)
+    worst = "no value" if math.isinf(planned) else show_value(design, name, planned)
     return table(
         key,
-        f"Options for {lines_in_words(answer.lines)}; as planned {figure_in_sentence(name)} is {worst} at worst",
+        f"Options for {lines_in_words(answer.lines)}, {spread_of(design)}; as planned {figure_in_sentence(name)} is "
+        f"{worst} at worst",
         (
             ("Option", 1.6),
             "Limits",
             "Decides",
-            *numbers("Worst", "Limit (1σ)", "Change", "Flight"),
+            *numbers("Worst", "Limit", "Change", "Flight"),
             ("Note", 1.6),
         ),
         rows,

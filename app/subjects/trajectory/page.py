@@ -26,14 +26,7 @@ from app.subjects.trajectory.figures import FIGURES
 from app.subjects.trajectory.kml import as_kml
 from app.subjects.trajectory.manoeuvres import ManoeuvreBlock
 from app.subjects.trajectory.plan_file import as_plan
-from app.subjects.trajectory.run import (
-    File,
-    Followed,
-    follow,
-    follow_if_short,
-    waypoints_in,
-    waypoints_of_lines,
-)
+from app.subjects.trajectory.run import waypoints_in, waypoints_of_lines
 from app.subjects.trajectory.tables import line_list, line_table, verdict
 from app.ui.chart_pane import ChartPane, described, head_html
 from app.ui.downloads import download
@@ -45,7 +38,7 @@ from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import UploadedFile, upload
-from app.work.cancellable import run_alone
+from app.work.flight import OF_DESIGN, File, Followed, followed
 from app.work.pool import run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
@@ -170,24 +163,27 @@ class TrajectoryPage(StudyPage[Followed]):
         return super().begin(settle, by_itself=by_itself)
 
     async def _study(self, run: Run) -> Followed:
-        file = self._flown_file
-        # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
-        await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.lines")
-        if self.flight == WAYPOINTS and not self._session.design.trajectory.waypoints:
-            self._take(await run_in_pool(waypoints_of_lines, self._session.design))
+        session, lengths = self._session, self._lengths
+        if self.flight == WAYPOINTS and not session.design.trajectory.waypoints:
+            self._take(await run_in_pool(waypoints_of_lines, session.design))
             self._ask()
-        asked = self._session.design, self.states, file
-        flown: Followed | None = None
-        if file is None and not self._lengths:
-            # A short flight is not worth a process that ends with the next step of a slider.
-            flown = await run_in_pool(follow_if_short, *asked[:2])
-        if flown is None:
-            flown = await run_alone(
-                follow, *asked, self._lengths, progress=lambda share, what: run.tell(what, share or None)
-            )
-            if self._lengths and not _solved(flown.result):
-                self._say(_UNSOLVED)
+        asked = session.design, self.states, self._flown_file
+        if self._of_design and not lengths:
+            try:
+                return await session.flight.of(session.design, lambda progress: run.param.update(progress=progress))
+            except asyncio.CancelledError:
+                if run.mine:  # somebody has pressed Cancel: nobody waits for it any more
+                    session.flight.run.cancel()
+                raise
+        flown = await followed(*asked, lengths, progress=lambda share, what: run.tell(what, share or None))
+        if lengths and not _solved(flown.result):
+            self._say(_UNSOLVED)
         return flown
+
+    @property
+    def _of_design(self) -> bool:
+        """Whether the flight is that of the design, which its verdict has, and no study beside it."""
+        return not self.states and self.flight != _FILE
 
     @property
     def _flown_file(self) -> File | None:
@@ -195,6 +191,8 @@ class TrajectoryPage(StudyPage[Followed]):
 
     @property
     def _key(self) -> tuple[str, ...] | None:
+        if self._of_design:
+            return OF_DESIGN, self._session.design.content_hash
         return None if self.flight == _FILE else super()._key
 
     @property
@@ -202,7 +200,7 @@ class TrajectoryPage(StudyPage[Followed]):
         return self._plan.refused or (_NO_FILE if self.flight == _FILE and self._file is None else "")
 
     def _verdict(self, followed: Followed) -> Answer:
-        return verdict(followed, self.figure)
+        return verdict(followed)
 
     def _typed(self) -> None:
         """Follow what was typed; what is refused changes nothing, and the strip says why."""
@@ -289,7 +287,7 @@ class TrajectoryPage(StudyPage[Followed]):
         description, knowledge = "".join(map(described, charts)), charts[0].knowledge
         key = _COMING if result is None else key_html(**_KEY, **(_RUNS if simulated(result, flown) else {}))
         self._head.say(head_html("Along the flight", knowledge, description, key))
-        faint = self._refused or self.run.message
+        faint = self._refused or self.run.message or (result and self._outdated)
         self._body.styles = {"opacity": "0.5" if faint else "1"}  # an empty one would leave it as it was
         lines = result.result.lines if result and not result.file else ()
         self._bar.start.visible = any(line.limits for line in lines) and not (result and _solved(result.result))
@@ -383,7 +381,7 @@ def as_json(followed: Followed) -> str:
     """The result as JSON, as `navbudget trajectory` prints it."""
     from nav_model.trajectory.result import to_json
 
-    return json.dumps(to_json(followed.result, followed.verdict), allow_nan=False)
+    return json.dumps(to_json(followed.result, followed.budget.verdict), allow_nan=False)
 
 
 def as_csv(followed: Followed) -> str:

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from itertools import count
 
 from app.subjects.trajectory.kml import line_verdict
-from app.subjects.trajectory.run import Followed, waypoints_of_lines
+from app.subjects.trajectory.run import waypoints_of_lines
+from app.work.flight import Followed
 from nav_model.base.errors import InputError
 from nav_model.design.trajectory import LINES, WAYPOINTS, Rows
 
@@ -47,7 +48,7 @@ def _items(followed: Followed, rows: Rows) -> Iterator[dict[str, object]]:
             "type": "SimpleItem", "command": _NAVIGATE, "frame": 0, "autoContinue": True, "doJumpId": next(numbers),
             "AMSLAltAboveTerrain": None, "Altitude": height, "AltitudeMode": _ABSOLUTE,
             "params": [0, 0, 0, None, *place], "line": name,
-            "verdict": line_verdict(line) if line else "",
+            "verdict": line_verdict(followed, line) if line else "",
         }  # fmt: skip
         if (speed or usual) != now:  # it holds until the next change
             now = speed or usual

@@ -8,8 +8,9 @@ from app.document.wording import identified, printable
 from app.subjects.trajectory.charts import map_chart, shares_chart, timelines
 from app.subjects.trajectory.figures import main_figure
 from app.subjects.trajectory.options import options_answer, options_table
-from app.subjects.trajectory.run import Followed, closing_options, follow
+from app.subjects.trajectory.run import closing_options
 from app.subjects.trajectory.tables import line_table, verdict
+from app.work.flight import Followed, follow
 from nav_model.design import Design
 
 _HOW = "Covariance [P-13], smoothed [P-14]; image errors of each line [P-15]."
@@ -45,7 +46,7 @@ def sections(study: Followed, key: str) -> tuple[Section, ...]:
         Section(
             f"{key}-trajectory",
             "Flight: the lines and their limits",
-            (verdict(study, name), Text(printable(study.flight)), lines, *_what_would_close(study, key), Text(_HOW)),
+            (verdict(study), Text(printable(study.flight)), lines, *_what_would_close(study, key), Text(_HOW)),
         ),
         Section(
             f"{key}-trajectory-charts",
@@ -59,4 +60,4 @@ def _what_would_close(study: Followed, key: str) -> tuple[Block, ...]:
     """The options, where the flight needs any and they are known."""
     if study.options is None or study.options.closes:
         return ()
-    return options_answer(study.options), options_table(study.options, f"{key}-options")
+    return options_answer(study.options), options_table(study.options, study.design, f"{key}-options")

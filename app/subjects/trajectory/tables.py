@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from app.document.blocks import Answer, Cell, Row, TableBlock, numbers, table
 from app.document.numbers import NONE, percent
-from app.document.verdict import SAID
-from app.subjects.trajectory.figures import FIGURES, show_value
-from app.subjects.trajectory.run import Followed
-from nav_model.budget.verdict import STRAIGHT_LEG, Verdict
+from app.document.verdict import SAID, verdict_along
+from app.subjects.trajectory.figures import FIGURES, show_value, spread_of
+from app.work.flight import Followed
+from nav_model.base.units import time_in_words
 from nav_model.design.figures import figure_in_sentence
 
 if TYPE_CHECKING:
@@ -21,53 +22,66 @@ if TYPE_CHECKING:
 _MOMENT = "An image's aperture lies within its line. Position, velocity, tilt and heading are"
 
 
-def verdict(followed: Followed, name: str) -> Answer:
-    """Whether the lines, or the flight as a whole, keep the limits; `name` is told where there is no limit."""
-    result = followed.result
-    processing = result.spec.processing
-    others = _beside_flight(followed.verdict)
-    if not any(line.limits for line in result.lines):
-        values = result.chosen.figures[name]
-        values = values[np.isfinite(values)]
-        first = (
-            f"{FIGURES[name].label} is at most {show_value(name, values.max())}, {processing}." if values.size else ""
-        )
-        none = "No requirement of the design limits a figure of the flight."
-        return Answer("No limit", "bad" if followed.verdict.failing else "open", (first, none, *others))
+def verdict(followed: Followed) -> Answer:
+    """The verdict of the design with this flight, as every page has it; that of a study is open."""
+    if followed.study:
+        return _of_study(followed)
+    budget, result = followed.budget, followed.result
+    answer = verdict_along(budget.verdict)
+    if not budget.design.trajectory.planned:
+        flown = f"No plan: the charts show a straight flight of {time_in_words(result.spec.study.duration)}"
+        return replace(answer, sentences=(*answer.sentences, f"{flown}; what a straight leg tells is judged there."))
     failing = [line for line in result.lines if not line.closes]
-    lines = len(result.lines)
-    if result.spec.lines:
-        word = f"{lines - len(failing)} of {lines} line{'' if lines == 1 else 's'} within the limits"
-    else:
-        word = f"{percent(min(result.lines[0].within.values()))} of the flight within the limits"
-    sentences: tuple[str, ...] = ()
     if failing:
         worst = max(failing, key=lambda line: (bool(line.reason), line.excess[1]))
-        first = failure(worst)
-        sentences = (f"{first[0].upper()}{first[1:]}.",)
+        why = failure(followed, worst)
+        return replace(answer, sentences=(*answer.sentences, f"{why[:1].upper()}{why[1:]}."))
+    return answer
+
+
+def _of_study(followed: Followed) -> Answer:
+    """The lines within the limits of a flight that is not the design's, as a remark."""
+    result = followed.result
+    lines, good = len(result.lines), sum(line.closes for line in result.lines)
+    if not any(line.limits for line in result.lines):
+        word = "no limit along the flight"
+    elif result.spec.lines:
+        word = f"{good} of {lines} line{'' if lines == 1 else 's'} within the limits"
+    else:
+        word = f"{percent(min(result.lines[0].within.values()))} of the flight within the limits"
+    what = (
+        f"The flight of {followed.file}" if followed.file else f"A filter of {result.spec.study.filter.states} states"
+    )
     return Answer(
-        f"{'✓' if followed.verdict.closes else '✗'} {word} {SAID[processing]}",
-        "good" if followed.verdict.closes else "bad",
-        (*sentences, *others),
+        f"Study: {word} {SAID[result.spec.processing]}",
+        "open",
+        (f"{what} is not the design's: its verdict does not have this.",),
     )
 
 
-def _beside_flight(verdict: Verdict) -> tuple[str, ...]:
-    """What does not depend on the flight, as a sentence: what is not met, else that all of it is."""
-    checks = [check for check in verdict.checks if check.judged == STRAIGHT_LEG]
-    if not checks:
-        return ()
-    failing = [check for check in checks if not check.met]
-    names = ", ".join(figure_in_sentence(check.name) for check in failing or checks)
-    return (f"Does not depend on the flight: {names}, {'not met' if failing else 'met'}.",)
-
-
-def failure(line: LineResult) -> str:
-    """Why a line fails: no image of it can be taken, or a figure passes its limit: when, by what, and at worst."""
+def failure(followed: Followed, line: LineResult) -> str:
+    """The reason why a line fails: no image of it can be taken, or a figure passes its limit."""
     if line.reason:
         return f"{line.name} {line.reason}"
-    worst = show_value(line.fails_by, line.worst[line.fails_by])
-    return f"{line.name} fails: {line.because}; {worst} at worst"
+    return f"{line.name}: {figure_in_sentence(line.fails_by)} {_excess(followed, line)}"
+
+
+def _excess(followed: Followed, line: LineResult) -> str:
+    """For how much of a line its first figure to fail is over the limit, since when, at worst, and by what."""
+    name, result = line.fails_by, followed.result
+    assert line.fails_at_s is not None
+    most = line.limits[name]
+    level = show_value(followed.design, name, most, given=True)
+    worst = show_value(followed.design, name, line.worst[name], like=most)
+    share, where = 1.0 - line.within[name], "the line" if result.spec.lines else "the flight"
+    at = int(np.searchsorted(result.time_s, line.start_s + line.fails_at_s - 1e-9))
+    shares = result.chosen.shares[name][:, min(at, len(result.time_s) - 1)]
+    cause = f"{'mainly' if shares.max() > 0.5 else 'largest part'} from {result.sources[int(shares.argmax())]}"
+    if share < 1.0:
+        over = f"for {percent(share)} of {where}, first at {time_in_words(line.fails_at_s)}"
+    else:
+        over = f"all along {where}"
+    return f"over {level} {over}; worst {worst}, {cause}"
 
 
 def line_list(followed: Followed, name: str) -> TableBlock:
@@ -82,17 +96,18 @@ def line_list(followed: Followed, name: str) -> TableBlock:
         fails = "✗\u00a0fails", "bad"
         sign, tone = (("✓\u00a0keeps", "good") if limit else ("no limit", "")) if line.closes else fails
         label = line.name if not result.spec.lines or line.name == f"line {place}" else f"{place}  {line.name}"
-        why = "; ".join(filter(None, (line.reason or line.because, line.remark)))
+        why = line.reason or (f"{figure.label} {_excess(followed, line)}" if line.fails_by else "")
+        why = "; ".join(filter(None, (why, line.remark))) or figure.label
         texts = (
-            f"{why[:1].upper()}{why[1:]}" or figure.label,
-            NONE if worst is None else show_value(figure.name, worst, like=limit),
-            NONE if limit is None else show_value(figure.name, limit, given=True),
+            f"{why[:1].upper()}{why[1:]}",
+            NONE if worst is None else show_value(followed.design, figure.name, worst, like=limit),
+            NONE if limit is None else show_value(followed.design, figure.name, limit, given=True),
         )
         rows.append((label, Cell(sign, tone=tone), *texts, *([length or NONE] if any(lengths) else [])))
     return table(
         "trajectory-verdicts",
-        f"Verdict by line, {result.spec.processing}",
-        ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit (1σ)"), *(["Length"] if any(lengths) else [])),
+        f"Verdict by line, {result.spec.processing}, {spread_of(followed.design)}",
+        ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit"), *(["Length"] if any(lengths) else [])),
         rows,
         f"{result.heading.text} {_swath(result)}".strip(),
     )
@@ -122,22 +137,26 @@ def line_table(followed: Followed, name: str) -> TableBlock:
     rows: list[Row] = []
     for line in result.lines:
         span = f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"
-        rows.append(("; ".join(filter(None, (span, line.reason or line.because, line.remark, _length(line)))),))
+        why = line.reason or (failure(followed, line) if line.fails_by else "")
+        rows.append(("; ".join(filter(None, (span, why, line.remark, _length(line)))),))
         for figure in figures:
             within = line.within.get(figure.name)
             limited: tuple[str | Cell, ...] = (NONE, NONE)
             if within is not None:
                 sign, tone = ("✗", "bad") if figure.name in line.failing else ("✓", "good")
-                limit = show_value(figure.name, line.limits[figure.name], given=True)
+                limit = show_value(followed.design, figure.name, line.limits[figure.name], given=True)
                 limited = limit, Cell(percent(within), sign, tone)
             values = (part.get(figure.name) for part in (line.first, line.mean, line.worst))
             like = line.limits.get(figure.name)
-            texts = (NONE if value is None else show_value(figure.name, value, like=like) for value in values)
+            texts = (
+                NONE if value is None else show_value(followed.design, figure.name, value, like=like)
+                for value in values
+            )
             rows.append((figure.label, *texts, *limited))
     return table(
         "trajectory-lines",
-        f"Figures by line, {result.spec.processing}",
-        ("Quantity", *numbers("At start", "Rms", "Worst", "Limit (scaled to 1σ)", "Within")),
+        f"Figures by line, {result.spec.processing}, {spread_of(followed.design)}",
+        ("Quantity", *numbers("At start", "Rms", "Worst", "Limit", "Within")),
         rows,
         " ".join((f"{_MOMENT} {result.moment}.", *beside_budget(result.spec), _swath(result))).strip(),
     )

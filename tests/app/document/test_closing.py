@@ -39,7 +39,7 @@ def test_a_way_closes_at_the_value_that_it_says_and_a_percent_more_does_not(fail
         if failing.design[key] is not None:
             now = declaration_of(key).read(way.now).value
             assert now == pytest.approx(failing.design[key], rel=5e-3)
-    rows = ways_table(ways, closes=False).rows
+    rows = ways_table(failing, ways).rows
     assert [row[0].value for row in rows] == [way.text for way in ways]
 
 
@@ -59,11 +59,12 @@ def test_what_sources_may_take_adds_up_to_the_limit_less_its_reserve(failing: Bu
 def test_value_and_limit_keep_their_ratio_however_they_are_shown(mems: Budget, spread: str, units: str) -> None:
     display = Display(spread, units).of(mems.design)
     for check in mems.verdict.checks:
-        *texts, at = displayed_check(mems.design, check, display)
+        *texts, at, beside = displayed_check(mems.design, check, display)
         plain = (text.replace("\N{NO-BREAK SPACE}", " ") for text in texts)
         value, limit = (parse_quantity(text, check.dimension).value for text in plain)
         assert value / limit == pytest.approx(check.value / check.limit, rel=1e-2), check.name
         assert bool(at) is (check.confidence is not None)
+        assert beside == ""  # no flight
 
 
 def test_a_verdict_counts_what_is_met_and_names_the_tightest(mems: Budget) -> None:

@@ -13,7 +13,7 @@ from app.subjects.trajectory import manoeuvres as block
 from app.subjects.trajectory.manoeuvres import ManoeuvreBlock
 from app.subjects.trajectory.options import options_answer, options_table
 from app.subjects.trajectory.report import sections, study
-from app.subjects.trajectory.run import File, follow
+from app.work.flight import File, follow
 from nav_model.base.constants import DEGREE
 from nav_model.design import Design
 from nav_model.trajectory.manoeuvre import Limited, Manoeuvres, Option
@@ -58,7 +58,7 @@ def test_an_option_that_is_pressed_turns_the_verdict_and_is_undone(session: Sess
     page._take(first.name)
     assert session.design == planned.replace(first.changes, first.written)
     assert session.design.trajectory.flight == "waypoints"
-    assert follow(session.design, 0).verdict.closes
+    assert follow(session.design).budget.verdict.closes
     assert "You can undo" in page._bar.message
     page.follow()
     assert "before the last change" in page._head.object
@@ -105,7 +105,7 @@ def test_the_report_of_a_flight_that_fails_has_what_would_close_it() -> None:
     blocks = sections(followed, "d1")[0].blocks
     assert followed.options is not None
     assert options_answer(followed.options) in blocks
-    assert options_table(followed.options, "d1-options") in blocks
+    assert options_table(followed.options, followed.design, "d1-options") in blocks
     taken = failing().replace(followed.options.options[0].changes)
     assert study(taken, None).options is None  # type: ignore[arg-type]
 
@@ -128,7 +128,7 @@ def test_the_words_of_an_answer() -> None:
         "90° turn before line 3, over not more than 8 min before the line ends (1 min 1 s longer); "
         "or two antennas, 1 m apart.",
     )
-    rows = [[cell.text for cell in row] for row in options_table(answer).rows]
+    rows = [[cell.text for cell in row] for row in options_table(answer, failing()).rows]
     assert rows[0] == [
         "90° turn before line 3",
         "✓ closes",
@@ -145,9 +145,9 @@ def test_the_words_of_an_answer() -> None:
         "Its bank loses fixes for 40 s, and costs more than it buys",
     ]
     same = replace(steep, useless=False, lost_s=0.0, figures={"heading": Limited(2.999e-3, 1e-3, 2e-3)})
-    (row,) = options_table(replace(answer, options=(same,))).rows
+    (row,) = options_table(replace(answer, options=(same,)), failing()).rows
     assert [cell.text for cell in row][5:] == ["the same", "1 min 1 s longer", "Costs more than it buys"]
     none = Manoeuvres("line 3", ("line 3",), False, answer.figures, (steep,))
     assert options_answer(none).word == "✗ None of these closes line 3"
     assert options_answer(Manoeuvres("line 3", (), True, fig)).word == "✓ Every line keeps its limits"
-    assert "aria-label" in html_of(options_table(answer))
+    assert "aria-label" in html_of(options_table(answer, failing()))
