@@ -131,7 +131,7 @@ def verdict_of(budget: Budget) -> Answer:
 
 
 def count_words(verdict: Verdict) -> str:
-    """How many requirements are met, which fail, and which are open or refused: "6 of 7 requirements met; heading
+    """Requirements in words, how many are met, and which fail, are open or refused: "6 of 7 requirements met; heading
     fails on L1 (0.105°, limit 0.05°)"."""
     count, met = len(verdict.checks), sum(check.met for check in verdict.checks)
     if met == count:
@@ -157,7 +157,7 @@ def _count_open(verdict: Verdict) -> str:
 
 
 def _open_words(verdict: Verdict) -> str:
-    """What is not known yet: "open: heading is judged along the flight"."""
+    """Words on what is not known yet: "open: heading is judged along the flight"."""
     names = [figure_in_sentence(check.name) for check in verdict.checks if check.state == "open"]
     if not names:
         return f"refused: {', '.join(figure_in_sentence(name) for name in verdict.open)}"
@@ -175,12 +175,12 @@ def tightest_words(verdict: Verdict) -> str:
 
 
 def open_words(verdict: Verdict) -> str:
-    """What is open or refused, by name, after a semicolon; empty without any."""
+    """Requirements that are open or refused, by name, after a semicolon; empty without any."""
     return f"; open: {', '.join(map(figure_in_sentence, verdict.open))}" if verdict.open else ""
 
 
 def before_flight(design: Design) -> tuple[str, ...]:
-    """Which requirements the flight decides, as a sentence below an answer of the straight leg, if there are any."""
+    """A sentence on the requirements that the flight decides, below a straight leg's answer, if there are any."""
     names = ", ".join(map(figure_in_sentence, flown_names(design)))
     return (f"Before the flight, which decides on {names}.",) if names else ()
 

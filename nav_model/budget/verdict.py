@@ -105,12 +105,12 @@ class Check:
 
     @property
     def met(self) -> bool:
-        """Whether the value is known and within the limit."""
+        """True if the value is known and within the limit."""
         return self.state == "met"
 
     @property
     def known(self) -> bool:
-        """Whether there is a value to compare."""
+        """True if there is a value to compare."""
         return self.state in ("met", "not met")
 
     @property
@@ -168,7 +168,7 @@ class Verdict:
 
     @property
     def closes(self) -> bool:
-        """Whether every requirement is known and met."""
+        """True if every requirement is known and met."""
         return self.state == "closes"
 
     @property
@@ -193,7 +193,7 @@ def required(design: Design) -> dict[str, Required]:
 
 
 def all_required(design: Design) -> dict[str, Required]:
-    """Those of `required`, and those that only a flight can judge."""
+    """Requirements of a design: the `required` ones, and those that only a flight can judge."""
     usual: float = design.requirements.confidence
     requirements = {}
     for name, key in {name: figure.required_as for name, figure in FIGURES.items() if figure.required_as}.items():
@@ -220,7 +220,7 @@ def flown_names(design: Design) -> tuple[str, ...]:
 
 
 def flies(design: Design) -> bool:
-    """Whether a flight judges anything of a design; limits of lines without a plan are refused there."""
+    """True if a flight judges anything of a design; limits of lines without a plan are refused there."""
     return bool(flown_names(design) or design.trajectory.limits)
 
 

@@ -242,7 +242,7 @@ class Design:
         return cast("float | None", self._values[BASE_LINE])
 
     def _on_base_line(self, baseline: float | None, keys: Iterable[str]) -> dict[str, Value]:
-        """Those of the inputs that are written as growing with the base line, at another one."""
+        """Values, at another base line, of the inputs that are written as growing with it."""
         moved: dict[str, Value] = {}
         for key in keys:
             value, written = self[key], self.written.get(key, "")

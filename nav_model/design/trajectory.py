@@ -224,7 +224,7 @@ class Trajectory(Part):
 
     @property
     def planned(self) -> bool:
-        """Whether the design has a plan, on which its figures are judged."""
+        """True if the design has a plan, on which its figures are judged."""
         return bool(self.flight != NO_PLAN)
 
     @property

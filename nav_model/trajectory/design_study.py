@@ -176,7 +176,7 @@ def _lowest(design: Design, *, every: bool) -> Most:
 
 
 def _besides(x: Inputs) -> Contributors:
-    """What enters the figures beside the errors of the flight: in the phases vibration, unsensed motion and the
+    """Contributions to the figures beside the errors of the flight: in the phases vibration, unsensed motion and the
     oscillator [P-8], and all else that the budget's phases have; and the user's own contributors."""
     in_figures = dict(x.contributors.in_figures)
     for source, variances in RealTime(x).phases.items():

@@ -131,7 +131,7 @@ def _judged(
 
 
 def _lacking(stop: float, spec: CovarianceSpec) -> str:
-    """Which fixes after a line that ends at `stop` [s] its smoother waits for in vain, in words."""
+    """Words on the fixes after a line that ends at `stop` [s] for which its smoother waits in vain."""
     if spec.processing == REAL_TIME or stop > spec.study.duration:
         return ""
     after = spec.study.duration + spec.flown_further - stop
@@ -161,7 +161,7 @@ def _refused(
 
 
 def _passed(name: str, limit: float, fails_at: float, within: float | None) -> str:
-    """That a figure passes its limit, and when, in words; `within` it for a share of the line, None where it stays
+    """Words on a figure that passes its limit, and when; `within` it for a share of the line, None where it stays
     beyond."""
     figure = FIGURES[name]
     unit, spread = DIMENSIONS[figure.dimension].default_unit, "1σ" if figure.scaled else "90 %"

@@ -107,7 +107,7 @@ class LineResult:
 
     @property
     def closes(self) -> bool:
-        """Whether every limit is met all along it."""
+        """True if every limit is met all along it."""
         return not (self.failing or self.refused)
 
 
