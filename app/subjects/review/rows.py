@@ -33,12 +33,12 @@ def frozen_designs(review: Review) -> str:
 
 def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
     """The requirement as a row of `DecisionTable`."""
-    _, check, words = _judged(review, place, name)
+    verdict, check, words = _judged(review, place, name)
     standing = review.standing(place, name)
     decision = "open" if standing is None else (
         f"{decided_word(standing, met=check.met).text} by {standing.author}, {moment(standing.decided)}"
     )  # fmt: skip
-    state = met_cell(check)
+    state = met_cell(check, verdict)
     return {
         "place": place, "name": name, "label": f"D{place}: {check.label}", "value": words.value, "limit": words.limit,
         "met": check.met, "verdict": state.text, "tone": state.tone, "seen": standing.number if standing else 0,
