@@ -87,6 +87,41 @@ def test_known_coefficients_lie_in_their_intervals_long(simulate: Simulator, cas
     measure_coverage(simulate, case, 20_000, MANY)
 
 
+def walks_of_white_noise(axes: int, samples: int) -> np.ndarray:
+    """Random walk of white noise and nothing else over the true one, less one: value, low, high of each axis."""
+    rng, rows = np.random.default_rng(11), []
+    for _ in range(axes // 3):
+        result = analyse_log(ImuLog(rng.standard_normal((samples, 3)) * 0.1, None, 100.0))
+        rows += [axis.coefficients["random_walk"] for axis in result.axes]
+    return np.array([(walk.value, walk.low, walk.high) for walk in rows]) / 0.01 - 1
+
+
+def test_white_noise_alone_gives_no_other_term_a_share():
+    """Of axes in which chance gives quantization something, N is the root mean square of the samples all the same."""
+    samples = 4096
+    signal = np.random.default_rng(4).standard_normal((samples, 6)) * 0.1
+    axes = [axis for part in (signal[:, :3], signal[:, 3:]) for axis in analyse_log(ImuLog(part, None, 100.0)).axes]
+    for axis, column in zip(axes, signal.T, strict=True):
+        walk = axis.coefficients["random_walk"]
+        shown = {term for term in TERMS if axis.coefficients[term] is not None}
+        assert shown == {"random_walk"}
+        # The ramp and the mean take a degree of freedom each.
+        assert walk.value == pytest.approx(column.std(ddof=2) * 0.1, rel=1e-3)
+        assert walk.low < walk.value / (1 + 1.96 / np.sqrt(2 * samples)) < walk.value < walk.high
+
+
+@pytest.mark.slow
+def test_white_noise_has_no_bias_and_is_missed_no_more_often_on_one_side():
+    """252 axes. Without bias their mean lies within 2.6 of its standard errors in 99 % of such tests; 2.5 % of
+    intervals may miss on either side, and more than 14 of them once in five hundred such tests."""
+    walks = walks_of_white_noise(252, 36_000)
+    mean, spread = walks[:, 0].mean(), walks[:, 0].std(ddof=1) / np.sqrt(len(walks))
+    assert abs(mean) < 2.6 * spread
+    assert spread < 3e-4
+    assert np.count_nonzero(walks[:, 1] > 0) <= 14
+    assert np.count_nonzero(walks[:, 2] < 0) <= 14
+
+
 RUNS = {
     2: ([2.43, 2.59, 2.30], [0.38, 0.25, 0.34]),
     6: ([2.46, 2.61, 2.33], [0.38, 0.28, 0.35]),
