@@ -32,7 +32,7 @@ class ReportChoice:
         ]
 
     def lacking(self) -> str:
-        """What a report written now would omit, in words."""
+        """Studies that a report written now would omit, in words."""
         waits = self._session.flight_words  # for a flight: the last one is of the design before
         kinds = [kind for kind, fits in self._fits().items() if not fits and not (waits and kind == "trajectory")]
         studies = [STUDIES[kind].study for kind in kinds]

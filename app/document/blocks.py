@@ -179,7 +179,7 @@ class Answer:
     tip: str = ""
 
     def more(self, *sentences: str) -> Self:
-        """The same with further sentences; empty ones are left out."""
+        """Copy of the answer with further sentences; empty ones are left out."""
         return replace(self, sentences=(*self.sentences, *filter(None, sentences)))
 
 

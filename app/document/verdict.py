@@ -150,7 +150,7 @@ def count_words(verdict: Verdict) -> str:
 
 
 def _count_open(verdict: Verdict) -> str:
-    """How many requirements are met and which are open, or how many: "1 of 7 requirements met; heading is open"."""
+    """Count of the requirements that are met, and those that are open: "1 of 7 requirements met; heading is open"."""
     count, met, names = len(verdict.checks), sum(check.met for check in verdict.checks), verdict.open
     rest = f"{figure_in_sentence(names[0])} is" if len(names) == 1 else f"{len(names)} are"
     return f"{met} of {count} requirement{'' if count == 1 else 's'} met; {rest} open"

@@ -101,13 +101,26 @@ def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> Cova
 def covariance_specification(
     design: Design, study: SimulationSpec, lines: tuple[FlightLine, ...] = (), *, every: bool = True
 ) -> CovarianceSpec:
-    """The covariance along the flight of `study`, as `simulation.design_study.specification` makes it of the design.
+    """The covariance along a flight of a design.
 
     The limits are the design's requirements on figures that are known along a flight, less their confidence, in its
-    processing; those of the plan's `limits` hold for the line of that name. Not `every`: only those that a straight
-    leg does not tell.
+    processing; those of the plan's `limits` hold for the line of that name.
 
-    Raises InputError if the plan limits a line that the flight does not have.
+    Parameters
+    ----------
+    design : Design
+        The design.
+    study : SimulationSpec
+        Its flight, as `simulation.design_study.specification` makes it.
+    lines : tuple of FlightLine, optional
+        Lines of the flight.
+    every : bool, optional
+        False for only those limits that a straight leg does not tell.
+
+    Raises
+    ------
+    InputError
+        If the plan limits a line that the flight does not have.
     """
     trajectory = design.trajectory
     names = [line.name for line in lines]

@@ -43,7 +43,7 @@ def as_kml(followed: Followed) -> bytes:
 
 
 def line_verdict(followed: Followed, line: LineResult) -> str:
-    """Whether a line keeps its limits, or why not."""
+    """Verdict on a line: that it keeps its limits, or why not."""
     return f"{line.name} keeps its limits." if line.closes else f"{failure(followed, line)}."
 
 

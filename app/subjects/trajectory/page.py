@@ -182,7 +182,7 @@ class TrajectoryPage(StudyPage[Followed]):
 
     @property
     def _of_design(self) -> bool:
-        """Whether the flight is that of the design, which its verdict has, and no study beside it."""
+        """True if the flight is that of the design, which its verdict has, and no study beside it."""
         return not self.states and self.flight != _FILE
 
     @property

@@ -1,4 +1,4 @@
-"""What the page asks of a flight beside its covariance, worked out in a worker process."""
+"""Further answers of the page about a flight beside its covariance, worked out in a worker process."""
 
 from __future__ import annotations
 
