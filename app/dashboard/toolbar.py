@@ -13,7 +13,7 @@ from app.dashboard.report_choice import ReportChoice
 from app.declared import required
 from app.document.display import display_of
 from app.document.wording import chapter_key, slug
-from app.examples import EXAMPLES, example
+from app.examples import EXAMPLES, description_of, example
 from app.report import report_bytes
 from app.report.studies import study_sections
 from app.report.supplier import NAMES, supplier_bytes
@@ -51,7 +51,7 @@ class Toolbar(View):
             examples=[[key, example(key).name, example(key).description] for key in EXAMPLES],
             most=MAX_BYTES,
             named=session.design.name,
-            description=session.design.description,
+            description=description_of(session.design),
             can_undo=session.param.can_undo,
             can_redo=session.param.can_redo,
             link=session.short_link,
@@ -64,8 +64,8 @@ class Toolbar(View):
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
         design = budget.design
-        if (self.bar.named, self.bar.description) != (design.name, design.description):
-            self.bar.param.update(named=design.name, description=design.description)
+        if (self.bar.named, self.bar.description) != (design.name, description_of(design)):
+            self.bar.param.update(named=design.name, description=description_of(design))
 
     @param.depends("session.findings", "session.budget", "session.running", watch=True)
     def _offer(self) -> None:
@@ -76,9 +76,8 @@ class Toolbar(View):
             self.bar.param.update(studies=studies, left_out=left_out)
 
     def _written(self, *_: Any) -> None:
-        words = {"name": self.bar.named, "description": self.bar.description}
-        design = self.session.design
-        if (design.name, design.description) != (words["name"], words["description"]):
+        design, words = self.session.design, {"name": self.bar.named, "description": self.bar.description}
+        if (design.name, description_of(design)) != (words["name"], words["description"]):
             self.session.change(words)
 
     def _do(self, deed: dict[str, Any]) -> None:
@@ -94,7 +93,8 @@ class Toolbar(View):
             case "show":
                 self.session.display = display_of(str(deed.get("word", ""))).word
             case "save":
-                text = format_design(self.session.design)
+                design = self.session.design
+                text = format_design(design.replace({"description": description_of(design)}))
                 self.bar.give(f"{slug(self.session.design.name)}.toml", text.encode("utf-8"))
             case "open":
                 self._open(deed.get("data"), str(deed.get("name", "file")))
