@@ -217,8 +217,8 @@ class BarChart(_Titled):
 
 @dataclass(frozen=True)
 class Dot:
-    """One row of a dot chart [degrees]: a closed form (NaN: none), what runs gave, their 5-95 % band; ``whole``: the
-    value with a part that stands beside it, NaN where there is none; ``note``: a few words beside the label."""
+    """One row of a dot chart [degrees]: a closed form (NaN: none), what runs gave, their 5-95 % band; ``note``: a few
+    words beside the label."""
 
     label: str
     closed: float
@@ -226,7 +226,6 @@ class Dot:
     low: float
     high: float
     source: str
-    whole: float = math.nan
     note: str = ""
 
 
@@ -242,19 +241,14 @@ class DotChart(_Titled):
     millimetres: float
     knowledge: str = ""
 
-    @property
-    def has_wholes(self) -> bool:
-        """True if a part stands beside the values."""
-        return any(not math.isnan(dot.whole) for dot in self.dots)
-
     def rows(self) -> Iterator[DataRow]:
         """Every number drawn, as rows of a table."""
-        names = ("formula", "ensemble rms", "ensemble 5 %", "ensemble 95 %", "with the along-track part")
+        names = ("formula", "ensemble rms", "ensemble 5 %", "ensemble 95 %")
         yield ("strategy", *(f"{n} [°]" for n in names), *(f"{n} [mm]" for n in names), "source")
         for dot in self.dots:
-            values = (dot.closed, dot.ensemble, dot.low, dot.high, dot.whole)
+            values = (dot.closed, dot.ensemble, dot.low, dot.high)
             yield (dot.label, *values, *(self.millimetres * value for value in values), dot.source)
-        yield ("limit", self.limit, *[""] * 10)
+        yield ("limit", self.limit, *[""] * 8)
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,16 @@ def ranks_html(chart: DotChart, best: str = "") -> str:
     rows = "".join(
         f'<tr{marked if dot.label == best else ""}><th scope="row">{escape(dot.label)}'
         f'<small>{escape(dot.note)}</small></th><td title="{escape(_tip(dot, chart))}">'
-        f"<div>{scale.marks(dot)}</div></td>{_figures(dot, chart)}</tr>"
+        f"<div>{scale.marks(dot)}</div></td>{_figure(dot)}</tr>"
         for dot in chart.dots
     )
-    columns = ["Strategy", "", "[°]", *(["with along-track [°]"] if chart.has_wholes else [])]
+    columns = ["Strategy", "", "[°]"]
     caption = f"{escape(chart.title)}: {escape(chart.x_label)}"
     heads = "".join(f'<th scope="col">{head}</th>' if head else "<td></td>" for head in columns)
     return (
         f'<table class="ranks"><caption class="hidden">{caption}</caption><thead><tr>{heads}</tr></thead>'
         f'<tbody>{rows}</tbody><tfoot aria-hidden="true"><tr><td></td><td><div>{scale.axis()}</div>'
-        f"<small>{escape(chart.x_label)}</small></td>"
-        f"{'<td></td>' * (len(columns) - 2)}</tr></tfoot></table>"
+        f"<small>{escape(chart.x_label)}</small></td><td></td></tr></tfoot></table>"
     )
 
 
@@ -33,12 +32,9 @@ def _value(dot: Dot) -> float:
     return dot.closed if math.isnan(dot.ensemble) else dot.ensemble
 
 
-def _figures(dot: Dot, chart: DotChart) -> str:
+def _figure(dot: Dot) -> str:
     angle = _value(dot)
-    if math.isnan(angle):
-        return f'<td class="quiet" colspan="{1 + chart.has_wholes}">{_COMING}</td>'
-    values = [angle, *([dot.whole] if chart.has_wholes else [])]
-    return "".join(f'<td class="num">{number(value)}</td>' for value in values)
+    return f'<td class="quiet">{_COMING}</td>' if math.isnan(angle) else f'<td class="num">{number(angle)}</td>'
 
 
 def _tip(dot: Dot, chart: DotChart) -> str:

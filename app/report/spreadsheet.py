@@ -260,24 +260,26 @@ class _Sheets:
         parts, cell = ("quadratic", "cubic", "detrended"), self.cells.cell
         columns = {"Source": 30} | {f"{part.capitalize()} phase, 1σ [°]": 16 for part in parts}
         columns |= {f"Share of {part}": 14 for part in parts} | {"Equation": 16, "State": 22}
-        first = self._start(sheet, "Phase over the aperture by source, in real time", columns)
+        first = self._start(sheet, "Phase along the line of sight of mid-aperture by source, in real time", columns)
         for row, (source, line) in enumerate(self.traces.sources.items(), first):
             variances = [getattr(line, part) for part in parts]
             sheet.write(row, 0, source)
             for column, (part, variance) in enumerate(zip(parts, variances, strict=True), 1):
-                self._part_of(sheet, row, column, f"{part}_phase", cell("to_phase") * np.sqrt(variance))
+                self._part_of(sheet, row, column, f"line_of_sight_{part}_phase", cell("to_phase") * np.sqrt(variance))
             sheet.write(row, 7, "[S-5], [S-6]")
             self._state(sheet, row, 8, taken=any(variance.taken for variance in variances))
         row = first + len(self.traces.sources)
         for column, part in enumerate(parts, 1):
-            for entry in self.traces.contributors.get((REAL_TIME, f"{part}_phase"), ()):
+            for entry in self.traces.contributors.get((REAL_TIME, f"line_of_sight_{part}_phase"), ()):
                 sheet.write(row, 0, entry.name)
-                self._part_of(sheet, row, column, f"{part}_phase", entry.size, systematic=entry.systematic)
+                self._part_of(
+                    sheet, row, column, f"line_of_sight_{part}_phase", entry.size, systematic=entry.systematic
+                )
                 self._state(sheet, row, 8, taken=False)
                 row += 1
         sheet.write(row, 0, "Sum", self.bold)
         for column, part in enumerate(parts, 1):
-            whole = np.degrees(cell(f"real_time_{part}_phase"))
+            whole = np.degrees(cell(f"real_time_line_of_sight_{part}_phase"))
             sheet.write_formula(row, column, f"={whole.text}", self._format(whole.value), float(whole.value))
         self._end(sheet, first, row, (*columns,))
 
@@ -343,7 +345,7 @@ class _Sheets:
         """One requirement: its limit is a cell of Inputs, its value a cell of Workings."""
         at = row + 1
         if name in REQUIRED:
-            key = f"requirements.{REQUIRED[name]}"
+            key = f"requirements.{name}"
             unit, limit, given = _unit_of(self.design, key), symbol_of(key), cast("float | None", self.design[key])
             on, symbol, follows = name, name, True
         else:
@@ -388,7 +390,7 @@ class _Sheets:
         number, own = next(
             ((n, limit) for n, limit in enumerate(self.design.limits, 1) if limit.name == check.name), (0, None)
         )
-        key = f"requirements.{FIGURES[check.on].required_as}"
+        key = f"requirements.{check.on}"
         given = cast("float | None", own.value if own else self.design[key])
         limit = limit_key(number) if own else symbol_of(key)
         usual = self.design.requirements.confidence

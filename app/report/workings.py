@@ -15,6 +15,7 @@ import numpy as np
 from app.document.wording import MOMENTS
 from nav_model.analytic.discrete import Cycle, Sawtooth
 from nav_model.analytic.refined_coast import longest_rule
+from nav_model.analytic.turning import Bend, Turn
 from nav_model.aperture import phase
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.contributors import Contribution, composed, contributors_of, random_and_systematic
@@ -25,7 +26,7 @@ from nav_model.budget.shares import SEEN, SIZES
 from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.verdict import Check
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES, LEVELS, REQUIRED, RESPONSE, STEADY, label_of, of_kind
+from nav_model.design.figures import FIGURES, LEVELS, PARTS_OF_PHASES, REQUIRED, RESPONSE, STEADY, label_of, of_kind
 from nav_model.design.parts import declaration_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
@@ -258,11 +259,33 @@ class Traces:
             cells = self._variances(f"{{}}_{number}", variances._asdict(), source, "[S-5], [S-6]")
             self.sources[source] = phase.PhaseVariances(*cells)
         model.phases = self.sources
+        self.workings.head(
+            "The turn of the line of sight: weights, and covariances of position and velocity errors [S-8]"
+        )
+        model.turn = Turn(*self._both("turn", "Turn", model.turn, ""))
+        model.quadratic_bend = self._both("quadratic_bend", "Quadratic", model.quadratic_bend, "m²")
+        model.cubic_bend = self._both("cubic_bend", "Cubic", model.cubic_bend, "m²")
+        self.workings.head("Phase over the aperture, 1σ")
         for name in of_kind("phase"):
-            if name in REQUIRED:
+            if name in (*REQUIRED, *PARTS_OF_PHASES):
                 self._figure(name, model.value(name))
         for name in LEVELS:
             self._figure(name, self.plain.value(name), taken=bool(x.fast))
+
+    def _both(self, symbol: str, label: str, pair: tuple[Bend, Bend], unit: str) -> tuple[Bend, Bend]:
+        """Covariances of a horizontal axis and of the vertical, or their weights, every element in a cell."""
+        horizontal, vertical = (
+            Bend(
+                *(
+                    self.workings.name(
+                        f"{symbol}_{axis}_{part}", of, f"{label}, {part.replace('_', ' ')}, {axis}", unit, "[S-8]"
+                    )
+                    for part, of in bend._asdict().items()
+                )
+            )
+            for axis, bend in zip(("horizontal", "vertical"), pair, strict=True)
+        )
+        return horizontal, vertical
 
     def _place(self) -> None:
         model = self.model

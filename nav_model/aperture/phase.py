@@ -20,8 +20,9 @@ from numpy.typing import ArrayLike
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.base.arrays import Array, as_numbers
 
+INITIAL_TILT = "initial tilt"
 SOURCES = (
-    "initial tilt",
+    INITIAL_TILT,
     "accelerometer noise",
     "gyro noise",
     "accelerometer bias",
@@ -100,7 +101,7 @@ def phase_budget(
     constant = partial(_of_acceleration, t=t, order=autofocus_order)
     by_bias = constant(jerk * middle)
     return {
-        "initial tilt": constant(horizontal * g**2 * p33),
+        INITIAL_TILT: constant(horizontal * g**2 * p33),
         "accelerometer noise": PhaseVariances(
             (10 / 7) * s_a * t**3 / 64,
             (25 / 4) * (7 / 3960) * s_a * t**3,
@@ -131,25 +132,3 @@ def _of_acceleration(variance: Array, t: Array, order: int) -> PhaseVariances:
 def total(budget: Mapping[str, PhaseVariances]) -> PhaseVariances:
     """Sum over the sources, which are independent."""
     return PhaseVariances(*(reduce(add, column) for column in zip(*budget.values(), strict=True)))
-
-
-def along_track_quadratic(
-    velocity_variance: ArrayLike,
-    speed: ArrayLike,
-    aperture: ArrayLike,
-    wavelength: ArrayLike,
-    slant_range: ArrayLike,
-    squint: ArrayLike = 0.0,
-) -> Array:
-    """Quadratic phase [rad], 1σ, from an along-track velocity error of this variance [m²/s²]. [S-2]
-
-    pi V T² dV/(lambda R), which is pi lambda R k² dV/(4 rho² V) with T from [S-3]: the line of sight turns
-    over the aperture, so a first-order error does more than shift and scale. Squint [rad] takes it down by
-    cos²: once for the turn, once for the velocity seen across the line of sight.
-    """
-    variance, speed, aperture, wavelength, slant_range = (
-        as_numbers(x) for x in (velocity_variance, speed, aperture, wavelength, slant_range)
-    )
-    across = speed * np.cos(as_numbers(squint)) ** 2
-    phase: Array = np.pi * across * aperture**2 * np.sqrt(variance) / (wavelength * slant_range)
-    return phase

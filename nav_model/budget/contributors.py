@@ -85,10 +85,15 @@ def contributors_of(design: Design, wavelength: Any, counted: Mapping[str, Any] 
             entering = replace(part, size=as_phase(part.size, contributor.dimension, into, wavelength))
             # The outage's figure is one in both processings, so that what holds in one alone is not in it.
             lasts = _LASTS.get(contributor.enters, ()) if contributor.processing == BOTH else ()
-            for figure in (contributor.enters, *lasts):
+            for figure in (contributor.enters, *_also(contributor.enters), *lasts):
                 in_figures[figure] = (*in_figures.get(figure, ()), entering)
             alone[name] = (part,)
     return Contributors(FrozenMapping(in_figures), FrozenMapping(alone))
+
+
+def _also(figure: str) -> Iterable[str]:
+    """A part of a phase is in the phase of the image, and what enters that is along the line of sight."""
+    return filter(FIGURES.__contains__, (FIGURES[figure].whole, f"line_of_sight_{figure}"))
 
 
 def size_of(contributor: Contributor, wavelength: Any) -> Any:

@@ -13,7 +13,7 @@ from nav_model.budget.smoothed import model_of
 from nav_model.design.figures import REQUIRED
 
 
-def figures(x: Inputs, names: Collection[str] = tuple(REQUIRED)) -> dict[str, Array]:
+def figures(x: Inputs, names: Collection[str] = REQUIRED) -> dict[str, Array]:
     """One sigma of some figures in the design's processing, in SI: those that `analyse` compares with requirements.
 
     Parameters

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, fields
+from operator import attrgetter, methodcaller
 from typing import Any
 
 from nav_model.aperture.impulse_response import ImpulseResponse
@@ -12,11 +13,9 @@ from nav_model.budget.provenance import cautions, provenance
 from nav_model.budget.result import Budget
 from nav_model.budget.verdict import Check, Verdict
 from nav_model.design.contributors import Contributor
-from nav_model.design.figures import FIGURES, OF_BUDGET, PHASES, QUADRATIC, REQUIRED, of_kind
+from nav_model.design.figures import FIGURES, OF_BUDGET, PARTS_OF_PHASES, PHASES, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
-
-_PHASES = tuple(name for name in of_kind("phase") if name in REQUIRED)
 
 
 def to_json(budget: Budget) -> dict[str, Any]:
@@ -29,7 +28,6 @@ def to_json(budget: Budget) -> dict[str, Any]:
         budget.verdict,
     )
     ends = [budget[name, REAL_TIME] for name in ("coast_horizontal_position", "coast_vertical_position")]
-    lines = budget.phase_lines(REAL_TIME)
     return {
         "design": {"name": design.name, "content_hash": design.content_hash, "inputs": dict(design.items())},
         "steady_state": {
@@ -63,7 +61,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
             "aperture_length_m": sar.aperture_length,
             "cell_length_m": sar.cell_length,
             "autofocus_order": sar.autofocus_order,
-            **_sigmas_of(budget, REAL_TIME, *_PHASES),
+            **_phases(budget, REAL_TIME),
             "lines": [
                 {
                     "source": line.source,
@@ -71,7 +69,7 @@ def to_json(budget: Budget) -> dict[str, Any]:
                     "share": line.share,
                     "detrended_share": line.detrended_share,
                 }
-                for line in lines
+                for line in budget.sight_lines()
             ],
             "initial_tilt_shares": dict(budget.tilt_shares),
             "impulse_response": _response(budget.response(REAL_TIME), sar.cell_length),
@@ -130,6 +128,13 @@ def _sigmas_of(budget: Budget, processing: str, *names: str) -> dict[str, float]
     return {FIGURES[name].column: budget[name, processing].sigma for name in names}
 
 
+def _phases(budget: Budget, processing: str) -> dict[str, float]:
+    """Phases of the image, and its parts: those along the line of sight of mid-aperture without a prefix."""
+    parts = {FIGURES[name].column: budget[name, processing].sigma for name in PARTS_OF_PHASES}
+    image = {f"image_{FIGURES[name].column}": budget[name, processing].sigma for name in PHASES}
+    return {key.removeprefix("line_of_sight_"): sigma for key, sigma in parts.items()} | image
+
+
 def _model_shares(budget: Budget, name: str) -> dict[str, float]:
     """Shares in the variance of a figure of real time without contributors."""
     figure = budget[name, REAL_TIME]
@@ -139,18 +144,27 @@ def _model_shares(budget: Budget, name: str) -> dict[str, float]:
 
 def _post_processed(budget: Budget) -> dict[str, Any]:
     figures = {name: budget[name, POST_PROCESSED] for name in OF_BUDGET}
-    sigmas, lines = {name: figure.sigma for name, figure in figures.items()}, budget.phase_lines(POST_PROCESSED)
+    sigmas = {name: figure.sigma for name, figure in figures.items()}
     return {
         **_sigmas(sigmas),
-        **_sigmas_of(budget, POST_PROCESSED, *_PHASES),
-        "detrended_phase_by_order_sigma_rad": {str(order): sigmas[f"detrended_phase_{order}"] for order in (1, 2, 3)},
-        f"turning_{FIGURES[QUADRATIC].column}": budget.beside(f"turning_{QUADRATIC}"),
-        "turning_detrended_phase_by_order_sigma_rad": {
-            str(order): budget.beside(f"turning_detrended_phase_{order}") for order in (1, 2)
+        **_phases(budget, POST_PROCESSED),
+        "detrended_phase_by_order_sigma_rad": {
+            str(order): budget.beside(methodcaller("sight_detrended", order)) for order in (1, 2, 3)
         },
-        "azimuth_shift_sigma_m": budget.beside("slope_shift"),
+        "image_detrended_phase_by_order_sigma_rad": {
+            str(order): sigmas[f"detrended_phase_{order}"] for order in (1, 2, 3)
+        },
+        f"turning_{FIGURES[QUADRATIC].column}": figures[QUADRATIC].model,
+        "turning_detrended_phase_by_order_sigma_rad": {
+            str(order): figures[f"detrended_phase_{order}"].model for order in (1, 2)
+        },
+        "azimuth_shift_sigma_m": budget.beside(attrgetter("slope_shift")),
         "method": "state space",
-        "lines": [{"source": line.source, "share": line.share} for line in lines if line.share],
+        "lines": [
+            {"source": source, "share": share}
+            for source, share in figures[f"line_of_sight_{QUADRATIC}"].shares.items()
+            if share
+        ],
     }
 
 

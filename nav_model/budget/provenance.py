@@ -17,8 +17,6 @@ from nav_model.design.parts import OUTDATED
 from nav_model.design.presets import entry_of
 from nav_model.design.processing import REAL_TIME
 
-_TURN_SAID = 0.005  # part of the quadratic phase below which the turn of the line of sight is not mentioned
-
 _LOWEST, _HIGHEST = -500.0, 9000.0  # ground on Earth [m], from the Dead Sea's shore to the highest summit
 
 WIDE_SAWTOOTH = 0.5
@@ -70,7 +68,7 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
             table[key] = replace(
                 entry, method="augmented discrete Riccati equation", note=f"{entry.note}; slow GNSS error modelled"
             )
-        elif key.startswith("sar.") and "[S-5]" in entry.equation:
+        elif key.startswith("sar.") and ("[S-5]" in entry.equation or "[S-8]" in entry.equation):
             table[key] = replace(
                 entry, equation=f"{entry.equation}, [T-8]", note="with the tilt that the slow GNSS error adds"
             )
@@ -105,21 +103,6 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle per aperture. Slower noise is "
             "not included."
         )
-    if budget.post_processed:
-        change = budget.beside("turn_of_quadratic")
-        if abs(change) > _TURN_SAID:
-            sentences.append(
-                "The line of sight turns over the aperture. The along-track phase [S-2] has its effect on velocity "
-                f"errors. Its effect on position errors {'raises' if change > 0 else 'lowers'} quadratic and "
-                f"along-track phase together by {100 * abs(change):.2g} %; the verdict does not include it [P-5]."
-            )
-        change = budget.beside("turn_of_detrended")
-        if abs(change) > _TURN_SAID:
-            sentences.append(
-                f"The residual after autofocus of order {budget.sar.autofocus_order} is along the line of sight of "
-                f"mid-aperture. With the turn it is {100 * abs(change):.2g} % "
-                f"{'larger' if change > 0 else 'smaller'}, not counted in the verdict [P-5]."
-            )
     sentences += _of_receiver_class(design)
     sentences += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     sentences += [sentence for holds, sentence in _STANDING if holds(design)]
@@ -147,9 +130,8 @@ def _of_receiver_class(design: Design) -> list[str]:
 _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: design.radar.squint_angle != 0,
-        "Squint lengthens the aperture by 1/cos [S-3] and multiplies the along-track quadratic phase by cos² "
-        "[S-2]. The line-of-sight weights [S-1] stay, since both horizontal axes have the same errors. The Image "
-        "page has the effect of the turning line of sight on velocity errors of the other axes.",
+        "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight then turns velocity errors of "
+        "all axes into phase [S-8].",
     ),
     (
         lambda design: _rounded(design),

@@ -19,7 +19,7 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
 from nav_model.analytic.refined_coast import refined_growth
 from nav_model.analytic.steady_state import Horizontal, Vertical
-from nav_model.analytic.turning import along_track_velocity
+from nav_model.analytic.turning import LEFT_OF_ORDER, Bend, Turn, free_bend, turn_of
 from nav_model.aperture import phase
 from nav_model.base.arrays import Array
 from nav_model.budget.contributors import with_contributors
@@ -216,7 +216,8 @@ class RealTime:
         x = self.x
         return np.sqrt(steady.yaw_variance(x.sigma_w, time) + (x.bias_w * time) ** 2)
 
-    # The phase over the aperture.
+    # The phase over the aperture: variances along the line of sight of mid-aperture, by source; then of the image,
+    # along the line of sight as it turns.
 
     @cached_property
     def to_phase(self) -> Array:
@@ -246,43 +247,103 @@ class RealTime:
     def _phase(self) -> phase.PhaseVariances:
         return phase.total(self.phases)
 
-    def variances_of(self, name: str) -> Mapping[str, Array] | None:
-        """Variance [m²] that each source has along the line of sight in a phase; None where no formula has them."""
-        # "cubic_phase" is the column cubic after the design's autofocus, "detrended_phase_2" that after order 2.
-        column, _, order = name.removesuffix("_phase").partition("_phase_")
-        if column not in phase.PhaseVariances._fields:
-            return None
-        by_source = self.phase_by_source(int(order)) if order else self.phases
-        return {source: getattr(variances, column) for source, variances in by_source.items()}
+    def sight_variance(self, column: str) -> Array:
+        """Variance [m²] along the line of sight of mid-aperture: of "quadratic", "cubic", or of what autofocus
+        leaves, "left_1" to "left_3"."""
+        if column in self._phase._fields:
+            return getattr(self._phase, column)  # type: ignore[no-any-return]
+        order = int(column.removeprefix("left_"))
+        whole = self._phase if order == self.x.autofocus_order else phase.total(self.phase_by_source(order))
+        return whole.detrended
+
+    @cached_property
+    def turn(self) -> Turn:
+        """How the line of sight turns over the aperture. [S-8]"""
+        x = self.x
+        return turn_of(x.grazing_angle, x.squint, x.speed / x.slant_range, x.aperture)
+
+    @cached_property
+    def quadratic_bend(self) -> tuple[Bend, Bend]:
+        """Covariances of the turn's functionals, of a horizontal axis and the vertical: for the quadratic. [S-8]"""
+        return self._bend("quadratic")
+
+    @cached_property
+    def cubic_bend(self) -> tuple[Bend, Bend]:
+        """The same for the cubic."""
+        return self._bend("cubic")
+
+    def _bend(self, kind: str) -> tuple[Bend, Bend]:
+        x, start = self.x, self.at_last_fix
+        inside = x.g, x.before_aperture, x.aperture
+        return (
+            free_bend(kind, start.horizontal, x.sigma_a, x.sigma_w, x.bias, x.bias_w, *inside),
+            free_bend(kind, start.vertical, x.sigma_a, 0.0, x.bias, 0.0, *inside),
+        )
+
+    def bends(self, kind: str) -> tuple[Bend, Bend]:
+        """Those of the "quadratic" or of the "cubic"."""
+        return self.quadratic_bend if kind == "quadratic" else self.cubic_bend
+
+    def _along_track(self, kind: str) -> Array:
+        """Variance [m²] of the quadratic or the cubic of errors along the track alone: their velocity. [S-2]"""
+        x = self.x
+        turn = x.speed * np.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range)
+        variance: Array = turn**2 * self.bends(kind)[0].turned
+        return variance
 
     @property
     def quadratic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._phase.quadratic)
+        return self.to_phase * np.sqrt(self.sight_variance("quadratic") + self.turn.bent(*self.quadratic_bend))
 
     @property
     def cubic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._phase.cubic)
+        return self.to_phase * np.sqrt(self.sight_variance("cubic") + self.turn.bent(*self.cubic_bend))
 
     @property
     def detrended_phase(self) -> Array:
         return self.detrended(self.x.autofocus_order)
 
     def detrended(self, order: int) -> Array:
-        """Phase [rad] that is left after autofocus of an order."""
-        whole = self._phase if order == self.x.autofocus_order else phase.total(self.phase_by_source(order))
-        return self.to_phase * np.sqrt(whole.detrended)
+        """Phase [rad] that is left after autofocus of an order: of the orders beyond the next, which the turn hardly
+        changes, and the next one with the turn. [S-8]"""
+        variance = self.sight_variance(f"left_{order}")
+        if order in LEFT_OF_ORDER:
+            kind, left = LEFT_OF_ORDER[order]
+            variance = variance + left * self.turn.bent(*self.bends(kind))
+        return self.to_phase * np.sqrt(variance)
 
     detrended_phase_1 = property(lambda self: self.detrended(1))
     detrended_phase_2 = property(lambda self: self.detrended(2))
     detrended_phase_3 = property(lambda self: self.detrended(3))
 
     @property
+    def line_of_sight_quadratic_phase(self) -> Array:
+        return self.to_phase * np.sqrt(self.sight_variance("quadratic"))
+
+    @property
+    def line_of_sight_cubic_phase(self) -> Array:
+        return self.to_phase * np.sqrt(self.sight_variance("cubic"))
+
+    @property
+    def line_of_sight_detrended_phase(self) -> Array:
+        return self.sight_detrended(self.x.autofocus_order)
+
+    def sight_detrended(self, order: int) -> Array:
+        """Phase [rad] along the line of sight of mid-aperture that is left after autofocus of an order."""
+        return self.to_phase * np.sqrt(self.sight_variance(f"left_{order}"))
+
+    @property
     def along_track_quadratic_phase(self) -> Array:
-        x = self.x
-        velocity = along_track_velocity(
-            self.at_last_fix.horizontal, x.sigma_a, x.sigma_w, x.bias, x.bias_w, x.g, x.before_aperture, x.aperture
-        )
-        return phase.along_track_quadratic(velocity, x.speed, x.aperture, x.wavelength, x.slant_range, x.squint)
+        return self.to_phase * np.sqrt(self._along_track("quadratic"))
+
+    @property
+    def along_track_cubic_phase(self) -> Array:
+        return self.to_phase * np.sqrt(self._along_track("cubic"))
+
+    @property
+    def along_track_detrended_phase(self) -> Array:
+        kind, left = LEFT_OF_ORDER.get(self.x.autofocus_order, ("cubic", 0.0))
+        return self.to_phase * np.sqrt(left * self._along_track(kind))
 
     # The place of the image.
 

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,6 +18,7 @@ import numpy as np
 
 from nav_model.aperture import geometry
 from nav_model.aperture.impulse_response import ImpulseResponse
+from nav_model.aperture.phase import PhaseVariances
 from nav_model.aperture.polynomial_response import half_power_extent
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
@@ -33,7 +34,7 @@ from nav_model.budget.navigation import (
 )
 from nav_model.budget.real_time import RealTime
 from nav_model.budget.refusals import refused
-from nav_model.budget.response import NO_IMAGE, measures, response_of
+from nav_model.budget.response import NO_IMAGE, response_of
 from nav_model.budget.shares import Stepped
 from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.spectral import Spectral, spectral_of
@@ -169,31 +170,25 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return composed(sigma, shares, parts, *self.origin(name, processing, at, moment, limited=limited))
 
     def _of_model(self, name: str, processing: str, at: float | None, moment: str) -> tuple[float, Shares]:
-        """A figure without contributors, 1σ, and the share of each source in its variance."""
+        """A figure without contributors, 1σ, and the share of each source in its variance.
+
+        Both come from its formula, evaluated once with every source stepped (`nav_model.budget.shares`). Three kinds
+        differ. A measure of the impulse response is read from a phase with its contributors, and has its shares. A
+        level without fast errors has no source. The settled filter in real time is checked at a moment of its cycle,
+        with the shares of its average over the cycle.
+        """
         figure, model = FIGURES[name], self.models[processing]
-        # The response has the shares of the phase that it is read from.
         if figure.follows:
-            phase = self.composed(figure.follows, processing)
-            return float(measures(self.x, phase.sigma)[name]), phase.shares
-        # A phase in real time is a sum over its sources.
-        if variances := model.variances_of(name):
-            whole = sum(variances.values())
-            parts = {source: float(variance / whole) for source, variance in variances.items()}
-            return float(self.x.to_phase * np.sqrt(whole)), parts
+            return float(model.value(name)), self.composed(figure.follows, processing).shares
         if figure.kind == "level" and not self.x.fast:
             return float(model.value(name)), _NO_SOURCE
-        # All others by a complex step through the formula; those of the outage are the same in both processings.
-        value, shares = self._sized(name, processing if figure.smoothed_mark else REAL_TIME, at)
-        # Shares of the settled filter are those of its average over the cycle, at whichever moment it is checked.
-        if figure.kind == "steady" and processing == REAL_TIME:
-            checked = model.at(model.moment(moment)) if moment else model
-            value = float(checked.value(name))
-        return value, shares
-
-    def _sized(self, name: str, processing: str, at: float | None = None) -> tuple[float, Shares]:
-        value, shares = self._stepped.sized(name, self._stepped_models[processing].value(name, at))
+        # Without a formula of its own after the flight, a figure is that of real time.
+        stepped = self._stepped_models[processing if figure.smoothed_mark else REAL_TIME]
+        value, shares = self._stepped.sized(name, stepped.value(name, at))
         if processing == POST_PROCESSED and not math.isfinite(value):
             raise FloatingPointError("the smoothed figures are beyond double precision")
+        if figure.kind == "steady" and processing == REAL_TIME:
+            value = float((model.at(model.moment(moment)) if moment else model).value(name))
         return value, shares
 
     def origin(
@@ -231,14 +226,16 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     @cached_property
     def _stepped_models(self) -> Mapping[str, RealTime]:
-        x = self._stepped.x
-        return FrozenMapping({REAL_TIME: RealTime(x), POST_PROCESSED: Smoothed(x)})
+        return FrozenMapping({REAL_TIME: RealTime(self._stepped.x), POST_PROCESSED: self._smoothed})
 
-    def beside(self, name: str) -> float:
-        """What `nav_model.budget.smoothed.Smoothed` has beside its figures, 1σ, without contributors: ``slope_shift``
-        and the phases along the turning line of sight."""
+    @cached_property
+    def _smoothed(self) -> Smoothed:
+        return Smoothed(self._stepped.x)
+
+    def beside(self, formula: Callable[[Smoothed], Array]) -> float:
+        """What is no figure but follows from the smoother too, without contributors, by its formula."""
         with refused(self.design), self._strict(POST_PROCESSED):
-            return _real(getattr(self._stepped_models[POST_PROCESSED], name))
+            return _real(formula(self._smoothed))
 
     def __reduce__(self) -> tuple[type[Budget], tuple[Any, ...]]:
         """By the inputs: what was read is computed anew."""
@@ -332,8 +329,24 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return azimuth, across, both
 
     def phase_lines(self, processing: str) -> tuple[PhaseLine, ...]:
-        """Each source of phase over the aperture."""
-        quadratic, cubic, detrended = (self[name, processing] for name in PHASES)
+        """Each source of phase over the aperture, along the turning line of sight."""
+        return self._lines({name: self[name, processing] for name in PHASES})
+
+    def sight_lines(self) -> tuple[PhaseLine, ...]:
+        """The same in real time along the line of sight of mid-aperture, where the initial tilt and the coast before
+        the aperture are sources of their own. [S-5], [S-6]"""
+        by_source, to_phase = self.models[REAL_TIME].phases, self.x.to_phase
+        figures = {}
+        for name, column in zip(PHASES, PhaseVariances._fields, strict=True):
+            variances = {source: getattr(parts, column) for source, parts in by_source.items()}
+            whole = sum(variances.values())
+            entering = self.x.contributors.entering(f"line_of_sight_{name}", REAL_TIME)
+            shares = {source: float(variance / whole) for source, variance in variances.items()}
+            figures[name] = composed(float(to_phase * np.sqrt(whole)), shares, entering)
+        return self._lines(figures)
+
+    def _lines(self, figures: Mapping[str, Composed]) -> tuple[PhaseLine, ...]:
+        quadratic, cubic, detrended = (figures[name] for name in PHASES)
         return tuple(
             PhaseLine(
                 source,

@@ -196,9 +196,9 @@ def all_required(design: Design) -> dict[str, Required]:
     """Requirements of a design: the `required` ones, and those that only a flight can judge."""
     usual: float = design.requirements.confidence
     requirements = {}
-    for name, key in {name: figure.required_as for name, figure in FIGURES.items() if figure.required_as}.items():
-        if (limit := getattr(design.requirements, key)) is not None:
-            unit, factor = design.unit(f"requirements.{key}"), _factor(name, usual)
+    for name in [name for name, figure in FIGURES.items() if figure.requirement]:
+        if (limit := getattr(design.requirements, name)) is not None:
+            unit, factor = design.unit(f"requirements.{name}"), _factor(name, usual)
             requirements[name] = Required(name, None, limit, limit_on(name).dimension, unit, factor)
     figures = {contributor.name: contributor.enters for contributor in design.contributors}
     for limit in design.limits:
@@ -237,7 +237,7 @@ def flight_required(design: Design, *, every: bool) -> dict[str, Required]:
         if figure not in limited:
             declared = FIGURES[figure]
             name = figure if figure not in requirements else declared.label  # a limit of the user's own has its name
-            unit = design.unit(f"requirements.{declared.required_as}")
+            unit = design.unit(f"requirements.{figure}")
             given[name] = Required(figure, None, limit, declared.dimension, unit, confidence_of(design, figure))
     return given
 
@@ -272,7 +272,7 @@ def confidence_of(design: Design, figure: str) -> float:
 
 def limit_on(name: str) -> BaseQuantity[float | None]:
     """The declaration of the requirement that limits a figure."""
-    return quantity(f"requirements.{FIGURES[name].required_as}")
+    return quantity(f"requirements.{name}")
 
 
 def judge(
@@ -281,8 +281,7 @@ def judge(
     """Check every requirement that a straight leg can judge.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
-    the last fix the refined curve, which is right on the unsafe side. The limit on quadratic phase holds for
-    the along-track term [S-2] as well, which has its own check because other sensors cause it.
+    the last fix the refined curve, which is right on the unsafe side.
 
     Parameters
     ----------

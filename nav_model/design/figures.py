@@ -38,8 +38,8 @@ class Figure:
         Of its equation after post-processing; empty where both processings have the same figure.
     requirement : OptionalQuantity, optional
         Without it, only a limit of the user's own limits the figure.
-    limited_by : str
-        Name of the requirement that limits it, its own by default.
+    whole : str
+        Of a part of a phase, the figure of the image that it is a part of: what enters the one enters the other.
     scaled : bool
         Whether a confidence multiplies it. A percentage, a level and a response at one sigma stay as they are.
     tile : bool
@@ -57,16 +57,11 @@ class Figure:
     mark: str
     smoothed_mark: str = ""
     requirement: OptionalQuantity | None = None
-    limited_by: str = ""
+    whole: str = ""
     scaled: bool = True
     tile: bool = False
     in_flight: bool = False
     follows: str = ""
-
-    @property
-    def required_as(self) -> str:
-        """Name of the requirement that limits it; empty where only a limit of the user's own does."""
-        return self.limited_by or (self.name if self.requirement else "")
 
     @property
     def accepts(self) -> tuple[str, ...]:
@@ -116,22 +111,18 @@ def _limited(
 
 _DECLARED = (
     _limited(
-        "quadratic_phase", "Quadratic phase", "angle", "phase", "[S-5] / [P-5]", "qpe",
+        "quadratic_phase", "Quadratic phase", "angle", "phase", "[S-8] / [P-5]", "qpe",
         "Limit on quadratic phase error at the aperture's ends: 45° strict, 90° usual [S-4].",
         "45° to 90°; below 1 dB of peak loss up to 90°", tile=True, in_flight=True,
     ),
-    Figure(
-        "along_track_quadratic_phase", "Along-track quadratic phase", "angle", "phase", "[S-2]", "[P-5]",
-        limited_by="quadratic_phase", in_flight=True,
-    ),
     _limited(
-        "detrended_phase", "Detrended phase", "angle", "phase", "[T-15], [S-6] / [P-5]", "dpe",
+        "detrended_phase", "Detrended phase", "angle", "phase", "[S-8] / [P-5]", "dpe",
         "Limit on the rms phase that remains over the aperture after autofocus.",
         "6° keeps the integrated side lobes of wide-band phase at −20 dB, 20° costs 0.5 dB of the peak",
         tile=True, in_flight=True,
     ),
     _limited(
-        "cubic_phase", "Cubic phase", "angle", "phase", "[S-6] / [P-5]", "cpe",
+        "cubic_phase", "Cubic phase", "angle", "phase", "[S-8] / [P-5]", "cpe",
         "Limit on cubic phase error at the aperture's ends: 22.5° tight, 45° usual [S-4].",
         "22.5° to 45°; beyond, one side lobe rises", "0.1.0", in_flight=True,
     ),
@@ -222,12 +213,23 @@ _DECLARED = (
     *(
         Figure(
             f"detrended_phase_{order}", f"Detrended phase, autofocus order {order}", "angle", "phase",
-            "[T-15], [S-6]", "[P-5]",
+            "[S-8]", "[P-5]",
         )
         for order in (1, 2, 3)
     ),
     *(
-        Figure(name, label, dimension, "response", "[S-5]", "[P-5]", scaled=False, follows="quadratic_phase")
+        Figure(f"{part}_{name}", f"{label} {what}", "angle", "phase", mark, "[P-5]", whole=name, in_flight=True)
+        for part, label, marks in (
+            ("line_of_sight", "Line-of-sight", ("[S-5]", "[S-6]", "[T-15], [S-6]")),
+            ("along_track", "Along-track", ("[S-2]", "[S-8]", "[S-8]")),
+        )
+        for name, what, mark in zip(
+            ("quadratic_phase", "cubic_phase", "detrended_phase"),
+            ("quadratic phase", "cubic phase", "detrended phase"), marks, strict=True,
+        )
+    ),
+    *(
+        Figure(name, label, dimension, "response", "[S-8]", "[P-5]", scaled=False, follows="quadratic_phase")
         for name, label, dimension in (
             ("response_width", "Response width", "length"),
             ("pslr", "Peak side-lobe ratio", "level"),
@@ -249,10 +251,8 @@ def of_kind(*kinds: Kind) -> tuple[str, ...]:
 OF_BUDGET = tuple(name for name, figure in FIGURES.items() if figure.kind != "flight")
 """Figures that a budget has; the others are known along a flight alone."""
 
-REQUIRED: Mapping[str, str] = MappingProxyType(
-    {name: FIGURES[name].required_as for name in OF_BUDGET if FIGURES[name].required_as}
-)
-"""Figures of a budget that a requirement limits -> the name of that requirement."""
+REQUIRED = tuple(name for name in OF_BUDGET if FIGURES[name].requirement)
+"""Figures of a budget that a requirement limits, each by its own name."""
 
 IN_FLIGHT = tuple(name for name, figure in FIGURES.items() if figure.in_flight)
 """Figures that are known along a flight."""
@@ -260,7 +260,10 @@ IN_FLIGHT = tuple(name for name, figure in FIGURES.items() if figure.in_flight)
 STEADY, RESPONSE, LEVELS = of_kind("steady"), of_kind("response"), of_kind("level")
 
 PHASES = QUADRATIC, CUBIC, DETRENDED = "quadratic_phase", "cubic_phase", "detrended_phase"
-"""The phases that are sums over sources."""
+"""The phases of the image, along the turning line of sight."""
+
+PARTS_OF_PHASES = tuple(name for name, figure in FIGURES.items() if figure.whole)
+"""Those of errors along the line of sight of mid-aperture and along the track, each by itself."""
 
 
 def label_of(name: str) -> str:

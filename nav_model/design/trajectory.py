@@ -233,7 +233,7 @@ class Trajectory(Part):
         least: dict[str, float] = {}
         for _, *values in self.limits:
             given = dict(zip(LIMITED, values, strict=True))
-            for name in IN_FLIGHT:
-                if (limit := given[FIGURES[name].required_as]) is not None:
+            for name, limit in given.items():
+                if limit is not None:
                     least[name] = min(limit, least.get(name, limit))
         return least

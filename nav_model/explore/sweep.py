@@ -227,7 +227,7 @@ def evaluate(plan: SweepPlan, start: int, stop: int) -> dict[str, Column]:
         columns[axis.key] = [axis.values[k] for k in place]
     columns.setdefault("processing.mode", [plan.design.processing.mode] * (stop - start))
     names = list(limits(_varied(plan.design, ())))
-    limited = [name for name, key in REQUIRED.items() if name in names or f"requirements.{key}" in columns]
+    limited = [name for name in REQUIRED if name in names or f"requirements.{name}" in columns]
     limited += [limit.name for limit in plan.design.limits]
     results = {name: np.empty(stop - start) for name in plan.results}
     margins = {name: np.empty(stop - start) for name in limited}

@@ -30,10 +30,10 @@ COLUMNS = (
 IN_THE_MIDDLE = ("position", "velocity", "tilt")
 """Columns in the middle of the aperture; the others describe the whole."""
 
-# Quadratics, by the Legendre coefficients of orders 0 to 5, of the error, of its turn, and of the square of its turn;
-# then cubics.
-_QUADRATICS = np.array([[0, 0, 3 / 2, 0, 0, 0], [0, 1, 0, 9 / 14, 0, 0], [1, 0, 11 / 14, 0, 2 / 7, 0]])
-_CUBICS = np.array([[0, 0, 0, 5 / 2, 0, 0], [0, 0, 3 / 2, 0, 10 / 9, 0], [0, 1, 0, 23 / 18, 0, 50 / 99]])
+QUADRATICS = np.array([[0, 0, 3 / 2, 0, 0, 0], [0, 1, 0, 9 / 14, 0, 0], [1, 0, 11 / 14, 0, 2 / 7, 0]])
+CUBICS = np.array([[0, 0, 0, 5 / 2, 0, 0], [0, 0, 3 / 2, 0, 10 / 9, 0], [0, 1, 0, 23 / 18, 0, 50 / 99]])
+"""Quadratics, and cubics, by the Legendre coefficients of orders 0 to 5, of the error, of its turn, and of the square
+of its turn, (3, 6)."""
 _AT_ONCE = 1024  # designs, so that their matrices stay in the cache
 
 
@@ -157,7 +157,7 @@ def _of_the_aperture(named: Array, left_3: Array, t: Array) -> dict[str, Array]:
     t : array (rows)
         Aperture [s].
     """
-    of_turn, of_cubic = (rows @ named @ rows.T for rows in (_QUADRATICS, _CUBICS))
+    of_turn, of_cubic = (rows @ named @ rows.T for rows in (QUADRATICS, CUBICS))
     quadratic, cubic = named[:, 2, 2] * 9 / 4, named[:, 3, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)
     columns: dict[str, Any] = {

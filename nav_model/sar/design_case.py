@@ -152,7 +152,7 @@ def conditions(
         squint_angle=x.squint,
         slow=x.slow,
         slow_with_tilt=0.0 if x.slow is None else model.cycle.slow_with_tilt,
-        smoothed=_smoothed(x, whole=changes is None) if smoothed else None,
+        smoothed=_smoothed(x) if smoothed else None,
         post_processed=x.processing == POST_PROCESSED,
         contributors=x.contributors,
         to_phase=x.to_phase,
@@ -163,12 +163,11 @@ def conditions(
     )
 
 
-def _smoothed(x: Inputs, *, whole: bool) -> SmoothedVariances:
-    """The whole-leg smoother's variances [m²] as the budget has them. [P-5], [S-2]"""
+def _smoothed(x: Inputs) -> SmoothedVariances:
+    """The whole-leg smoother's variances [m²] as the budget has them. [P-5], [S-8]"""
     model = post_processed.Smoothed(x)
-    quadratic, residual = model.sight_variance("quadratic"), model.sight_variance(f"left_{x.autofocus_order}")
     return SmoothedVariances(
-        quadratic, residual, *((residual * (1 + model.turn_of_detrended) ** 2,) if whole else ())
+        *(np.square(phase / x.to_phase) for phase in (model.quadratic_phase, model.detrended_phase))
     )
 
 
@@ -203,7 +202,7 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
     if design.radar.squint_angle:
         cautions.append(
             "Squint lengthens the aperture by 1/cos [S-3], and the turning line of sight turns velocity errors of "
-            "all axes into phase. Cells and widths are measured across the line of sight."
+            "all axes into phase [S-8]. Cells and widths are measured across the line of sight."
         )
     cautions += not_flown(design)
     if design.contributors:

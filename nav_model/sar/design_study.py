@@ -30,7 +30,7 @@ from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy, StrategyErrors, Tuning
 from nav_model.sar.study import RunMeasures, choose_tuning, measure_runs, simulate_axes, typical_run
-from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances, whole_variances
+from nav_model.sar.winners import MAP_STRATEGIES, WORTH, strategy_variances
 
 _CHUNK: dict[Engine, int] = {"fast": 50, "simulator": 10}  # about a second of work
 MOST_RUNS = 20_000
@@ -40,17 +40,16 @@ _NO_IMAGE_RAD = 800.0
 
 @dataclass(frozen=True)
 class ClosedForms:
-    """Results of the formulas: the advice, and for 2, 3, 5, 5w and 9 the sigmas [m] along the line of sight.
+    """Results of the formulas: the advice, and for 2, 3, 5, 5w and 9 the sigmas [m] along the line of sight as it
+    turns.
 
     ``quadratic``: of the coefficient at the aperture's ends; ``detrended``: rms over the aperture of what the
-    autofocus leaves, both along the line of sight of mid-aperture; ``whole``: the latter along the line as it turns,
-    with the along-track part. None where fewer than three fixes determine no quadratic.
+    autofocus leaves. None where fewer than three fixes determine no quadratic.
     """
 
     advice: Advice
     quadratic: dict[str, float | None]
     detrended: dict[str, float | None]
-    whole: dict[str, float | None]
     required_phase: float | None
 
 
@@ -65,12 +64,11 @@ class Chunk:
 
 @dataclass(frozen=True)
 class SarStudy:
-    """Every strategy on one noise realisation a run; strategies first, metres of line of sight.
+    """Every strategy on one noise realisation a run; strategies first, metres along the line of sight as it turns.
 
     ``parts``, ``responses``: name -> band (10,); a response is NaN where there is no image. ``rms``: root mean
-    square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient, both along
-    the line of sight of mid-aperture: what a closed form is compared with; ``rms_error``, ``quadratic_rms_error``
-    their standard errors; ``whole_rms``: of the residual along the line as it turns, as in the histories.
+    square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient: what a
+    closed form is compared with; ``rms_error``, ``quadratic_rms_error`` their standard errors.
     ``time`` (n,), ``typical`` (10, n): the run whose free INS is the median one; ``spread`` (10, n): rms over the
     runs.
     ``engine``: which engine made the runs.
@@ -86,7 +84,6 @@ class SarStudy:
     rms_error: Array
     quadratic_rms: Array
     quadratic_rms_error: Array
-    whole_rms: Array
     jump_rms: MedianBand
     fix_harmonics: MedianBand
     fixes: int
@@ -124,11 +121,6 @@ class SarStudy:
     def residuals(self) -> Array:
         """Residual of each strategy after autofocus, rms over the runs, contributors included [m]."""
         return self.composed(DETRENDED, self.rms)
-
-    @cached_property
-    def whole_residuals(self) -> Array:
-        """The same along the line of sight as it turns [m]."""
-        return np.sqrt(self.whole_rms**2 + self.residuals**2 - self.rms**2)
 
     def residual(self, key: str) -> float:
         """Residual of one strategy."""
@@ -179,7 +171,6 @@ def closed_forms(budget: Budget) -> ClosedForms:
         advice=advise(inputs, budget.sar.wavelength, limit, confidence),
         quadratic=_by_strategy(variances.quadratic),
         detrended=_by_strategy(variances.detrended),
-        whole=_by_strategy(whole_variances(inputs, variances.detrended)),
         required_phase=None if limit is None else limit / confidence,
     )
 
@@ -210,7 +201,7 @@ def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int
 
 def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
     """Place of the run to draw: chunk, runs of that chunk, index in it."""
-    run = typical_run(_joined([chunk.measures.parts["whole_rms"] for chunk in parts]))
+    run = typical_run(_joined([chunk.measures.parts["residual_rms"] for chunk in parts]))
     index, within = divmod(run, parts[0].runs)
     return index, parts[index].runs, within
 
@@ -233,7 +224,7 @@ def gather(
     to_phase = 4 * np.pi / case.wavelength
     residual = bands["residual_rms"].high
     if case.autofocus_order == 1:
-        residual = np.hypot(bands["quadratic"].high, bands["along_track_quadratic"].high)
+        residual = bands["quadratic"].high
     smeared = to_phase * residual > _NO_IMAGE_RAD
     first = parts[0].measures
     rms, rms_error = _root_mean_square(values["residual_rms"])
@@ -249,7 +240,6 @@ def gather(
         rms_error=rms_error,
         quadratic_rms=quadratic,
         quadratic_rms_error=quadratic_error,
-        whole_rms=_root_mean_square(values["whole_rms"])[0],
         jump_rms=band(np.concatenate([c.measures.jump_rms for c in parts])),
         fix_harmonics=band(np.moveaxis(_joined([c.measures.fix_harmonics for c in parts]), 1, -1)),
         fixes=first.fixes,

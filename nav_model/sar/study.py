@@ -25,8 +25,8 @@ class RunMeasures:
     """The measures of each run, strategies first; metres of line of sight.
 
     ``residual`` (10, runs, n): along the line of sight as it turns, after autofocus. ``parts``: name -> (10, runs),
-    along the line of sight of mid-aperture, where requirements are checked; beside them ``whole_rms``, of
-    ``residual``, and ``along_track_quadratic``, what the turn adds to the quadratic. ``responses``: name ->
+    of the error along the line of sight as it turns, and ``along_track_quadratic``, what the turn adds to the
+    quadratic. ``responses``: name ->
     (10, runs). Signed coefficients are given by their magnitude. ``jump_rms`` (runs,): of the filter's jumps at the
     fixes, along the line of sight of mid-aperture. ``fix_harmonics`` (10, runs, h): the ripple's amplitude at 1, 2, 3
     times the fix rate, fewer where half the sampling rate cuts them off. ``fixes``: in the aperture; below three 5
@@ -72,10 +72,9 @@ def measure_runs(
     line = geometry.target / geometry.slant_range
     steady = -sum(part * axis.error for part, axis in zip(line, axes, strict=True))
     jumps = np.sqrt(sum(part**2 * axis.jump_rms**2 for part, axis in zip(line, axes, strict=True)))
-    parts = decompose(steady, autofocus_order)
+    parts = decompose(error, autofocus_order)
     residual = autofocus(error, autofocus_order)
     measured = {name: np.abs(getattr(parts, name)) for name in Decomposition.__dataclass_fields__}
-    measured["whole_rms"] = np.sqrt(np.mean(residual**2, axis=-1))
     measured["along_track_quadratic"] = np.abs(decompose(error - steady).quadratic)
     sampled = int(fix_interval / (2 * (along.time[1] - along.time[0])) + 1e-9)
     return RunMeasures(

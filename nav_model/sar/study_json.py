@@ -110,11 +110,9 @@ def _strategy(study: SarStudy, index: int) -> dict[str, Any]:
         "closed_form": {
             "residual_rms_m": study.closed.detrended.get(key),
             "quadratic_sigma_m": study.closed.quadratic.get(key),
-            "whole_residual_rms_m": study.closed.whole.get(key),
         },
         "residual_rms_over_runs_m": float(study.residuals[index]),
         "residual_rms_over_runs_standard_error_m": float(study.rms_error[index]),
-        "whole_residual_rms_over_runs_m": float(study.whole_residuals[index]),
         "quadratic_sigma_m": float(study.composed(QUADRATIC, study.quadratic_rms)[index]),
         "quadratic_sigma_standard_error_m": float(study.quadratic_rms_error[index]),
         "parts_m": {name: _band(values, index) for name, values in study.parts.items()},

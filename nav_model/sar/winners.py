@@ -1,10 +1,9 @@
 """Which strategy is best along the line of sight, of 2, 3, 5, 5w and 9.
 
-Strategies are judged as requirements are (`nav_model.budget`): along the line of sight of mid-aperture, axes put
-together with the weights of [S-1]. `whole_variances` adds what the turning line of sight makes of velocity and
-position errors ([S-2], `turning`), also under squint. A slow GNSS error enters the fits (`fit_noise`) and, through
-``start``, the state at the last fix. The whole-leg smoother's figures are the budget's (`Conditions.smoothed`). It
-counts only for post-processed designs, as it needs fixes from after the aperture.
+Strategies are judged as requirements are (`nav_model.budget`): along the line of sight as it turns [S-8], also under
+squint. A slow GNSS error enters the fits (`fit_noise`) and, through ``start``, the state at the last fix. The
+whole-leg smoother's figures are the budget's (`Conditions.smoothed`). It counts only for post-processed designs, as
+it needs fixes from after the aperture.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic.discrete import SlowError
 from nav_model.analytic.steady_state import Horizontal, Vertical
-from nav_model.analytic.turning import Turn, bent_variance, turn_weights
+from nav_model.analytic.turning import LEFT_OF_ORDER, Turn, free_bend, turn_of
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.aperture.phase import phase_budget, total
 from nav_model.base.arrays import Array
@@ -89,16 +88,15 @@ class Conditions:
 
 
 class SmoothedVariances(NamedTuple):
-    """Variances [m²] of the whole-leg smoother: as in `StrategyVariances`, and ``whole`` as in `whole_variances`."""
+    """Variances [m²] of the whole-leg smoother, as in `StrategyVariances`."""
 
     quadratic: ArrayLike
     detrended: ArrayLike
-    whole: ArrayLike = np.nan
 
 
 class StrategyVariances(NamedTuple):
-    """Variances [m^2] along the line of sight of mid-aperture, in the order of `MAP_STRATEGIES`; without
-    ``smoothed``, of `IN_APERTURE`.
+    """Variances [m²] along the line of sight as it turns, in the order of `MAP_STRATEGIES`; without ``smoothed``, of
+    `IN_APERTURE`.
 
     ``quadratic``: of the coefficient of x^2 over the aperture. ``detrended``: mean over the aperture of what
     the autofocus leaves. Infinite for 5 where fewer than three fixes determine no quadratic.
@@ -109,8 +107,8 @@ class StrategyVariances(NamedTuple):
 
 
 def strategy_variances(c: Conditions) -> StrategyVariances:
-    """The closed forms [T-15], [T-16], [S-5], [S-7] along the line of sight of mid-aperture."""
-    level, upright = line_of_sight_weights(c.grazing_angle)
+    """The closed forms [T-15], [T-16], [S-5], [S-7] with the turn of the line of sight [S-8]."""
+    horizontal, vertical = line_of_sight_weights(c.grazing_angle)
     t, dt = np.asarray(c.aperture_time, float), np.asarray(c.fix_interval, float)
     n = fixes_in_aperture(t, dt) if c.fixes is None else np.asarray(c.fixes, float)
     sensors = (c.start.p33, c.accelerometer_noise, c.gyro_noise, c.accelerometer_bias, c.gyro_bias, c.gravity)
@@ -129,18 +127,26 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     # The tilt at the last fix bends the INS, and the slow error that caused part of it bends the fit.
     shared = np.asarray(c.slow_with_tilt) * c.gravity * t**2 / 8 * slow.quadratic_from_start
     shrunk = (
-        level * shrunk_residual_variance(held, across, 0.0, shared)
-        + upright * shrunk_residual_variance(held_down, down, 0.0)
+        horizontal * shrunk_residual_variance(held, across, 0.0, shared)
+        + vertical * shrunk_residual_variance(held_down, down, 0.0)
     ) / QUADRATIC_MEAN_SQUARE
 
     with np.errstate(invalid="ignore"):  # no fit, on an axis of zero weight
-        fitted = np.where(n > 2, level * across + upright * down, np.inf)
+        fitted = np.where(n > 2, horizontal * across + vertical * down, np.inf)
     if c.autofocus_order == 1:
         corrected = [QUADRATIC_MEAN_SQUARE * part + rest for part in (fitted, shrunk)]
     else:
         corrected = [np.where(n > 2, rest, np.inf), rest]
-    ends = [np.add(part, c.fast[0]) for part in (free.quadratic, coasted.quadratic, fitted, shrunk)]
-    residuals = [np.add(part, c.fast[1]) for part in (free.detrended, coasted.detrended, *corrected)]
+    turn = turn_of(c.grazing_angle, c.squint_angle, c.turn_rate, t)
+    ends = [free.quadratic, coasted.quadratic, fitted, shrunk]
+    residuals = [free.detrended, coasted.detrended, *corrected]
+    bent = _bent(c, "quadratic", t, dt, n, turn)
+    if c.autofocus_order in LEFT_OF_ORDER:
+        kind, left = LEFT_OF_ORDER[c.autofocus_order]
+        also = bent if kind == "quadratic" else _bent(c, kind, t, dt, n, turn)
+        residuals = [np.add(part, left * more) for part, more in zip(residuals, also, strict=True)]
+    ends = [np.add(part + more, c.fast[0]) for part, more in zip(ends, bent, strict=True)]
+    residuals = [np.add(part, c.fast[1]) for part in residuals]
     if c.smoothed is not None:
         ends.append(np.asarray(c.smoothed.quadratic))
         residuals.append(np.asarray(c.smoothed.detrended))
@@ -158,43 +164,21 @@ def _composed(c: Conditions, figure: str, variances: Sequence[ArrayLike]) -> Arr
     return stacked
 
 
-def whole_variances(c: Conditions, detrended: Array) -> Array:
-    """What the autofocus leaves along the line of sight as it turns: with the along-track part [S-2], [m²].
+def _bent(c: Conditions, kind: str, t: Array, dt: Array, n: Array, turn: Turn) -> tuple[Array, ...]:
+    """What the turn adds to the variance [m²] of the quadratic or the cubic, in the order of `IN_APERTURE`.
 
-    Of and in the order of `strategy_variances`. An autofocus beyond the line removes what the turn adds but for
-    little.
+    For 5 and 5w the velocity is that of the fitted line, whose turn is a quadratic without a cubic, and the position
+    error is negligible.
     """
-    variances = detrended.copy()
-    if c.autofocus_order == 1:
-        bent = QUADRATIC_MEAN_SQUARE * np.stack(np.broadcast_arrays(*_bent_by_the_turn(c)))
-        variances[: len(IN_APERTURE)] += bent
-    if c.smoothed is not None:
-        turn = np.subtract(c.smoothed.whole, c.smoothed.detrended)
-        variances[len(IN_APERTURE) :] += turn
-    return variances
-
-
-def _bent_by_the_turn(c: Conditions) -> tuple[Array, ...]:
-    """What the turn adds to the variance [m²] of the quadratic, in the order of `IN_APERTURE`.
-
-    For 5 and 5w the velocity is that of the fitted line, and the position error is negligible.
-    """
-    t, dt = np.asarray(c.aperture_time, float), np.asarray(c.fix_interval, float)
-    n = fixes_in_aperture(t, dt) if c.fixes is None else np.asarray(c.fixes, float)
-    turn = turn_weights(c.grazing_angle, c.squint_angle, c.turn_rate, t)
-    level, upright = _of_acceleration(c)
-    jerk = np.multiply(c.gravity, c.gyro_bias)
 
     def free(coast: ArrayLike) -> Array:
-        horizontal = (level, c.accelerometer_noise, np.multiply(c.gravity, c.gyro_noise), t, coast, jerk)
-        vertical = (upright, c.accelerometer_noise, 0.0, t, coast)
-        return np.asarray(
-            bent_variance(turn.along, *horizontal)
-            + bent_variance(turn.across, *horizontal)
-            + bent_variance(turn.down, *vertical)
-        )
+        inside = c.gravity, coast, t
+        horizontal = c.start, c.accelerometer_noise, c.gyro_noise, c.accelerometer_bias, c.gyro_bias
+        vertical = c.start_vertical, c.accelerometer_noise, 0.0, c.accelerometer_bias, 0.0
+        return turn.bent(free_bend(kind, *horizontal, *inside), free_bend(kind, *vertical, *inside))
 
-    started, fitted = free(0.0), _bent_fit(c, t, dt, n, turn)
+    started = free(0.0)
+    fitted = _bent_fit(c, t, dt, n, turn) if kind == "quadratic" else np.zeros(())
     return started, free(c.coast_time), fitted, np.where(n > 2, fitted, started)
 
 
@@ -207,25 +191,13 @@ def _slow_fits(c: Conditions, t: Array, dt: Array, n: Array) -> tuple[SlowFit, A
 
 
 def _bent_fit(c: Conditions, t: Array, dt: Array, n: Array, turn: Turn) -> Array:
+    """Variance [m²] of the quadratic that the turn makes of the velocity of the fitted line."""
     slow, slow_level, slow_upright = _slow_fits(c, t, dt, n)
     white = np.where(n > 2, 12 / (n * (n**2 - 1) + (n <= 2)), 0.0) / dt**2
     vertical = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
     level = np.square(c.gnss_sigma) * white + slow_level * slow.slope
     upright = np.square(vertical) * white + slow_upright * slow.slope
-    across = turn.along[..., 1] ** 2 + turn.across[..., 1] ** 2
-    return np.asarray(t**2 / 4 * (across * level + turn.down[..., 1] ** 2 * upright))
-
-
-def _of_acceleration(c: Conditions) -> tuple[Array, Array]:
-    """Covariances (..., 3, 3) of position, velocity and acceleration at the last fix, residual bias with it."""
-    p, v, g = c.start, c.start_vertical, np.asarray(c.gravity, float)
-    bias, none = np.square(c.accelerometer_bias), 0.0
-    rows = (
-        (p.p11, p.p12, g * p.p13, p.p12, p.p22, g * p.p23, g * p.p13, g * p.p23, g**2 * p.p33 + bias),
-        (v.v11, v.v12, none, v.v12, v.v22, none, none, none, bias),
-    )
-    level, upright = (np.stack(np.broadcast_arrays(*elements), axis=-1) for elements in rows)
-    return level.reshape(*level.shape[:-1], 3, 3), upright.reshape(*upright.shape[:-1], 3, 3)
+    return np.asarray(t**2 / 4 * (turn.horizontal.turned * level + turn.vertical.turned * upright))
 
 
 class WinnerMap(NamedTuple):
@@ -238,12 +210,11 @@ class WinnerMap(NamedTuple):
 
 
 def map_of_winners(conditions: Conditions) -> WinnerMap:
-    """The strategy that wins among those with a closed form, by detrended sigma along the line of sight: in real time
-    among those that need no fix after the aperture.
+    """The strategy that wins among those with a closed form, by the detrended sigma of the image: in real time among
+    those that need no fix after the aperture.
 
     5w is never worse than 2 or 5 and would win everywhere by a hair, so the simplest strategy (in the order of
-    `MAP_STRATEGIES`) within the fraction `WORTH` of the best is the one named. A fitted line brings
-    the fixes' velocity noise, which the turn bends [S-2]; where a fit is named, it is better with that part, too.
+    `MAP_STRATEGIES`) within the fraction `WORTH` of the best is the one named.
     ``start`` goes with the fix noise and the sensors of each point, so give arrays of that shape.
     ``best_sigma`` is that of the strategy named.
     """
@@ -257,8 +228,8 @@ def map_of_winners(conditions: Conditions) -> WinnerMap:
 def break_even_aperture(conditions: Conditions) -> Array:
     """Aperture time [s] above which the quadratic correction (5) beats the INS the filter starts (2).
 
-    [T-15] equals [T-16] there, with a fix at both ends: N = T / dt + 1. The noise of the fit falls and what
-    the quadratic holds grows with T, so there is one crossing, searched over 2 to 1e6 fix intervals.
+    [T-15] equals [T-16] there but for the turn, with a fix at both ends: N = T / dt + 1. The noise of the fit falls
+    and what the quadratic holds grows with T, so there is one crossing, searched over 2 to 1e6 fix intervals.
     The aperture time and the autofocus of the conditions do not enter.
     """
     dt = np.asarray(conditions.fix_interval, float)

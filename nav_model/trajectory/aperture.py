@@ -12,9 +12,11 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from nav_model.analytic.turning import LEFT_OF_ORDER
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import Inputs
 from nav_model.processing.geolocation import Shifts
+from nav_model.processing.smoother import CUBICS, QUADRATICS
 from nav_model.simulation.layout import ATTITUDE, BIASES, VELOCITY
 from nav_model.simulation.specification import GnssModel
 from nav_model.trajectory.errors import ErrorModel
@@ -23,10 +25,11 @@ from nav_model.trajectory.states import States
 FloatArray = NDArray[np.float64]
 ORDERS = 6
 """Legendre coefficients along the line of sight."""
-TURNED = ORDERS + 1
-COLUMNS = ORDERS + 3
-"""Sums of an aperture: these coefficients, the image's shift in azimuth, the quadratic that the turning line of sight
-makes of the error along the track, and the shifts in range and azimuth together."""
+COLUMNS = ORDERS + 6
+_TURN = {"quadratic": (ORDERS + 1, ORDERS + 3, QUADRATICS), "cubic": (ORDERS + 2, ORDERS + 4, CUBICS)}
+"""Sums of an aperture: these coefficients, the image's shift in azimuth, quadratic and cubic along the line of sight
+as it turns, both of the error along the track alone [S-8], and the shifts in range and azimuth together. `_TURN` has
+the places of a quadratic and a cubic, and what the coefficients of p, x p and x² p make of each."""
 _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ROUNDING = 1e-6  # s
 _MOST_WEIGHTS = 5_000_000  # nodes of all apertures: a few minutes, and some 4 GB
@@ -75,9 +78,7 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     weights = np.zeros((len(output), nodes, COLUMNS, 6))
     sight, across = directions(in_middle[inside], x)
     # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
-    turn = (speed[inside] * math.cos(x.squint) ** 2 * x.aperture / (2 * x.slant_range))[:, None] * _level(
-        in_middle[inside]
-    )
+    turning, along = _turning(speed[inside], _level(in_middle[inside]), sight, x)
     slope = (2 * x.slant_range / (speed[inside] * math.cos(x.squint) * x.aperture))[:, None]
     for step in range(weights.shape[1] - 1):
         on = np.flatnonzero(first + step < last)
@@ -101,8 +102,10 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
             weights[on, step + offset, :ORDERS, states] += each[:, :, None] * sight[on, None]
             moved = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
             weights[on, step + offset, ORDERS, states] += moved
-            parabola = each[:, 1:2] + 9 / 14 * each[:, 3:4]  # [P-5]
-            weights[on, step + offset, TURNED, states] += parabola * turn[on]
+            for of_image, of_track, functionals in _TURN.values():
+                parts = each @ functionals.T  # of p, x p and x² p
+                weights[on, step + offset, of_image, states] += np.einsum("ak,akj->aj", parts, turning[on])
+                weights[on, step + offset, of_track, states] += parts[:, 1:2] * along[on]
     weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
     return Apertures(output, begin, sight, first, last, weights)
 
@@ -115,6 +118,15 @@ def directions(velocity: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]
     sight = s * along + math.sqrt(max(math.cos(psi) ** 2 - s**2, 0.0)) * right
     sight[:, 2] = math.sin(psi)
     return sight, (along - s * sight) / math.cos(x.squint)
+
+
+def _turning(speed: FloatArray, track: FloatArray, sight: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:
+    """The line of sight as it turns: its vectors of 1, x and x² (apertures, 3, 3), and what turns an error along the
+    track alone (apertures, 3). [S-8]"""
+    s, kappa = math.sin(x.squint), (speed * x.aperture / (2 * x.slant_range))[:, None]
+    first = kappa * (s * sight - track)
+    second = kappa**2 * ((3 * s**2 - 1) / 2 * sight - s * track)
+    return np.stack([sight, first, second], axis=1), kappa * math.cos(x.squint) ** 2 * track
 
 
 def _level(velocity: FloatArray) -> FloatArray:
@@ -198,11 +210,17 @@ def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, 
     """
     phase = x.to_phase**2
     higher = sum(variances[..., n] / (2 * n + 1) for n in range(x.autofocus_order + 1, ORDERS))
+    sight = {"quadratic": 9 / 4 * variances[..., 2], "cubic": 25 / 4 * variances[..., 3]}
+    image, track = ({kind: variances[..., places[n]] for kind, places in _TURN.items()} for n in (0, 1))
+    # What autofocus leaves: of the image, the next order with the turn, and those beyond it along the line of sight.
+    kind, left = LEFT_OF_ORDER.get(x.autofocus_order, ("cubic", 0.0))
     return {
-        "quadratic_phase": 9 / 4 * phase * variances[..., 2],
-        "along_track_quadratic_phase": phase * variances[..., TURNED],
-        "cubic_phase": 25 / 4 * phase * variances[..., 3],
-        "detrended_phase": phase * (higher + rest),
+        **{f"{kind}_phase": phase * variance for kind, variance in image.items()},
+        "detrended_phase": phase * (higher + rest + left * (image[kind] - sight[kind])),
+        **{f"line_of_sight_{kind}_phase": phase * variance for kind, variance in sight.items()},
+        "line_of_sight_detrended_phase": phase * (higher + rest),
+        **{f"along_track_{kind}_phase": phase * variance for kind, variance in track.items()},
+        "along_track_detrended_phase": phase * left * track[kind],
     }
 
 

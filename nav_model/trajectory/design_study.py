@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from nav_model.analytic.turning import Bend
 from nav_model.aperture.phase import SOURCES
 from nav_model.base.errors import InputError, under
 from nav_model.base.frozen import FrozenMapping
@@ -197,7 +198,8 @@ def _besides(x: Inputs) -> Contributors:
             continue
         alone = RealTime(x)
         alone.phases = {source: variances}
-        for name in LIMITED:  # none moves along the track
+        alone.quadratic_bend = alone.cubic_bend = (Bend(*np.zeros(5)),) * 2  # none moves along the track
+        for name in IN_FLIGHT:
             if FIGURES[name].kind == "phase":
                 part = Contribution(source, alone.value(name), False, BOTH)
                 in_figures[name] = (*in_figures.get(name, ()), part)
@@ -206,5 +208,5 @@ def _besides(x: Inputs) -> Contributors:
 
 def _limits(design: Design, most: Mapping[str, float | None]) -> Most:
     """Limits on figures along a flight, brought to one sigma."""
-    limits = ((name, most[FIGURES[name].required_as]) for name in IN_FLIGHT)
+    limits = ((name, most[name]) for name in LIMITED)
     return tuple((name, limit / confidence_of(design, name)) for name, limit in limits if limit is not None)

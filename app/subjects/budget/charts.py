@@ -10,7 +10,7 @@ import numpy as np
 from app.charts.kinds import TOTAL, Array, Bar, BarChart, Chart, Line, Points
 from app.document.numbers import decibels, number, percent, show
 from app.document.wording import DETRENDED
-from app.subjects.budget.tables import ALONG_TRACK
+from app.subjects.budget.tables import PARTS, by_tilt
 from app.subjects.budget.timelines import DEGREES, attitude_chart, limit_at_sigma, position_chart, velocity_chart
 from nav_model.analytic import regime
 from nav_model.aperture.geometry import phase_to_metres
@@ -20,76 +20,66 @@ from nav_model.budget import Budget
 from nav_model.budget.fast import scattered_floor
 from nav_model.design import figures
 
+Parts = tuple[tuple[str, float], ...]
+
 _RESPONSE_CELLS = 6.0  # shown on each side of the target
 _GIVEN = "given in the design"
-_LINE_EQUATIONS = {
-    "initial tilt": "(4π/λ)(T²/8) g √p33 cos ψ [S-5]",
-    "accelerometer noise": "(4π/λ)(T²/8) σa √(10/7T) [S-5]",
-    "gyro noise": "(4π/λ)(T²/8) g σω √(181T/462) cos ψ [S-5]",
-    "accelerometer bias": "(4π/λ)(T²/8) ba [S-5]",
-    "gyro bias": "(4π/λ)(T²/8) g bg (Tc + T/2) cos ψ [S-5]",
-    "coast before aperture": "(4π/λ)(T²/8) g σω √Tc cos ψ [S-5]",
-    "vibration": "left after IMU compensation [P-8], over the aperture [P-5]",
-    "unsensed motion": "over the aperture [P-5]",
-    "oscillator": "phase noise over the echo delay [P-10], over the aperture [P-5]",
-    "vibration rectification": "(4π/λ)(T²/8) times the bias [P-12], [S-5]",
-}
 
 
 def phase_chart(budget: Budget) -> BarChart:
-    """The phase budget of the design's processing by source, its total in quadrature, and the along-track term."""
+    """The phase of the design's processing by source, its total, and the parts of that along the line of sight of
+    mid-aperture and along the track."""
     sar, post_processed = budget.sar, budget.post_processed
-    residual = DETRENDED[sar.autofocus_order]
+    given = {each.name for each in budget.design.contributors}
 
-    tilt = tuple(
-        sorted(((name, share) for name, share in budget.tilt_shares.items() if share), key=lambda part: -part[1])
-    )
-
-    def bar(label: str, quadratic: float, detrended: float, source: str) -> Bar:
+    def bar(label: str, quadratic: float, detrended: float, source: str, parts: Parts = ()) -> Bar:
         quadratic, detrended = quadratic or math.nan, detrended or math.nan  # what does not enter has no bar
         first, second = map(float, 1000 * phase_to_metres(np.array([quadratic, detrended]), sar.wavelength))
-        limited, parts = label in (TOTAL, ALONG_TRACK), tilt if label == "initial tilt" else ()
+        limited = label == TOTAL
         return Bar(label, quadratic * DEGREES, detrended * DEGREES, first, second, source, limited, parts)
 
-    def known(source: str) -> str:
-        if not post_processed:
-            return _LINE_EQUATIONS.get(source, _GIVEN)
-        return _GIVEN if source in {each.name for each in budget.design.contributors} else "[P-4], [P-5]"
+    def of_image(label: str, prefix: str = "", parts: Parts = ()) -> Bar:
+        both = [budget.figure(f"{prefix}{name}") for name in (figures.QUADRATIC, figures.DETRENDED)]
+        marks = ", ".join(dict.fromkeys(figure.mark for figure in both))
+        return bar(label, both[0].sigma, both[1].sigma, marks, parts)
 
+    residual = DETRENDED[sar.autofocus_order]
+    removed = f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {residual}."
     if not post_processed:
-        marks, along = "[S-5], [T-15]", "πVT²δV/(λR) [S-2]"
+        mark, by = "[S-8]", _by_mechanism(budget)
         slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""
         knowledge = (
-            "Formulas [S-5], [T-15], [S-6] with the line of sight of [S-1]; along-track [S-2]. "
-            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {residual}. The initial "
-            f"tilt comes from {', '.join(f'{name} {percent(share)}' for name, share in tilt)} [T-18].{slow}"
+            f"Formulas along the line of sight as it turns [S-8]; of mid-aperture [S-5], [T-15], [S-6]; along-track "
+            f"[S-2]. {removed}{by_tilt(budget)}{slow}"
         )
     else:
-        marks = along = "[P-5]"
-        knowledge = (
-            "Smoothed with every fix [P-3]; shares [P-4]; over the aperture [P-5]. "
-            f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {residual}."
-        )
-    names = figures.QUADRATIC, figures.DETRENDED, f"along_track_{figures.QUADRATIC}"
-    quadratic, detrended, along_track = (budget.figure(name).sigma for name in names)
+        mark, by = "[P-4], [P-5]", ()
+        knowledge = f"Smoothed with every fix [P-3]; shares [P-4]; over the aperture [P-5]. {removed}"
     return BarChart(
         key="phase",
         title="SAR phase error by source",
-        x_label="line-of-sight phase over the aperture, 1σ [°]",
+        x_label="phase over the aperture, 1σ [°]",
         first_label="quadratic phase",
         second_label="detrended phase",
         bars=(
             *(
-                bar(line.source, line.quadratic, line.detrended, known(line.source))
+                bar(line.source, line.quadratic, line.detrended, _GIVEN if line.source in given else mark)
                 for line in budget.phase_lines(budget.processing)
             ),
-            bar(TOTAL, quadratic, detrended, marks),
-            bar(ALONG_TRACK, along_track, math.nan, along),
+            of_image(TOTAL),
+            of_image(PARTS["line_of_sight"], "line_of_sight_", by),
+            of_image(PARTS["along_track"], "along_track_"),
         ),
         first_limit=limit_at_sigma(budget, figures.QUADRATIC, DEGREES),
         second_limit=limit_at_sigma(budget, figures.DETRENDED, DEGREES),
         knowledge=knowledge,
     )
+
+
+def _by_mechanism(budget: Budget) -> Parts:
+    """Shares in the quadratic phase along the line of sight of mid-aperture, the largest first."""
+    shares = ((line.source, line.share) for line in budget.sight_lines() if line.share)
+    return tuple(sorted(shares, key=lambda part: -part[1]))
 
 
 @cache

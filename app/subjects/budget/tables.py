@@ -10,16 +10,17 @@ from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show, show_in
 from app.document.verdict import SAID, check_words, closes_cell, met_cell
 from app.document.wording import best_of, printable
+from nav_model.aperture.phase import INITIAL_TILT
 from nav_model.budget import Budget, analyse
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.provenance import provenance
 from nav_model.budget.verdict import Check
-from nav_model.design.figures import FIGURES, QUADRATIC, REQUIRED, STEADY, label_of, of_kind
+from nav_model.design.figures import DETRENDED, FIGURES, QUADRATIC, REQUIRED, STEADY, label_of, of_kind
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
-ALONG_TRACK = "along-track"
-"""What the along-track phase is called beside the sources across it."""
+PARTS = {"line_of_sight": "line of sight", "along_track": "along-track"}
+"""What the parts of the image's phase are called beside its sources."""
 CONTRIBUTORS_ENTER = (
     "Random contributors add in quadrature, systematic ones linearly, each with its allowance. A length along the "
     "line of sight enters a phase by 4π/λ. What enters a position lasts through the outage. What enters CE90 or LE90 "
@@ -51,8 +52,7 @@ def requirement_table(budget: Budget, key: str = "d") -> TableBlock | Text:
             ("Main error source", 1.25),
         ),
         map(row, verdict.checks),
-        "Margin = (limit − value) / limit. Shares are of the variance; the initial tilt is attributed to the "
-        "sensors that cause it [T-18].",
+        "Margin = (limit − value) / limit. Shares are of the variance [T-18].",
     )
 
 
@@ -158,7 +158,10 @@ def phase_table(budget: Budget, key: str) -> TableBlock:
             detrended_share,
         )
 
-    makers = ", ".join(f"{source} {percent(share)}" for source, share in budget.tilt_shares.items())
+    def total(label: str, prefix: str, share: str) -> Row:
+        quadratic, detrended = (budget.figure(f"{prefix}{name}").sigma for name in (QUADRATIC, DETRENDED))
+        return row(label, quadratic, share, detrended, share)
+
     return table(
         f"{key}-phase-table",
         f"Phase budget of the aperture by source, {SAID[budget.verdict.processing]}, 1σ, in phase and in "
@@ -176,19 +179,23 @@ def phase_table(budget: Budget, key: str) -> TableBlock:
                 for line in budget.phase_lines(budget.processing)
                 if line.quadratic > 0 or line.detrended > 0
             ),
-            row(
-                "total in quadrature",
-                budget.figure(QUADRATIC).sigma,
-                "100 %",
-                budget.figure("detrended_phase").sigma,
-                "100 %",
-            ),
-            row(ALONG_TRACK, budget.figure(f"along_track_{QUADRATIC}").sigma, NONE, math.nan, NONE),
+            total("total", "", "100 %"),
+            *(total(label, f"{part}_", NONE) for part, label in PARTS.items()),
         ),
-        f"Shares are of the variance [S-5], [T-15], [S-6]; along-track [S-2]. The initial tilt comes from {makers} "
-        "[T-18]."
-        if real_time
-        else "Smoothed with every fix [P-3]; shares of the variance [P-4]; phases [P-5].",
+        f"Along the line of sight as it turns [{'S-8' if real_time else 'P-5'}]; shares of the variance [T-18]. "
+        "Parts of the total: along the line of sight of mid-aperture, and of errors along the track alone [S-2]."
+        + (by_tilt(budget) if real_time else " Smoothed with every fix [P-3]."),
+    )
+
+
+def by_tilt(budget: Budget) -> str:
+    """The share of the tilt at the last fix in the quadratic phase along the line of sight, and the sensors behind
+    it, in a sentence after others."""
+    tilt = next(line for line in budget.sight_lines() if line.source == INITIAL_TILT)
+    makers = ", ".join(f"{source} {percent(share)}" for source, share in budget.tilt_shares.items() if share)
+    return (
+        f" The tilt at the last fix makes {percent(tilt.share)} of the quadratic phase along the line of sight of "
+        f"mid-aperture [S-5]; it comes from {makers} [T-18]."
     )
 
 
@@ -271,7 +278,7 @@ def image_table(budget: Budget, key: str) -> TableBlock:
 
     def equation(name: str) -> str:
         known = sources[name].equation
-        return known.replace("[S-5]", "[P-5]") if budget.post_processed else known
+        return known.replace("[S-8]", "[P-5]") if budget.post_processed else known
 
     def origin(name: str) -> str:
         source = sources[name]

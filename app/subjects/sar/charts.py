@@ -42,10 +42,9 @@ def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: s
             Line(key, NAMES[key], study.time, 1000 * curve, f"strategy {key}", STRATEGIES[row].source)
             for key, row, curve in zip(keys, rows, curves, strict=True)
         ),
-        knowledge=f"{_typical(study)} Errors are projected on the turning line of sight, so they have the "
-        "along-track part. Rms over the runs: "
+        knowledge=f"{_typical(study)} Errors are along the line of sight as it turns. Rms over the runs: "
         + "; ".join(
-            f"{NAMES[key]} {number(1000 * float(study.whole_rms[row]))} mm"
+            f"{NAMES[key]} {number(1000 * float(study.rms[row]))} mm"
             for key, row, curve in zip(keys, rows, curves, strict=True)
             if not np.isnan(curve).all()
         )
@@ -89,7 +88,7 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) 
     """Detrended phase of each strategy, the least first: formula beside the runs."""
     return _dot_chart(
         "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms", budget,
-        closed.detrended, closed.whole, study, "rms", "residual_rms", DETRENDED,
+        closed.detrended, study, "rms", "residual_rms", DETRENDED,
         f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
 
@@ -98,9 +97,8 @@ def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None)
     """Quadratic phase of each strategy before autofocus, the least first: formula beside the runs."""
     return _dot_chart(
         "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends", budget,
-        closed.quadratic, {}, study, "quadratic_rms", "quadratic", QUADRATIC,
-        f"Before autofocus, without the along-track quadratic phase, which has a check of its own. Formulas [S-5], "
-        f"[S-7], {NAMES['9']} [P-5]. {_chosen(budget)}",
+        closed.quadratic, study, "quadratic_rms", "quadratic", QUADRATIC,
+        f"Before autofocus. Formulas [S-8], [S-7], {NAMES['9']} [P-5]. {_chosen(budget)}",
     )  # fmt: skip
 
 
@@ -116,8 +114,7 @@ def _chosen(budget: Budget) -> str:
 
 def _dot_chart(
     key: str, title: str, x_label: str, budget: Budget, closed: Mapping[str, float | None],
-    wholes: Mapping[str, float | None], study: SarStudy | None, over_runs: str, part: str, figure: str,
-    knowledge: str,
+    study: SarStudy | None, over_runs: str, part: str, figure: str, knowledge: str,
 ) -> DotChart:  # fmt: skip
     """Everything is at the confidence of the lowest limit on the figure."""
     confidence, required = decisive(budget.design, figure)
@@ -126,17 +123,14 @@ def _dot_chart(
     to_degrees = confidence * _DEG * float(metres_to_phase(1.0, budget.sar.wavelength))
     dots = []
     for row, strategy in strategies_of(budget)[1:]:
-        form, known = closed.get(strategy.key), wholes.get(strategy.key)
+        form = closed.get(strategy.key)
         ensemble = low = high = math.nan
-        whole = math.nan if known is None else to_degrees * known
         if study is not None:  # in the study's own wavelength, until it is run again
             scale = confidence * _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
             errors = getattr(study, over_runs), study.parts[part].low, study.parts[part].high
             ensemble, low, high = (scale * float(study.composed(figure, x)[row]) for x in errors)
-            if wholes:
-                whole = scale * float(study.whole_residuals[row])
         closed_phase = math.nan if form is None else to_degrees * form
-        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, whole, kind_of(strategy)))
+        dots.append(Dot(strategy.name, closed_phase, ensemble, low, high, strategy.source, kind_of(strategy)))
     dots.sort(key=_rank)
     runs = ""
     if study is not None:

@@ -27,9 +27,7 @@ from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy
 _NOT_RUN = "…"
 _ENGINES = {"fast": "runs of the error model", "simulator": "flights of the simulator"}
 _BANDS = "Median of the runs, 5 to 95 % in brackets."
-FORMULAS = (
-    f"Formulas [T-15], [T-16], [S-6], [S-7] with [S-1], {NAMES['9']} [P-3], [P-5]; with the along-track part [S-2]"
-)
+FORMULAS = f"Formulas [T-15], [T-16], [S-6], [S-7] with the turn [S-8], {NAMES['9']} [P-3], [P-5]"
 """Where the formulas of the strategies come from."""
 _SIDE_LOBES = (
     "Fixed: outside the null-to-null lobe of the error-free response, where a shoulder counts as a side lobe. Nulls: "
@@ -88,8 +86,8 @@ def _check(verdict: Verdict) -> Check | None:
 def judged_along(budget: Budget) -> str:
     """Which phase is judged, and which row is the budget's."""
     return (
-        "Requirements are checked along the line of sight of mid-aperture, as on the Budget page; the along-track "
-        f"part has its own check. The formula of {NAMES[judged(budget.design)]} is the Budget page's value. "
+        "Requirements are checked along the line of sight as it turns, as on the Budget page. "
+        f"The formula of {NAMES[judged(budget.design)]} is the Budget page's value. "
         "Formulas start as on the Budget page; runs start just after a fix."
     )
 
@@ -110,25 +108,20 @@ def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
 
 
 def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> TableBlock:
-    """One row per strategy: closed form and runs, along the line of sight of mid-aperture and with the along-track
-    part; all at the confidence of the limit."""
+    """One row per strategy: closed form and runs, at the confidence of the limit."""
     rows = []
     confidence, _ = decisive(budget.design, DETRENDED)
     for index, strategy in strategies_of(budget):
-        form, whole = closed.detrended.get(strategy.key), closed.whole.get(strategy.key)
+        form = closed.detrended.get(strategy.key)
         cells = [NONE, NONE] if form is None else [_number(confidence * scale * form) for scale in _scales(budget)]
-        wholes = [NONE if whole is None else _degrees(confidence * whole, budget)]
         if study is None:
             cells += [_NOT_RUN] * 3
-            wholes += [_NOT_RUN]
         else:
             millimetres, degrees = (confidence * scale for scale in _scales(study.budget))
             cells += [_number(scale * float(study.residuals[index])) for scale in (millimetres, degrees)]
             band = study.parts["residual_rms"]
             whole_band = MedianBand(*(study.composed(DETRENDED, x) for x in (band.median, band.low, band.high)))
             cells += [_banded(whole_band, index, degrees)]
-            wholes += [_number(degrees * float(study.whole_residuals[index]))]
-        cells += wholes
         rows.append((strategy.name, kind_of(strategy), *cells))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     return table(
@@ -141,7 +134,6 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
             *numbers("[mm]", "[°]", width=0.8, group="Formula"),
             *numbers("[mm]", "[°]", width=0.8, group="Runs, rms"),
             *numbers("[°]", width=1.3, group="Runs, median"),
-            *numbers("formula [°]", "runs, rms [°]", width=0.9, group="With the along-track part"),
         ),
         rows,
         f"{runs}{judged_along(budget)} {FORMULAS}. Degrees are two-way phase [T-13].",

@@ -21,7 +21,7 @@ from nav_model.explore.solve import solve
 def failing(mems: Budget) -> Budget:
     """One requirement, which it misses by half of the limit."""
     limit = mems["detrended_phase", "real time"].sigma / 1.5
-    others = {f"requirements.{name}": None for name in REQUIRED.values()}
+    others = {f"requirements.{name}": None for name in REQUIRED}
     return analyse(mems.design.replace({**others, "requirements.detrended_phase": limit}))
 
 

@@ -61,7 +61,7 @@ def test_a_decision_nobody_has_seen_is_not_overruled(library: Library, review: R
 def test_accepting_what_is_not_met_takes_a_reason_and_is_a_waiver(library: Library, review: Review) -> None:
     over = next(
         name for place, name in review.points() if place == 1 and name == "quadratic_phase"
-    )  # 163° against 90°
+    )  # 182° against 90°
     met = next(name for place, name in review.points() if place == 1 and name == "horizontal_position")  # 0.4 of 2 m
     with pytest.raises(InputError, match=r"reason: This requirement is not met\. Enter why"):
         decide(library, review.id, 1, over, True, "Ann", "  ")
@@ -102,7 +102,7 @@ def test_what_makes_no_sense_is_refused(library: Library, review: Review) -> Non
 
 def test_a_signed_review_never_changes(library: Library, review: Review) -> None:
     review = decide(library, review.id, 1, "quadratic_phase", False, "Bob", "too large")
-    with pytest.raises(InputError, match=r"still need a decision\. Next: Along-track quadratic phase \(D1\)"):
+    with pytest.raises(InputError, match=r"still need a decision\. Next: Detrended phase \(D1\)"):
         sign(library, review.id, "Chief", review.version)
     review = decided(library, review)
     with pytest.raises(Conflict, match="after you opened it"):

@@ -95,7 +95,7 @@ def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, thr
     verdict, tightest = report.chapters[0].verdict, mems.verdict.tightest
     assert verdict.word == "✗ Does not close"
     sentence = " ".join(verdict.sentences)
-    assert "3 of 5 requirements met; " in sentence
+    assert "2 of 4 requirements met; " in sentence
     assert tightest.sensor in sentence
     assert f" {tightest.value / tightest.limit:.2f} × the limit." in sentence
     assert [report_of([b], NOW).chapters[0].verdict.tone for b in three] == ["good", "bad", "good"]
@@ -147,34 +147,32 @@ def test_steady_state_and_outage_stand_in_the_right_columns(mems):
 
 def test_phase_shares_add_up_and_the_table_is_the_budgets(mems):
     rows = table(report_of([mems], NOW), "d-phase-table").rows
-    assert [row[0].text for row in rows[:-2]] == [
+    assert [row[0].text for row in rows[:-3]] == [
         line.source for line in mems.phase_lines("real time") if line.quadratic > 0
     ]
-    assert {line.quadratic for line in mems.phase_lines("real time") if line.source == "gyro bias"} == {
-        0.0
-    }  # has no row
-    shares = [float(row[1].text) for row in rows[:-2]]
+    shares = [float(row[1].text) for row in rows[:-3]]
     assert sum(x**2 for x in shares) == pytest.approx(
-        float(rows[-2][1].text) ** 2, rel=1e-2
+        float(rows[-3][1].text) ** 2, rel=1e-2
     )  # squares of three digits
 
 
 def test_a_report_of_a_design_processed_afterwards_has_its_phases_everywhere(mems):
-    """processing.md prints 70.63°, 33.24°, 21.94° and along the track 18.29°."""
+    """processing.md prints 70.63° and 21.94° along the line of sight, and along the track 18.29°."""
     smoothed = analyse(mems.design.replace({"processing.mode": "post-processed"}))
     report = report_of([smoothed], NOW)
-    *sources, total, along = table(report, "d-phase-table").rows
-    assert [total[1].text, total[4].text, along[1].text] == ["70.6", "21.9", "18.3"]
-    assert sum(float(row[1].text) ** 2 for row in sources) == pytest.approx(70.63**2, rel=1e-2)
+    *sources, total, sight, along = table(report, "d-phase-table").rows
+    assert [sight[1].text, sight[4].text, along[1].text] == ["70.6", "21.9", "18.3"]
+    assert [total[1].text, total[4].text] == ["73.8", "22.8"]
+    assert sum(float(row[1].text) ** 2 for row in sources) == pytest.approx(73.79**2, rel=1e-2)
     assert "post-processed" in table(report, "d-phase-table").caption
     values = {row[0].text: row[1].text for row in table(report, "d-image").rows}
     both = {row[0].text: row[2].text for row in table(report, "d-both-processings").rows}
     assert [both[f"{name} phase"].split()[0] for name in ("Quadratic", "Cubic", "Detrended")] == [
-        "70.6°",
-        "33.2°",
-        "21.9°",
+        "73.8°",
+        "33.4°",
+        "22.8°",
     ]
-    assert values["Response width"] == "20.7 cm"  # the tile's
+    assert values["Response width"] == "20.8 cm"  # the tile's
 
 
 def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
@@ -189,19 +187,18 @@ def test_a_comparison_marks_the_smallest_figure_and_lists_what_differs(three):
 
 
 def test_a_comparison_has_the_figures_of_each_designs_processing(mems):
-    """The worked example as processing.md prints it: 70.63° and 21.94° smoothed, 0.1591 m and 8.660 mm/s."""
+    """The worked example as processing.md prints it: 0.1591 m and 8.660 mm/s smoothed."""
     smoothed = analyse(mems.design.replace({"processing.mode": "post-processed"}))
     report = report_of([mems, smoothed], NOW)
     rows = {
         row[0].text.partition(" [")[0]: [cell.text for cell in row[1:]] for row in table(report, "c-figures-0").rows
     }
-    assert rows["Quadratic phase"] == ["163°", "70.6°"]
-    assert rows["Detrended phase"] == ["48.9°", "21.9°"]
-    assert rows["Along-track quadratic phase"][1] == "18.3°"
+    assert rows["Quadratic phase"] == ["182°", "73.8°"]
+    assert rows["Detrended phase"] == ["54.7°", "22.8°"]
     assert rows["Horizontal position"][1] == "0.159 m"
     assert rows["Horizontal velocity"][1] == "0.00866 m/s"
     (phases,) = (block.chart for block in report.charts() if block.key == "c-0-chart-phase")
-    assert phases.bars[1].first == pytest.approx(70.63, rel=1e-3)
+    assert phases.bars[1].first == pytest.approx(73.79, rel=1e-3)
     assert [row[3].text for row in table(report, "c-verdicts-table").rows] == ["real time", "post-processed"]
 
 

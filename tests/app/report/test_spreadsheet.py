@@ -144,7 +144,7 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
         )
         assert post[check.label][10].value == cause(check)
     listed = {row[0].value: row for row in book["Sources"].iter_rows(min_row=4)}
-    for line in budget.phase_lines("real time"):
+    for line in budget.sight_lines():
         if line.quadratic:
             assert listed[line.source][1].value == pytest.approx(math.degrees(line.quadratic), rel=1e-9)
             assert listed[line.source][4].value == pytest.approx(line.share, rel=1e-9)

@@ -155,7 +155,7 @@ def test_slow_error_through_the_whole_budget():
     budget = analyse(slow)
     assert budget.steady_state.prior["horizontal_position"] == pytest.approx(math.sqrt(prior[0, 0]), rel=1e-8)
     assert budget.steady_state.prior["tilt"] == pytest.approx(math.sqrt(prior[2, 2]), rel=1e-8)
-    line = next(line for line in budget.phase_lines("real time") if line.source == "initial tilt")
+    line = next(line for line in budget.sight_lines() if line.source == "initial tilt")
     tilt = math.sqrt(budget.steady_state.closed["tilt"] ** 2 + posterior[2, 2] - white[2, 2])
     expected = 4 * math.pi / 0.03 * math.cos(0.6) * g * tilt * 25 / 8
     assert line.quadratic == pytest.approx(expected, rel=1e-8)
@@ -170,8 +170,9 @@ def test_slow_error_through_the_whole_budget():
 def _all_shares(budget):
     yield from (figure.shares for figure in budget.values())
     yield budget.tilt_shares
-    yield {line.source: line.share for line in budget.phase_lines("real time")}
-    yield {line.source: line.detrended_share for line in budget.phase_lines("real time")}
+    for lines in (budget.phase_lines("real time"), budget.sight_lines()):
+        yield {line.source: line.share for line in lines}
+        yield {line.source: line.detrended_share for line in lines}
 
 
 @pytest.mark.parametrize("name", [n for n, e in catalogue("imu").items() if "velocity_random_walk" in e.values])

@@ -137,24 +137,25 @@ def test_along_the_exact_line_of_sight(after, squint, slow):
         model = Smoothed(x)
         result = {
             name: getattr(model, name)
-            for name in ("turning_quadratic_phase", "quadratic_phase", "along_track_quadratic_phase",
-                         "turning_detrended_phase_1", "turning_detrended_phase_2", "detrended_phase_1")
+            for name in ("quadratic_phase", "line_of_sight_quadratic_phase", "along_track_quadratic_phase",
+                         "detrended_phase_1", "detrended_phase_2", "line_of_sight_detrended_phase")
         }  # fmt: skip
         if distance == 2000.0:
             fit = spectral.KERNELS["quadratic0"][1:-1] * weights
             theirs = float(x.to_phase) * math.sqrt(fit @ along @ fit)
-            apart = math.hypot(float(result["quadratic_phase"]), float(result["along_track_quadratic_phase"]))
+            parts = (result[f"{part}_quadratic_phase"] for part in ("line_of_sight", "along_track"))
+            apart = math.hypot(*map(float, parts))
             assert theirs / apart > 1.02
             # third order in the turn, 0.135, is left out
-            assert float(result["turning_quadratic_phase"]) == pytest.approx(theirs, rel=0.01)
+            assert float(result["quadratic_phase"]) == pytest.approx(theirs, rel=0.01)
             continue
         sigma = {}
         for order in (1, 2):
             fit = np.polynomial.polynomial.polyvander(nodes, order)
             take = np.eye(60) - fit @ np.linalg.solve(fit.T @ (weights[:, None] * fit), fit.T * weights)
             sigma[order] = float(x.to_phase) * math.sqrt(weights / 2 @ np.diag(take @ along @ take.T))
-            assert float(result[f"turning_detrended_phase_{order}"]) == pytest.approx(sigma[order], rel=0.01)
-        assert sigma[1] / float(result["detrended_phase_1"]) > 1.015
+            assert float(result[f"detrended_phase_{order}"]) == pytest.approx(sigma[order], rel=0.01)
+        assert sigma[1] / float(result["line_of_sight_detrended_phase"]) > 1.015
 
 
 def test_dense_fixes_are_the_spectrum(compared):

@@ -14,7 +14,7 @@ from nav_model.analytic.steady_state import Horizontal
 from nav_model.sar.advice import advise, recommendation
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.strategy_forms import fit_quadratic_sigma, ins_variances, shrunk_residual_variance
-from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners, strategy_variances, whole_variances
+from nav_model.sar.winners import Conditions, break_even_aperture, map_of_winners, strategy_variances
 
 SA, SW = 0.05 / 60, np.radians(0.5) / 60
 G = 9.80665
@@ -77,11 +77,9 @@ def test_the_turning_line_of_sight_bends_an_along_track_velocity():
     start = settled(0.0, wrong**2)
     quiet = replace(PLAIN, aperture_time=span, start=start, accelerometer_noise=1e-12, gyro_noise=1e-15)
     turning = replace(quiet, turn_rate=speed / far)
-    at_middle = strategy_variances(turning)
-    assert at_middle.quadratic[0] < 1e-12
+    assert strategy_variances(quiet).quadratic[0] < 1e-12
     line = error - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, error, 1))
-    whole = whole_variances(turning, at_middle.detrended)
-    assert np.sqrt(whole[0]) == pytest.approx(np.sqrt(np.mean(line**2)), rel=0.01)
+    assert np.sqrt(strategy_variances(turning).detrended[0]) == pytest.approx(np.sqrt(np.mean(line**2)), rel=0.01)
 
 
 def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
@@ -92,8 +90,8 @@ def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
         PLAIN, aperture_time=10.0, gnss_sigma=1.0, accelerometer_noise=sensors[0], gyro_noise=sensors[1], start=start,
         turn_rate=0.02,
     )  # fmt: skip
-    at_middle = strategy_variances(near).detrended
-    ins, shrunk = (1e3 * np.sqrt(float(whole_variances(near, at_middle)[i])) for i in (0, 3))
+    at_middle = strategy_variances(replace(near, turn_rate=0.0)).detrended
+    ins, shrunk = (1e3 * np.sqrt(float(strategy_variances(near).detrended[i])) for i in (0, 3))
     assert at_middle[3] <= at_middle[0]
     assert shrunk > 2 * ins
     differs(
@@ -105,8 +103,8 @@ def test_the_shrunk_fit_can_lose_along_the_line_of_sight(differs):
     )  # fmt: skip
 
 
-def test_what_wins_at_mid_aperture_wins_along_the_turning_line_too():
-    """2000 cases: the fits are chosen only where they hold more than their fixes' velocity noise costs."""
+def test_a_fit_is_chosen_only_where_it_holds_more_than_its_velocity_noise_costs():
+    """2000 cases: no winner is worse than the INS alone along the line of sight as it turns."""
     random = np.random.default_rng(1)
 
     def spread(low, high):
@@ -118,7 +116,7 @@ def test_what_wins_at_mid_aperture_wins_along_the_turning_line_too():
         spread(2, 80), noise, interval, *sensors, start.horizontal, start_vertical=start.vertical,
         turn_rate=spread(0.002, 0.1), grazing_angle=0.5,
     )  # fmt: skip
-    whole = whole_variances(case, strategy_variances(case).detrended)
+    whole = strategy_variances(case).detrended
     winner = map_of_winners(case).winner
     assert len(np.unique(winner)) == 3
     chosen = np.take_along_axis(whole, winner[None], axis=0)[0]

@@ -137,11 +137,7 @@ def test_on_a_straight_leg_real_time_is_the_closed_forms() -> None:
             np.testing.assert_allclose(mine[at], [horizontal, horizontal, vertical], rtol=0.01)
         for name in PHASES:
             assert real.figures[name][at] == pytest.approx(budget[name, "real time"].sigma, rel=0.01)
-            shares = dict(budget[name, "real time"].shares)
-            by_tilt = shares.pop("initial tilt")
-            for source, share in budget.tilt_shares.items():
-                shares[source] = shares.get(source, 0.0) + by_tilt * share
-            same_shares(result.sources, real.shares[name][:, at], shares)
+            same_shares(result.sources, real.shares[name][:, at], budget[name, "real time"].shares)
         for quantity in ("position", "velocity"):
             for axis in AXES:
                 shares = budget[f"{axis}_{quantity}", "real time"].shares
@@ -176,20 +172,20 @@ def test_states_of_a_line_are_those_of_the_moment_that_the_budget_checks(changes
 
 
 @pytest.mark.parametrize("changes", [["gnss.interval=0.1 s"], ["gnss.interval=0.1 s", "radar.squint_angle=20°"]])
-def test_the_quadratic_phase_along_the_track_is_that_of_the_budget(changes: list[str]) -> None:
-    """[S-2] and [P-5], judged by the limit on quadratic phase of the design, and of a line."""
+def test_phases_are_those_of_the_budget_the_whole_and_its_parts(changes: list[str]) -> None:
+    """[S-8] and [P-5]; the whole is judged by the limit on quadratic phase of the design, and of a line."""
     limits = ["requirements.quadratic_phase=9°", "trajectory.limits=line 1, quadratic_phase=18°"]
     design = parse_design(Path("examples/tactical_x_band.toml").read_bytes(), changes=[*changes, *limits])
     study = specification(design, trajectory="straight", duration=200.0)
     spec = covariance_specification(
         design, study, (FlightLine("line 0", 50.0, 100.0), FlightLine("line 1", 100.0, 150.0))
     )
-    result, name, budget = covariance(spec), "along_track_quadratic_phase", analyse(design)
+    result, budget = covariance(spec), analyse(design)
     for part, processing in ((result.real_time, "real time"), (result.post_processed, "post-processed")):
-        assert part.figures[name][100] == pytest.approx(budget[name, processing].sigma, rel=0.01), processing
+        for name in (f"{of}{name}" for of in ("", "line_of_sight_", "along_track_") for name in PHASES):
+            assert part.figures[name][100] == pytest.approx(budget[name, processing].sigma, rel=0.01), name
     confidence = design.requirements.confidence
     for line, limit in zip(result.lines, (9.0, 18.0), strict=True):
-        assert math.degrees(line.limits[name]) == pytest.approx(limit / confidence)
         assert math.degrees(line.limits["quadratic_phase"]) == pytest.approx(limit / confidence)
 
 

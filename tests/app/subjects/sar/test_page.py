@@ -75,8 +75,8 @@ def names(sar: SarPage) -> list[str]:
 
 
 def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPage) -> None:
-    assert "✗ Detrended phase 48.9°" in strip(sar)
-    assert "No strategy meets 20° in real time. Closest: INS from filter, in use, 48.9°." in strip(sar)
+    assert "✗ Detrended phase 54.7°" in strip(sar)
+    assert "No strategy meets 20° in real time. Closest: INS from filter, in use, 54.7°." in strip(sar)
     assert "Formulas only so far." in sar._bar.state.object
     formulas = ["Whole-leg smoother", "INS from filter", "Quadratic fit, noise-weighted", "Quadratic fit"]
     assert names(sar)[:4] == formulas
@@ -120,7 +120,7 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert not session.running
     assert "The runs match the design. 50 runs of the error model, seed 0." in sar._bar.state.object
     study = sar._result.study
-    assert "✗ Detrended phase 48.9°" in strip(sar)
+    assert "✗ Detrended phase 54.7°" in strip(sar)
     named = re.search(r"No strategy meets 20° in real time. Closest: ([^,]+), ([\d.]+)°\.", strip(sar))
     ranked = sorted((key for key in NAMES if key not in "13"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
