@@ -10,16 +10,11 @@ ROOT = Path(__file__).parents[1]
 _QUESTIONS = re.compile(r"(What|Whether|How|Those|That|Which|The same)\b")
 _UNDESCRIBED = 3  # arguments that a docstring may tell in its sentences
 _SECTION = re.compile(r"^Parameters\n-+$", re.MULTILINE)
-_OPEN = {
-    "app/dashboard", "app/document", "app/subjects", "nav_model/analytic", "nav_model/aperture", "nav_model/budget",
-    "nav_model/design", "nav_model/sar", "nav_model/trajectory",
-}  # fmt: skip
-"""Rooms that still have such docstrings; the list only shrinks."""
 _ROOMS = sorted(
     path.relative_to(ROOT)
     for root in ("app", "nav_model", "tests/support", "benchmarks", "deploy")
     for path in (ROOT / root, *(ROOT / root).iterdir())
-    if path.is_dir() and any(path.glob("*.py")) and path.relative_to(ROOT).as_posix() not in _OPEN
+    if path.is_dir() and any(path.glob("*.py"))
 )
 
 

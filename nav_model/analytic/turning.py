@@ -70,7 +70,7 @@ class Turn(NamedTuple):
     vertical: Bend
 
     def bent(self, horizontal: Bend, vertical: Bend) -> Array:
-        """What the turn adds to the variance [m²] of the quadratic or the cubic, from the covariances of a horizontal
+        """Part of the turn in the variance [m²] of the quadratic or the cubic, from the covariances of a horizontal
         axis and of the vertical. It may be negative: the turn can work against them."""
         return _sum(self.horizontal, horizontal) + _sum(self.vertical, vertical)
 
@@ -81,7 +81,7 @@ def _sum(weights: Bend, covariances: Bend) -> Array:
 
 
 def turn_of(grazing: ArrayLike, squint: ArrayLike, turn_rate: ArrayLike, aperture: ArrayLike) -> Turn:
-    """How the functionals of the axes add up along the turning line of sight.
+    """Weights by which the functionals of the axes add up along the turning line of sight.
 
     Parameters
     ----------

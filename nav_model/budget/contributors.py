@@ -17,7 +17,7 @@ from nav_model.design import Design
 from nav_model.design.contributors import BOTH, SYSTEMATIC, Contributor
 from nav_model.design.figures import FIGURES
 
-_LASTS = {f"{axis}_position": (f"coast_{axis}_position",) for axis in ("horizontal", "vertical")}
+_PERSISTS_IN_OUTAGE = {f"{axis}_position": (f"coast_{axis}_position",) for axis in ("horizontal", "vertical")}
 # What is off in position while fixes come in, such as a datum or a time offset, is off without them too.
 
 Shares = Mapping[str, float]
@@ -84,7 +84,7 @@ def contributors_of(design: Design, wavelength: Any, counted: Mapping[str, Any] 
             part = Contribution(name, counted[name], contributor.kind == SYSTEMATIC, contributor.processing)
             entering = replace(part, size=as_phase(part.size, contributor.dimension, into, wavelength))
             # The outage's figure is one in both processings, so that what holds in one alone is not in it.
-            lasts = _LASTS.get(contributor.enters, ()) if contributor.processing == BOTH else ()
+            lasts = _PERSISTS_IN_OUTAGE.get(contributor.enters, ()) if contributor.processing == BOTH else ()
             for figure in (contributor.enters, *_also(contributor.enters), *lasts):
                 in_figures[figure] = (*in_figures.get(figure, ()), entering)
             alone[name] = (part,)
@@ -102,7 +102,17 @@ def size_of(contributor: Contributor, wavelength: Any) -> Any:
 
 
 def as_phase(value: Any, dimension: str, into: str, wavelength: Any) -> Any:
-    """A value in a figure of the dimension `into`: a length along the line of sight as a phase where that is one."""
+    """A value in a figure: a length along the line of sight as a phase where that is one.
+
+    Parameters
+    ----------
+    value : float or array
+        SI.
+    dimension, into : str
+        Dimensions of the value and of the figure.
+    wavelength : float or array
+        m.
+    """
     return 4 * math.pi / wavelength * value if (dimension, into) == ("length", "angle") else value
 
 
@@ -123,7 +133,19 @@ def random_and_systematic(sigma: Any, parts: Iterable[Contribution]) -> tuple[An
 def composed(
     sigma: Any, shares: Mapping[str, Any], parts: tuple[Contribution, ...], basis: str = "", mark: str = ""
 ) -> Composed:
-    """A figure of the model, 1σ, whose `shares` are those in its variance, with what enters it; numbers or arrays."""
+    """A figure of the model with what enters it; numbers or arrays.
+
+    Parameters
+    ----------
+    sigma : float or array
+        The model's, 1σ.
+    shares : mapping
+        Source -> share in its variance.
+    parts : tuple of Contribution
+        Contributors that enter it.
+    basis, mark : str, optional
+        Name of the model's result, and its equation.
+    """
     sizes = {source: sigma * share**0.5 for source, share in shares.items()}
     if not parts:
         return Composed(sigma, shares, sizes, sigma, basis, mark)

@@ -258,7 +258,7 @@ class RealTime:
 
     @cached_property
     def turn(self) -> Turn:
-        """How the line of sight turns over the aperture. [S-8]"""
+        """Turn of the line of sight over the aperture. [S-8]"""
         x = self.x
         return turn_of(x.grazing_angle, x.squint, x.speed / x.slant_range, x.aperture)
 
@@ -269,7 +269,7 @@ class RealTime:
 
     @cached_property
     def cubic_bend(self) -> tuple[Bend, Bend]:
-        """The same for the cubic."""
+        """Covariances of the turn with the cubic, of a horizontal axis and of the vertical."""
         return self._bend("cubic")
 
     def _bend(self, kind: str) -> tuple[Bend, Bend]:
@@ -281,7 +281,7 @@ class RealTime:
         )
 
     def bends(self, kind: str) -> tuple[Bend, Bend]:
-        """Those of the "quadratic" or of the "cubic"."""
+        """Covariances of the turn with the "quadratic" or the "cubic"."""
         return self.quadratic_bend if kind == "quadratic" else self.cubic_bend
 
     def _along_track(self, kind: str) -> Array:

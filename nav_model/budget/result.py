@@ -194,7 +194,13 @@ class Budget(Mapping[tuple[str, str], Composed]):
     def origin(
         self, name: str, processing: str, at: float | None = None, moment: str = "", *, limited: bool = False
     ) -> tuple[str, str]:
-        """Name of the model's result that a figure is, and the mark of its equation; arguments as `composed`."""
+        """Name of the model's result that a figure is, and the mark of its equation.
+
+        Parameters
+        ----------
+        name, processing, at, moment, limited
+            As `composed`.
+        """
         figure, smoothed = FIGURES[name], processing == POST_PROCESSED
         mark = figure.smoothed_mark if smoothed and figure.smoothed_mark else figure.mark
         if figure.kind == "level":
@@ -233,7 +239,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return Smoothed(self._stepped.x)
 
     def beside(self, formula: Callable[[Smoothed], Array]) -> float:
-        """What is no figure but follows from the smoother too, without contributors, by its formula."""
+        """Value of a formula of the smoother that is no figure, without contributors."""
         with refused(self.design), self._strict(POST_PROCESSED):
             return _real(formula(self._smoothed))
 
@@ -333,7 +339,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return self._lines({name: self[name, processing] for name in PHASES})
 
     def sight_lines(self) -> tuple[PhaseLine, ...]:
-        """The same in real time along the line of sight of mid-aperture, where the initial tilt and the coast before
+        """Lines in real time along the line of sight of mid-aperture, where the initial tilt and the coast before
         the aperture are sources of their own. [S-5], [S-6]"""
         by_source, to_phase = self.models[REAL_TIME].phases, self.x.to_phase
         figures = {}

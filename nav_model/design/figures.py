@@ -263,7 +263,7 @@ PHASES = QUADRATIC, CUBIC, DETRENDED = "quadratic_phase", "cubic_phase", "detren
 """The phases of the image, along the turning line of sight."""
 
 PARTS_OF_PHASES = tuple(name for name, figure in FIGURES.items() if figure.whole)
-"""Those of errors along the line of sight of mid-aperture and along the track, each by itself."""
+"""Figures of errors along the line of sight of mid-aperture and along the track, each by itself."""
 
 
 def label_of(name: str) -> str:

@@ -190,7 +190,17 @@ def chunks(runs: int, engine: Engine = "fast") -> list[int]:
 
 
 def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int) -> Chunk:
-    """One chunk; deterministic in (seed, index, runs)."""
+    """One chunk; deterministic in (seed, index, runs).
+
+    Parameters
+    ----------
+    case : DesignCase
+        The design.
+    tuning : Tuning
+        Gains of the strategies 6 and 7.
+    seed, index, runs : int
+        Of the study, place of the chunk in it, and its runs.
+    """
     measures = measure_runs(
         _simulated(case, tuning, seed, index, runs), case.geometry, case.wavelength, case.models[1].fix_interval,
         case.window, case.autofocus_order,
@@ -207,7 +217,15 @@ def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
 
 
 def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> Array:
-    """Residual (10, n) [m] of one run, simulated again from its chunk's seed."""
+    """Residual (10, n) [m] of one run, simulated again from its chunk's seed.
+
+    Parameters
+    ----------
+    case, tuning, seed, index, runs
+        As `run_chunk`.
+    within : int
+        Place of the run in its chunk.
+    """
     along, across, down = _simulated(case, tuning, seed, index, runs)
     errors = (axis.error[:, within] for axis in (along, across, down))
     return autofocus(range_error(case.geometry, along.time, *errors), case.autofocus_order)
@@ -216,7 +234,19 @@ def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, run
 def gather(
     budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: Array
 ) -> SarStudy:
-    """The study from all its chunks, in order, and the `typical_history` of its `typical_place`."""
+    """The study from all its chunks.
+
+    Parameters
+    ----------
+    budget : Budget
+        Of the design.
+    case, tuning, seed
+        As `run_chunk`.
+    parts : sequence of Chunk
+        In order.
+    history : array (10, n)
+        The `typical_history` of its `typical_place`.
+    """
     runs = sum(chunk.runs for chunk in parts)
     values = {name: _joined([c.measures.parts[name] for c in parts]) for name in parts[0].measures.parts}
     responses = {name: _joined([c.measures.responses[name] for c in parts]) for name in parts[0].measures.responses}
@@ -260,9 +290,20 @@ def design_study(
     engine: Engine = "fast",
     pool: Executor | None = None,
 ) -> SarStudy:
-    """The whole study of one design, in this process or with the chunks sent to a `pool`.
+    """The whole study of one design, in this process or with the chunks sent to a pool.
 
-    ``progress`` is called with runs done and runs in all.
+    Parameters
+    ----------
+    design : Design
+        The design.
+    runs, seed : int, optional
+        Number of runs, and the seed of their noise.
+    progress : callable, optional
+        Takes runs done and runs in all.
+    engine : str, optional
+        The error model or the simulator.
+    pool : Executor, optional
+        Of the processes that fly the chunks.
 
     Raises
     ------

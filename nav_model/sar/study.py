@@ -51,7 +51,15 @@ def simulate_axes(
     rate: float,
     tuning: Tuning,
 ) -> list[StrategyErrors]:
-    """Every strategy on each axis (along, across, down), each with its own seed."""
+    """Every strategy on each axis (along, across, down), each with its own seed.
+
+    Parameters
+    ----------
+    models : tuple of AxisModel
+        Of the axes.
+    aperture_time, coast_time, runs, seed, rate, tuning
+        As `fast_engine.simulate_axis`.
+    """
     return [
         simulate_axis(model, aperture_time, coast_time, runs, axis_seed, rate, tuning)
         for model, axis_seed in zip(models, seed.spawn(3), strict=True)
@@ -66,7 +74,23 @@ def measure_runs(
     window: Window = "uniform",
     autofocus_order: int = 1,
 ) -> RunMeasures:
-    """Measure strategies already applied to each axis (along, across, down), by either engine."""
+    """Measure strategies already applied to each axis, by either engine.
+
+    Parameters
+    ----------
+    axes : list of StrategyErrors
+        Along, across, down.
+    geometry : ApertureGeometry
+        Of the aperture.
+    wavelength : float
+        m.
+    fix_interval : float
+        Seconds.
+    window : str, optional
+        Weighting.
+    autofocus_order : int, optional
+        Of the polynomial that is removed.
+    """
     along, across, down = axes
     error = range_error(geometry, along.time, along.error, across.error, down.error)
     line = geometry.target / geometry.slant_range
@@ -98,6 +122,15 @@ def choose_tuning(model: AxisModel, aperture_time: float, seed: int = 0, runs: i
     """Gains of the reconstructions 6 and 7 with the least median detrended rms, on separate seeds.
 
     A grid search on one axis; the seeds are never those of a study's runs.
+
+    Parameters
+    ----------
+    model : AxisModel
+        Noise and fixes of the axis.
+    aperture_time : float
+        Seconds.
+    seed, runs : int, optional
+        Of the search.
     """
     sequence = np.random.SeedSequence([seed, 1])
     rate = max(min(25.0, 2000.0 / aperture_time), 200.0 / aperture_time)

@@ -1,4 +1,4 @@
-"""Which strategy is best along the line of sight, of 2, 3, 5, 5w and 9.
+"""The best strategy along the line of sight, of 2, 3, 5, 5w and 9.
 
 Strategies are judged as requirements are (`nav_model.budget`): along the line of sight as it turns [S-8], also under
 squint. A slow GNSS error enters the fits (`fit_noise`) and, through ``start``, the state at the last fix. The
@@ -165,7 +165,7 @@ def _composed(c: Conditions, figure: str, variances: Sequence[ArrayLike]) -> Arr
 
 
 def _bent(c: Conditions, kind: str, t: Array, dt: Array, n: Array, turn: Turn) -> tuple[Array, ...]:
-    """What the turn adds to the variance [m²] of the quadratic or the cubic, in the order of `IN_APERTURE`.
+    """Part of the turn in the variance [m²] of the quadratic or the cubic, in the order of `IN_APERTURE`.
 
     For 5 and 5w the velocity is that of the fitted line, whose turn is a quadratic without a cubic, and the position
     error is negligible.

@@ -169,6 +169,17 @@ def mean_square(squares: FloatArray, time_s: FloatArray, apertures: Apertures, l
 
     The covariance of position changes by that of position with velocity, so between two nodes it is nearly the cubic
     that has both at both ends.
+
+    Parameters
+    ----------
+    squares : array (sources, nodes, 3, 6)
+        Covariances of position with position and with velocity.
+    time_s : array (nodes,)
+        Seconds.
+    apertures : Apertures
+        Those that lie within the flight.
+    length : float
+        Of an aperture, s.
     """
     covariance = squares[..., :3]
     change = squares[..., 3:] + squares[..., 3:].swapaxes(2, 3)

@@ -20,7 +20,7 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
 PARTS = {"line_of_sight": "line of sight", "along_track": "along-track"}
-"""What the parts of the image's phase are called beside its sources."""
+"""Names of the parts of the image's phase beside its sources."""
 CONTRIBUTORS_ENTER = (
     "Random contributors add in quadrature, systematic ones linearly, each with its allowance. A length along the "
     "line of sight enters a phase by 4π/λ. What enters a position lasts through the outage. What enters CE90 or LE90 "

@@ -84,7 +84,7 @@ def _check(verdict: Verdict) -> Check | None:
 
 
 def judged_along(budget: Budget) -> str:
-    """Which phase is judged, and which row is the budget's."""
+    """Sentence on the phase that is judged, and on the row that is the budget's."""
     return (
         "Requirements are checked along the line of sight as it turns, as on the Budget page. "
         f"The formula of {NAMES[judged(budget.design)]} is the Budget page's value. "
