@@ -9,11 +9,9 @@ from numpy.typing import ArrayLike
 
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.navigation import outage_times
-from nav_model.budget.refusals import refuse_hidden_target, refuse_late_data, refuse_long_aperture, refused
+from nav_model.budget.refusals import refuse_hidden_target, refuse_late_data, refuse_long_aperture
 from nav_model.budget.result import Budget
 from nav_model.design import Design
-from nav_model.design.figures import REQUIRED
-from nav_model.design.processing import REAL_TIME
 
 __all__ = ["Budget", "analyse"]
 
@@ -52,12 +50,5 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     refuse_long_aperture(float(inputs.aperture))
     refuse_late_data(design.motion.delay, float(inputs.aperture))
     budget = Budget(design, inputs, outage_times(design, times))
-    # What decides is computed here, so that a refusal is raised here.
-    with refused(design):
-        assert budget.steady_state
-        assert budget.coast
-    for processing in {REAL_TIME, design.processing.mode}:
-        for name in REQUIRED:
-            budget.composed(name, processing)
-    assert budget.verdict
+    budget.compute()  # so that a refusal is raised here
     return budget

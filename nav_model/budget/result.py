@@ -40,7 +40,7 @@ from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.spectral import Spectral, spectral_of
 from nav_model.budget.verdict import Check, Verdict, judge, with_flight
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES, OF_BUDGET, PHASES, QUADRATIC
+from nav_model.design.figures import FIGURES, OF_BUDGET, PHASES, QUADRATIC, REQUIRED
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _MOMENTS = {"prior": "prior", "posterior": "posterior", "closed": "formula"}
@@ -121,6 +121,21 @@ class Budget(Mapping[tuple[str, str], Composed]):
     def figure(self, name: str) -> Composed:
         """A figure in the design's processing."""
         return self.composed(name, self.processing)
+
+    def compute(self) -> None:
+        """Compute what decides: the settled filter, the outage, required figures, and the design's verdict.
+
+        Raises
+        ------
+        InputError
+            If double precision cannot hold the design's values together.
+        """
+        with refused(self.design):
+            _ = self.steady_state, self.coast
+        for processing in {REAL_TIME, self.processing}:
+            for name in REQUIRED:
+                self.composed(name, processing)
+        _ = self.verdict
 
     # Where figures are composed.
 
