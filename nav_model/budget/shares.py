@@ -103,8 +103,8 @@ def _stepped(x: Inputs) -> tuple[list[str], list[str], Inputs]:
         for field in SIZES[name]:
             value = getattr(x, field)
             if isinstance(value, SlowError):
-                level, upright = value.horizontal * factor, value.vertical * factor
-                changes[field] = SlowError(level, upright, value.correlation_time)
+                horizontal, vertical = value.horizontal * factor, value.vertical * factor
+                changes[field] = SlowError(horizontal, vertical, value.correlation_time)
             else:
                 changes[field] = value * factor
     fast = dict(x.fast)

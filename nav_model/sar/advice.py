@@ -205,11 +205,11 @@ def _break_even_noise(conditions: Conditions) -> float:
     conditions = replace(conditions, contributors=Contributors())
     free, _, fitted, *_ = np.square(map_of_winners(conditions).sigma)
     given = float(np.asarray(conditions.gnss_sigma))
-    upright = conditions.vertical_gnss_sigma
+    vertical = conditions.vertical_gnss_sigma
     small = replace(
         conditions,
         gnss_sigma=given * 1e-9,
-        vertical_gnss_sigma=None if upright is None else np.multiply(upright, 1e-9),
+        vertical_gnss_sigma=None if vertical is None else np.multiply(vertical, 1e-9),
     )
     rest = float(map_of_winners(small).sigma[2]) ** 2
     room = (float(free) - rest) / (float(fitted) - rest)

@@ -116,10 +116,10 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     coasted = total(phase_budget(*sensors, t, c.coast_time, c.grazing_angle, c.autofocus_order))
     rest = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, max(c.autofocus_order, 2))).detrended
 
-    slow, slow_level, slow_upright = _slow_fits(c, t, dt, n)
-    across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2 + slow_level * slow.quadratic
+    slow, slow_horizontal, slow_vertical = _slow_fits(c, t, dt, n)
+    across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2 + slow_horizontal * slow.quadratic
     vertical_sigma = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
-    down = fit_quadratic_sigma(vertical_sigma, dt, t, n) ** 2 + slow_upright * slow.quadratic
+    down = fit_quadratic_sigma(vertical_sigma, dt, t, n) ** 2 + slow_vertical * slow.quadratic
     held = ins_variances(
         t, c.accelerometer_noise, c.gyro_noise, c.start.p33, 0.0, c.gravity, c.accelerometer_bias, c.gyro_bias
     ).quadratic
@@ -192,12 +192,12 @@ def _slow_fits(c: Conditions, t: Array, dt: Array, n: Array) -> tuple[SlowFit, A
 
 def _bent_fit(c: Conditions, t: Array, dt: Array, n: Array, turn: Turn) -> Array:
     """Variance [m²] of the quadratic that the turn makes of the velocity of the fitted line."""
-    slow, slow_level, slow_upright = _slow_fits(c, t, dt, n)
+    slow, slow_horizontal, slow_vertical = _slow_fits(c, t, dt, n)
     white = np.where(n > 2, 12 / (n * (n**2 - 1) + (n <= 2)), 0.0) / dt**2
-    vertical = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
-    level = np.square(c.gnss_sigma) * white + slow_level * slow.slope
-    upright = np.square(vertical) * white + slow_upright * slow.slope
-    return np.asarray(t**2 / 4 * (turn.horizontal.turned * level + turn.vertical.turned * upright))
+    noise = c.gnss_sigma if c.vertical_gnss_sigma is None else c.vertical_gnss_sigma
+    horizontal = np.square(c.gnss_sigma) * white + slow_horizontal * slow.slope
+    vertical = np.square(noise) * white + slow_vertical * slow.slope
+    return np.asarray(t**2 / 4 * (turn.horizontal.turned * horizontal + turn.vertical.turned * vertical))
 
 
 class WinnerMap(NamedTuple):

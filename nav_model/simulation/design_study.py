@@ -185,7 +185,7 @@ class DesignClosedForm:
     def __call__(self, coast_s: FloatArray, elapsed_s: FloatArray) -> FloatArray:
         budget = analyse(self.design, coast_s)
         coast, settled = budget.coast, budget.steady_state.average
-        level, upright, speed, sink, tilt = (
+        horizontal, vertical, speed, sink, tilt = (
             np.where(coast_s > 0, drifting, settled[name])
             for name, drifting in (
                 ("horizontal_position", coast.position_horizontal),
@@ -198,7 +198,7 @@ class DesignClosedForm:
         imu = self.design.imu
         density, drift = imu.angle_random_walk * imu.vibration_factor, imu.gyro_bias * coast_s
         yaw = np.sqrt(self.initial_yaw**2 + yaw_variance(density, elapsed_s) + drift**2)
-        sigmas: FloatArray = np.stack([level, level, upright, speed, speed, sink, tilt, tilt, yaw], axis=1)
+        sigmas: FloatArray = np.stack([horizontal, horizontal, vertical, speed, speed, sink, tilt, tilt, yaw], axis=1)
         return sigmas
 
 
@@ -287,8 +287,8 @@ def conclude(
 
 def _refined(design: Design, coast_s: FloatArray) -> FloatArray:
     coast = analyse(design, coast_s).coast
-    level, upright = coast.refined_horizontal, coast.refined_vertical
-    sigmas: FloatArray = np.stack([level, level, upright], axis=1)
+    horizontal, vertical = coast.refined_horizontal, coast.refined_vertical
+    sigmas: FloatArray = np.stack([horizontal, horizontal, vertical], axis=1)
     return np.where(coast_s[:, None] > 0.0, sigmas, np.nan)
 
 
@@ -303,9 +303,9 @@ def _path(result: SimulationResult) -> FloatArray:
     along, right = c * velocity[:, 0] + s * velocity[:, 1], c * velocity[:, 1] - s * velocity[:, 0]
     rates = np.stack([along, right], axis=1)
     steps = 0.5 * (rates[1:] + rates[:-1]) * np.diff(result.time_s)[:, None]
-    level = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    horizontal = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     up = result.truth.position[:, 2] - result.truth.position[0, 2]
-    path: FloatArray = np.column_stack([level, up])
+    path: FloatArray = np.column_stack([horizontal, up])
     return path
 
 
