@@ -92,10 +92,6 @@ def judged_along(budget: Budget) -> str:
     )
 
 
-def _degrees(sigma: float, budget: Budget) -> str:
-    return number(math.degrees(float(metres_to_phase(sigma, budget.sar.wavelength))))
-
-
 def runs_in_words(study: SarStudy) -> str:
     """Runs and their number, in words."""
     return f"{study.runs} {_ENGINES[study.engine]}, seed {study.seed}"

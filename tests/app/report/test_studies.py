@@ -183,7 +183,7 @@ def test_the_responses_are_those_of_the_studys_json_both_ways(sections, findings
 def test_the_sar_answer_says_which_why_and_what_would_change_it(sections, findings):
     advice = sar_json(findings["sar"].study)["advice"]
     study = findings["sar"].study
-    assert verdict(sections, "sar").word == "✗ Detrended phase 48.9°"
+    assert verdict(sections, "sar").word == "✗ Detrended phase 54.7°"
     assert (
         verdict(sections, "sar").sentences[0].startswith("No strategy meets 20° in real time. Closest: RTS smoother")
     )

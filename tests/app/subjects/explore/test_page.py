@@ -103,15 +103,15 @@ def test_an_address_names_a_question(explore: ExplorePage) -> None:
 def test_a_solved_value_is_taken_and_then_the_design_closes_at_its_limit(explore: ExplorePage) -> None:
     solved = explore.question
     assert not explore.session.budget.verdict.closes
-    assert solved.answer.word == "✗ Angle random walk must be ≤ 0.0360 °/√h"
-    solved._table._handle_msg("Angle random walk: at most 0.0360 °/√h")
+    assert solved.answer.word == "✗ Angle random walk must be ≤ 0.0240 °/√h"
+    solved._table._handle_msg("Angle random walk: at most 0.0240 °/√h")
     verdict = explore.session.budget.verdict
     assert verdict.closes
     assert 0 <= verdict.tightest.margin < 0.01  # rounded down to three digits
-    assert 'angle_random_walk = "0.036 °/√h"' in format_design(explore.session.design)
+    assert 'angle_random_walk = "0.024 °/√h"' in format_design(explore.session.design)
     explore.session.undo()
     assert "Not enough alone: velocity random walk, vibration factor, position noise" in solved._table.html
-    solved._table._handle_msg("Angle random walk: at most 0.0370 °/√h")  # of a table that is no longer there
+    solved._table._handle_msg("Angle random walk: at most 0.0250 °/√h")  # of a table that is no longer there
     assert explore.session.design == first_design()
 
 

@@ -110,8 +110,8 @@ def test_a_requirement_at_two_sigma_is_at_two_sigma_in_strip_and_rows(session: S
     assert math.radians(row.closed) == pytest.approx(check.value)
     assert math.radians(chart.limit) == pytest.approx(check.limit)
     block = answer(budget, closed_forms(budget), None)[0]
-    assert block.word == "✗ Detrended phase 97.7°"
-    closest = "No strategy meets 20° at 2σ in real time. Closest: INS from filter, in use, 97.7°."
+    assert block.word == "✗ Detrended phase 109°"
+    closest = "No strategy meets 20° at 2σ in real time. Closest: INS from filter, in use, 109°."
     assert block.sentences == (closest,)
 
 
