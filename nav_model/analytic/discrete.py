@@ -57,6 +57,8 @@ def cycle(
 ) -> Cycle:
     """Prior and posterior covariances of the horizontal and vertical channels. [T-8]
 
+    The vertical one has gravity that decreases with height by 2 g/R, which drives an error in height on.
+
     Parameters
     ----------
     sigma_a, sigma_w, g : array_like
@@ -73,7 +75,7 @@ def cycle(
     """
     if velocity is None and slow is None:
         horizontal_ends = horizontal_cycle(sigma_a, sigma_w, g, interval, sigma_fix)
-        vertical_ends = vertical_cycle(sigma_a, interval, sigma_fix_vertical)
+        vertical_ends = vertical_cycle(sigma_a, g, interval, sigma_fix_vertical)
         return Cycle(*(Sawtooth(*ends) for ends in zip(horizontal_ends, vertical_ends, strict=True)))
     fixes = (sigma_fix, sigma_fix_vertical)
     before, after, with_slow = settled_cycle(sigma_a, sigma_w, g, interval, fixes, velocity, slow)

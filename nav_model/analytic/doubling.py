@@ -27,6 +27,7 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nav_model.analytic.rise import rise
 from nav_model.base.arrays import Array, as_numbers
 
 _MOST_DOUBLINGS = 60
@@ -45,7 +46,11 @@ class Segment(NamedTuple):
 
 
 def drift(
-    step: ArrayLike, accelerometer: ArrayLike, gyro: ArrayLike, slow: tuple[ArrayLike, ArrayLike] | None = None
+    step: ArrayLike,
+    accelerometer: ArrayLike,
+    gyro: ArrayLike,
+    slow: tuple[ArrayLike, ArrayLike] | None = None,
+    gradient: ArrayLike | None = None,
 ) -> Segment:
     """A step without fixes, exact.
 
@@ -58,21 +63,32 @@ def drift(
         [m²/s⁵].
     slow : pair of array_like, optional
         Variance of the slow error [m²], its correlation time [s].
+    gradient : array_like, optional
+        Decrease of gravity with height in a vertical channel, whose gyro noise is zero, 1/s².
     """
-    step, accelerometer, gyro, *markov = map(as_numbers, (step, accelerometer, gyro, *(slow or ())))
-    size, inputs = 3 if slow is None else 4, (step, accelerometer, gyro, *markov)
-    shape = np.broadcast_shapes(*(value.shape for value in inputs))
-    phi, noise = np.zeros((2, *shape, size, size), np.result_type(*inputs))
+    inputs = [as_numbers(value) for value in (step, accelerometer, gyro, *(slow or ()))]
+    step, accelerometer, gyro, *markov = inputs
+    size = 3 if slow is None else 4
+    cosine, sine, twice, by_noise = as_numbers(1.0), as_numbers(1.0), as_numbers(1.0), (1 / 3, 1 / 2, 1.0)
+    if gradient is not None:
+        gradient = as_numbers(gradient)
+        free = rise(gradient, step)
+        cosine, sine, twice, by_noise = free.cosine, free.sine, free.twice, free.noise
+    shape = np.broadcast_shapes(*(value.shape for value in (*inputs, cosine)))
+    phi, noise = np.zeros((2, *shape, size, size), np.result_type(*inputs, cosine))
     # Acceleration by tilt is constant but for the gyro's noise, and is integrated twice.
-    phi[..., range(size), range(size)] = 1
-    phi[..., 0, 1] = phi[..., 1, 2] = step
-    phi[..., 0, 2] = step * step / 2
+    phi[..., range(2, size), range(2, size)] = 1
+    phi[..., 0, 0] = phi[..., 1, 1] = cosine
+    phi[..., 0, 1] = phi[..., 1, 2] = step * sine
+    phi[..., 0, 2] = step * step / 2 * twice
+    if gradient is not None:
+        phi[..., 1, 0] = gradient * step * sine
     # White noise integrated once, twice and three times: Phi(t) diag(0, S_a, S_g) Phi(t)ᵀ over the step.
     a, w = accelerometer * step, gyro * step
-    noise[..., 0, 0] = a * step**2 / 3 + w * step**4 / 20
-    noise[..., 0, 1] = noise[..., 1, 0] = a * step / 2 + w * step**3 / 8
+    noise[..., 0, 0] = a * step**2 * by_noise[0] + w * step**4 / 20
+    noise[..., 0, 1] = noise[..., 1, 0] = a * step * by_noise[1] + w * step**3 / 8
     noise[..., 0, 2] = noise[..., 2, 0] = w * step**2 / 6
-    noise[..., 1, 1] = a + w * step**2 / 3
+    noise[..., 1, 1] = a * by_noise[2] + w * step**2 / 3
     noise[..., 1, 2] = noise[..., 2, 1] = w * step / 2
     noise[..., 2, 2] = w
     # A slow error of the fixes decays; the first state has it too, hence the decay's difference from one in its row.
@@ -80,6 +96,9 @@ def drift(
         variance, time = markov
         phi[..., 3, 3] = np.exp(-step / time)
         phi[..., 0, 3] = np.expm1(-step / time)
+        if gradient is not None:  # height alone drives, and the first state has the slow error too
+            phi[..., 0, 3] -= free.risen / 2
+            phi[..., 1, 3] = -phi[..., 1, 0]
         fresh = -variance * np.expm1(-2 * step / time)
         for i, j in ((0, 0), (0, 3), (3, 0), (3, 3)):
             noise[..., i, j] += fresh

@@ -20,6 +20,7 @@ are those of the Euler-Frobenius polynomials.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.analytic.rise import gravity_gradient, rise
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.base.arrays import Array, as_numbers
 
@@ -65,17 +66,32 @@ def horizontal_cycle(
     return before, after
 
 
-def vertical_cycle(sigma_a: ArrayLike, interval: ArrayLike, sigma_fix: ArrayLike) -> tuple[Vertical, Vertical]:
-    """Covariance of the vertical channel just before a fix and just after it; as `horizontal_cycle`. [T-8]"""
+def vertical_cycle(
+    sigma_a: ArrayLike, g: ArrayLike, interval: ArrayLike, sigma_fix: ArrayLike
+) -> tuple[Vertical, Vertical]:
+    """Covariance of the vertical channel just before a fix and just after it; as `horizontal_cycle`. [T-8]
+
+    Gravity decreases with height: the poles at z = 1 part to either side, and u² of the spectrum becomes
+    (u + risen)², by `nav_model.analytic.rise` over an interval.
+    """
     sigma_a, h, r = (as_numbers(x) for x in (sigma_a, interval, sigma_fix))
-    qa = sigma_a**2 * h**3 / r**2
-    product, d0, d1 = quadratic_factor(-qa / 6, qa)
-    k1, k2 = d1 - d0, d0
+    gradient = gravity_gradient(g)
+    qa, free = sigma_a**2 * h**3 / r**2, rise(gradient, h)
+    risen, sine, cosine = free.risen, free.sine, free.cosine
+    q11, q12, q22 = (qa * noise for noise in free.noise)
+    # The spectrum of what the noise makes of the position, and the stable factor of that of the innovations.
+    level = q11 * (risen / 2) ** 2 - q12 * sine * risen + q22 * sine**2
+    product, d0, d1 = quadratic_factor(2 * risen + q11 * cosine - q12 * sine, risen**2 + level)
+    k1 = d1 - d0
+    k2 = (d0 + risen - k1 * risen / 2) / sine
     p11, p12 = k1 / product, k2 / product
-    x22 = k1 * p12 - qa / 2
+    # Posterior X, and P = Phi X Phi' + Q, read from its covariance of position and velocity.
+    driven = gradient * h**2 * sine
+    x22 = (k1 * p12 - 2 * driven * sine * k2 - driven * cosine * k1 - q12) / (sine * cosine)
+    p22 = driven**2 * k1 + 2 * driven * cosine * k2 + cosine**2 * x22 + q22
     v = r / h
     return (
-        Vertical(p11 * r * r, p12 * r * v, (x22 + qa) * v * v),
+        Vertical(p11 * r * r, p12 * r * v, p22 * v * v),
         Vertical(k1 * r * r, k2 * r * v, x22 * v * v),
     )
 

@@ -7,7 +7,8 @@ takes complex steps.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.analytic.doubling import Powers, carried, drift, joined, measured, settled, without_slow_error
+from nav_model.analytic.doubling import Powers, Segment, carried, drift, joined, measured, settled, without_slow_error
+from nav_model.analytic.rise import gravity_gradient
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.base.arrays import Array, as_numbers
 
@@ -48,11 +49,20 @@ def settled_cycle(
     velocity = (np.inf, np.inf) if sigma_velocity is None else sigma_velocity
     inputs = map(as_numbers, (sigma_a, g * as_numbers(sigma_w), interval, *sigma_fix, *velocity, *(slow or ())))
     a, gyro, h, *fixes = np.broadcast_arrays(*inputs)
-    # Both channels are solved together; the vertical one has no gyro, and its third state stays zero.
-    r, v, gyro = np.stack(fixes[:2]), np.stack(fixes[2:4]), np.stack([gyro, 0 * gyro])
-    # The fix interval is the unit of time, the noise of a fix that of length.
-    qa, qw = (a * h * np.sqrt(h) / r) ** 2, (gyro * h * h * np.sqrt(h) / r) ** 2
-    step = drift(1.0, qa, qw, None if slow is None else ((np.stack(fixes[4:6]) / r) ** 2, fixes[6] / h + 0 * r))
+    # The fix interval is the unit of time, the noise of a fix that of length. Both channels are solved together; the
+    # vertical one has no gyro, so that its third state stays zero, and gravity that decreases with height.
+    r, v = np.stack(fixes[:2]), np.stack(fixes[2:4])
+    level, upright = (
+        drift(
+            1.0,
+            (a * h * np.sqrt(h) / fixes[axis]) ** 2,
+            (noise * h * h * np.sqrt(h) / fixes[axis]) ** 2,
+            None if slow is None else ((fixes[4 + axis] / fixes[axis]) ** 2, fixes[6] / h),
+            rising,
+        )
+        for axis, (noise, rising) in enumerate(((gyro, None), (0 * gyro, gravity_gradient(g) * h**2)))
+    )
+    step = Segment(*map(np.stack, zip(level, upright, strict=True)))
     size = step.noise.shape[-1]
     fix = np.zeros((*r.shape, size, size), np.result_type(r, v, h))
     fix[..., 0, 0] = 1

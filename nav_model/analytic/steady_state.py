@@ -90,14 +90,28 @@ def position_ratio(kappa: ArrayLike) -> Array:
     return u
 
 
-def vertical(sigma_a: ArrayLike, s: ArrayLike, s_v: ArrayLike | None = None) -> Vertical:
-    """Steady-state covariance of the vertical channel. [T-4]; with velocity fixes of density `s_v` [m/s·√s] [P-6]"""
-    sigma_a, s = as_numbers(sigma_a), as_numbers(s)
+def vertical(sigma_a: ArrayLike, s: ArrayLike, s_v: ArrayLike | None = None, gradient: ArrayLike = 0.0) -> Vertical:
+    """Steady-state covariance of the vertical channel. [T-4]; with velocity fixes [P-6]
+
+    The settled filter has x² + c1 x + c0, the stable factor of x⁴ - 2 gamma x² + gamma² + sigma_a² (1/s² - x²/s_v²).
+
+    Parameters
+    ----------
+    sigma_a, s : array_like
+        See the module.
+    s_v : array_like, optional
+        Density of the velocity fixes, m/s·√s.
+    gradient : array_like, optional
+        Decrease of gravity with height, gamma, 1/s²; none in [T-4] as the literature has it.
+    """
+    sigma_a, s, gradient = as_numbers(sigma_a), as_numbers(s), as_numbers(gradient)
+    c0 = np.sqrt(gradient**2 + (sigma_a / s) ** 2)
+    known, first = 1 / s**2, 2 * (c0 + gradient)
     if s_v is not None:
-        p = _with_velocity(sigma_a, np.zeros(()), s, as_numbers(s_v))
-        return Vertical(p.p11, p.p12, p.p22)
-    v11 = np.sqrt(2 * sigma_a * s) * s
-    return Vertical(v11, sigma_a * s, v11 * sigma_a / s)
+        s_v = as_numbers(s_v)
+        known, first = known + c0 / s_v**2, first + (sigma_a / s_v) ** 2
+    v11 = np.sqrt(first) / known
+    return Vertical(v11, (c0 + gradient) / known, c0 * v11)
 
 
 def horizontal(

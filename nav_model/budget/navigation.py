@@ -189,8 +189,8 @@ def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Arra
     )
     # In it: from the last fix on, and back from the first one after it.
     late = time[inside] / axis.step[-1]
-    a, w, slow = axis.noise
-    noise = a[-1], w[-1], slow and (slow[0][-1], slow[1][-1])
+    a, w, slow, gradient = axis.noise
+    noise = a[-1], w[-1], slow and (slow[0][-1], slow[1][-1]), gradient[-1]
     forward, backward = drift(late, *noise), drift(length - late, *noise)
     bridged = updated(carried(start[-1], forward), measured(backward, after_outage[-1]).info)
     # Both in the order of time, from steps and the filter's lengths back to SI.

@@ -18,6 +18,7 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
 from nav_model.analytic.refined_coast import refined_growth
+from nav_model.analytic.rise import gravity_gradient
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import LEFT_OF_ORDER, Bend, Turn, free_bend, turn_of
 from nav_model.aperture import phase
@@ -83,7 +84,7 @@ class RealTime:
         s_v, s_v_vertical = x.velocity_densities or (None, None)
         return Sawtooth(
             steady.horizontal(x.sigma_a, x.sigma_w, x.s, x.g, s_v),
-            steady.vertical(x.sigma_a, x.s_vertical, s_v_vertical),
+            steady.vertical(x.sigma_a, x.s_vertical, s_v_vertical, gravity_gradient(x.g)),
         )
 
     @cached_property

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from nav_model.analytic.rise import gravity_gradient
 from nav_model.analytic.turning import Bend
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.base.arrays import Array, as_numbers
@@ -29,7 +30,9 @@ def channels(x: Inputs) -> tuple[Channel, Channel]:
         vertical = interval = None
     return (
         Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, horizontal, interval, level, time),
-        Channel(x.sigma_a, None, x.fix_vertical, x.interval, vertical, interval, upright, time),
+        Channel(
+            x.sigma_a, None, x.fix_vertical, x.interval, vertical, interval, upright, time, gravity_gradient(x.g)
+        ),
     )
 
 

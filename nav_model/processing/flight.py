@@ -28,6 +28,7 @@ class Channel:
     [m/s²/√s], None for the vertical. ``fix`` and ``interval`` are one position fix, 1σ [m], and the time between two
     [s]; ``velocity`` and ``velocity_interval`` the same for velocity [m/s], [s], None without it. ``slow`` and
     ``slow_time`` are the slow error of the position fixes, 1σ [m], and its correlation time [s], None without it.
+    ``gradient`` is the decrease of gravity with height [1/s²], of the vertical channel alone.
     """
 
     accelerometer: Array
@@ -38,6 +39,7 @@ class Channel:
     velocity_interval: Array | None = None
     slow: Array | None = None
     slow_time: Array | None = None
+    gradient: Array | None = None
 
 
 class Axis(NamedTuple):
@@ -52,13 +54,14 @@ class Axis(NamedTuple):
     parts: Counts
     dense: Array
     sparse: Array
-    noise: tuple[Array, Array, tuple[Array, Array] | None]  # as `drift` takes them
+    noise: tuple[Array, Array, tuple[Array, Array] | None, Array]  # as `drift` takes them, and the gradient
 
 
 def values_of(channel: Channel) -> dict[str, Array]:
     """Inputs by name; the vertical channel is a horizontal one without gyro noise."""
     inputs = dict(vars(channel))
-    inputs["gyro"] = 0 * channel.accelerometer if channel.gyro is None else channel.gyro
+    for name in ("gyro", "gradient"):  # one is of horizontal channels, the other of the vertical one
+        inputs[name] = 0 * channel.accelerometer if inputs[name] is None else inputs[name]
     return {name: as_numbers(value) for name, value in inputs.items() if value is not None}
 
 
@@ -76,7 +79,12 @@ def axis_of(x: Mapping[str, Array]) -> Axis:
         slow = (x["slow"] / length) ** 2, x["slow_time"] / step
     size = 3 if slow is None else 4
     # Densities [m²/s³] and [m²/s⁵] where the step is the unit of time and the noise of a fix that of length.
-    noise = (x["accelerometer"] / length) ** 2 * step**3, (x["gyro"] / length) ** 2 * step**5, slow
+    noise = (
+        (x["accelerometer"] / length) ** 2 * step**3,
+        (x["gyro"] / length) ** 2 * step**5,
+        slow,
+        x["gradient"] * step**2,
+    )
     position, velocity = np.zeros((2, len(step), size, size), np.result_type(*x.values()))
     position[:, 0, 0] = 1
     if "velocity" in x:

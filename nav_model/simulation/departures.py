@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth
+from nav_model.analytic.rise import gravity_gradient
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.real_time import RealTime
@@ -179,6 +180,7 @@ def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
     accelerometer, gyro = (triad.random_walk * imu.vibration_factor for triad in (imu.accelerometer, imu.gyro))
     noises = [*gnss.axis_noise, *gnss.axis_velocity_noise]
     covariance, states = believed_covariance(spec), spec.filter.states
+    rising = float(gravity_gradient(gravity))
     dynamics, force, work = np.zeros((9, 9)), np.array([0.0, 0.0, -gravity]), np.empty((4, states, states))
     seen = np.eye(9, states)  # a fix shows the position with its slow error
     for axis, state in enumerate(range(spec.filter.inertial, states)):
@@ -187,6 +189,8 @@ def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
     dynamics[3, 7], dynamics[4, 6] = gravity, -gravity
     sigmas, before, unabsorbed = [], 0, np.zeros((6, 9))
     for sample in np.flatnonzero(events & (FIX | OUTPUT)).tolist():
+        # As the formula: gravity by height counts while fixes come, the polynomials of an outage leave it out [T-10].
+        dynamics[5, 2] = rising if events[sample] & FIX else 0.0
         elapsed = (sample - before) / imu.rate
         propagate(covariance, dynamics, force, elapsed, accelerometer, gyro, tuning.decay_rate, tuning.drive, work)
         if schedule.unaided[sample]:

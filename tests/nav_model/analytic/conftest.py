@@ -9,6 +9,8 @@ import riccati
 from mpmath import mp
 from scipy.linalg import solve_continuous_are
 
+from nav_model.base.constants import MEAN_RADIUS
+
 CHAIN = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])  # position, velocity, g x tilt
 
 
@@ -35,8 +37,13 @@ def continuous(sigma_a, sigma_w, s, g, order=3):
 
 
 def discrete(sigma_a, sigma_w, sigma, interval, g, order=3, slow=None):
-    """Prior and posterior of one channel, SI, from SciPy's discrete Riccati solver."""
+    """Prior and posterior of one channel, SI, from SciPy's discrete Riccati solver.
+
+    Two states are the vertical channel, whose gravity decreases with height by 2 g/R.
+    """
     tau, state, f, q, h = _channel(sigma_a, sigma_w, sigma * np.sqrt(interval), g, order)
+    if order == 2:
+        f = f + np.array([[0.0, 0.0], [2 * g / MEAN_RADIUS * tau**2, 0.0]])
     phi, added = riccati.van_loan(f, q, interval / tau)
     if slow is not None:
         slow_sigma, correlation = slow
@@ -49,6 +56,18 @@ def discrete(sigma_a, sigma_w, sigma, interval, g, order=3, slow=None):
     prior, posterior = riccati.settled(phi, added, h, (sigma / state[0]) ** 2, balanced=False)
     unit = np.outer(state, state)
     return SimpleNamespace(prior=prior * unit, posterior=posterior * unit)
+
+
+def _upright_channel(a, g, h):
+    """The same of the vertical channel, with gravity that decreases with height by 2 g/R."""
+    root = mp.sqrt(2 * g / mp.mpf(MEAN_RADIUS))
+    sine, cosine, qa = mp.sinh(root * h) / root, mp.cosh(root * h), a**2
+    rows = [
+        [qa * (sine * cosine - h) / (2 * root**2), qa * sine**2 / 2, 0],
+        [qa * sine**2 / 2, qa * (sine * cosine + h) / 2, 0],
+        [0, 0, mp.mpf(10) ** -80],
+    ]
+    return rows, [[cosine, sine, 0], [root**2 * sine, cosine, 0], [0, 0, mp.mpf(1) / 2]]
 
 
 def _exact_channel(a, w, g, h):
@@ -65,11 +84,14 @@ def _exact_channel(a, w, g, h):
 def doubled(sigma_a, sigma_w, g, interval, sigma, slow=None, digits=60, velocity=None):
     """Prior and posterior, SI, by structure-preserving doubling with `digits` digits; with velocity fixes too.
 
+    Without an angle random walk, None, it is the vertical channel, and a third state that nothing depends on.
+
     Source: Chu, Fan, Lin and Wang, Int. J. Control 77(8), 2004.
     """
     with mp.workdps(digits):
-        a, w, g, h, r = (mp.mpf(x) for x in (sigma_a, sigma_w, g, interval, sigma))
-        noise, step = _exact_channel(a, w, g, h)
+        a, g, h, r = (mp.mpf(x) for x in (sigma_a, g, interval, sigma))
+        upright = sigma_w is None
+        noise, step = _upright_channel(a, g, h) if upright else _exact_channel(a, mp.mpf(sigma_w), g, h)
         n = 3 if slow is None else 4
         phi, x, row = mp.zeros(n), mp.zeros(n), mp.zeros(1, n)
         row[0] = 1

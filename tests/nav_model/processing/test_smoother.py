@@ -6,6 +6,7 @@ from dataclasses import replace
 import batch
 import numpy as np
 import pytest
+import riccati
 import spectral
 from exact_sight import directions
 
@@ -13,7 +14,9 @@ from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.doubling import carried
 from nav_model.analytic.steady_state import horizontal
 from nav_model.aperture.phase import phase_budget, total
+from nav_model.base.constants import MEAN_RADIUS
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.real_time import RealTime
 from nav_model.budget.smoothed import Smoothed, channels
 from nav_model.design import Design
 from nav_model.processing import stretch
@@ -188,7 +191,7 @@ def test_free_ins_is_the_closed_forms(compared):
     unit = np.array([1.0, 1.0, g])
     known = start.matrix() * np.outer(unit, unit)
     for aperture in (0.7, 5.4, 40.0):
-        noise = np.array([a**2]), np.array([(g * w) ** 2]), None
+        noise = np.array([a**2]), np.array([(g * w) ** 2]), None, np.zeros(1)
         piece = stretch.free(np.array([aperture / 7]), *noise)
         pieces = piece
         for _ in range(6):
@@ -275,3 +278,33 @@ def test_one_design_beyond_double_precision_leaves_the_others():
         (alone,) = smoothed_error([replace(channel, fix=fixes[n])], np.array(4.0), np.array(30.0), ZERO, VARIANCES)
         for name in VARIANCES:
             assert together[name][n] == pytest.approx(float(alone[name]), rel=1e-12), name
+
+
+def test_gravity_by_height_drives_a_vertical_error_on():
+    """A navigation grade unit under a slow error of minutes: filter and smoother of SciPy and NumPy, written out."""
+    a, g, h, r, slow, time = 2e-4, 9.80665, 0.2, 2.8, 3.47, 211.0
+    for gradient, sign in ((2 * g / MEAN_RADIUS, 1), (0.0, 0)):
+        f = np.array([[0.0, 1.0], [gradient, 0.0]])
+        phi, q = (np.pad(part, (0, 1)) for part in riccati.van_loan(f, np.diag([0.0, a**2]), h))
+        phi[2, 2], q[2, 2] = math.exp(-h / time), slow**2 * -math.expm1(-2 * h / time)
+        row, unit = np.array([[1.0, 0.0, 1.0]]), np.array([1.0, 100.0, 1.0])
+        prior, posterior = riccati.settled(phi, q, row, r**2, unit)
+        info = np.zeros((3, 3))
+        for _ in range(20_000):  # of all fixes that follow, from the last to the first
+            info = info + row.T @ row / r**2
+            info = phi.T @ info @ np.linalg.solve(np.eye(3) + q @ info, phi)
+        smoothed = np.linalg.inv(np.linalg.inv(posterior) + info)
+        if sign:
+            x = inputs_of(Design({
+                "imu.velocity_random_walk": a, "gnss.interval": h, "gnss.position_noise": r, "gnss.correlated": True,
+                "gnss.correlated_noise": slow, "gnss.correlation_time": time, "radar.aperture_time": 0.2,
+                "processing.leg_after": 3600.0,
+            }))  # fmt: skip
+            before = RealTime(x).cycle.prior.vertical
+            assert float(before.v11) == pytest.approx(prior[0, 0], rel=1e-6)
+            assert float(before.v22) == pytest.approx(prior[1, 1], rel=1e-6)
+            assert float(Smoothed(x).vertical_position) ** 2 == pytest.approx(smoothed[0, 0], rel=1e-3)
+            filtered, both = math.sqrt(prior[0, 0]), math.sqrt(smoothed[0, 0])
+        else:  # it shows: worse in real time, better with the fixes that follow
+            assert filtered > 1.1 * math.sqrt(prior[0, 0])
+            assert both < 0.7 * math.sqrt(smoothed[0, 0])
