@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS
+from nav_model.base.constants import EARTH_RATE
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.json import verdict_json
 from nav_model.budget.real_time import RealTime
@@ -32,7 +32,6 @@ _SHARES = {
     f"{axis}_{state}": f"{state}_{axis}" for axis in ("horizontal", "vertical") for state in ("position", "velocity")
 }  # in JSON, where these names came first
 _HEADING_SHOWS = {REAL_TIME: 0.35, POST_PROCESSED: 0.02}  # from there it adds a per cent of tilt
-_GRAVITY_SHOWS = 0.03  # from there it takes a per cent
 _START_SHOWS = 0.05  # part by which the budget's start is larger
 _WAITED = 4.0  # of the filter's time constants: fixes that come later change less than a per cent
 _MOMENTS = {
@@ -198,14 +197,12 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
     x, study, real_time = spec.inputs, spec.study, spec.processing == REAL_TIME
     sigma_a, sigma_w, g, s, s_vertical = map(float, (x.sigma_a, x.sigma_w, x.g, x.s, x.s_vertical))
     # Rates at which the filter forgets [T-3], [T-4]; what a wrong heading makes of the Earth's rate, over what the
-    # gyros add meanwhile; what fixes leave open over time, a slow error's part too [P-2], and gravity by height then.
+    # gyros add meanwhile; the slowest time constant, that of a slow error too.
     horizontal, vertical = (g * sigma_w / s) ** (1 / 3), math.sqrt(sigma_a / s_vertical)
     heading_ratio = study.initial.yaw * EARTH_RATE * math.cos(x.latitude) / (sigma_w * math.sqrt(horizontal))
-    slowest, known = 1 / min(horizontal, vertical), s_vertical**2
+    slowest = 1 / min(horizontal, vertical)
     if x.slow is not None:
-        sigma, time = (float(np.asarray(value)) for value in (x.slow.vertical, x.slow.correlation_time))
-        slowest, known = max(slowest, time), known + 2 * sigma**2 * time
-    gravity = 2 * g / MEAN_RADIUS * math.sqrt(known) / sigma_a
+        slowest = max(slowest, float(np.asarray(x.slow.correlation_time)))
     larger = larger_start(x) - 1.0
     cases = (
         (
@@ -217,10 +214,6 @@ def beside_budget(spec: CovarianceSpec) -> tuple[str, ...]:
             heading_ratio > _HEADING_SHOWS[spec.processing],
             f"The heading at the start, {math.degrees(study.initial.yaw):.2g}° (1σ), turns the Earth's rate into a "
             "drift, which shows in tilt and velocity beside the gyros' noise. The budget has no heading.",
-        ),
-        (
-            gravity > _GRAVITY_SHOWS,
-            "Gravity changes with height along a flight, which keeps vertical errors below the budget's.",
         ),
         (
             not real_time and float(x.leg_after) < _WAITED * slowest,
