@@ -7,9 +7,8 @@ in its declaration, `nav_model.design.figures`; its formula in `nav_model.budget
 
 from numpy.typing import ArrayLike
 
-from nav_model.budget.inputs import inputs_of
 from nav_model.budget.navigation import outage_times
-from nav_model.budget.refusals import refuse_hidden_target, refuse_late_data, refuse_long_aperture
+from nav_model.budget.refusals import imaged_inputs
 from nav_model.budget.result import Budget
 from nav_model.design import Design
 
@@ -45,10 +44,6 @@ def analyse(design: Design, times: ArrayLike | None = None) -> Budget:
     >>> budget.verdict.closes
     True
     """
-    inputs = inputs_of(design)
-    refuse_hidden_target(float(inputs.squint), float(inputs.grazing_angle))
-    refuse_long_aperture(float(inputs.aperture))
-    refuse_late_data(design.motion.delay, float(inputs.aperture))
-    budget = Budget(design, inputs, outage_times(design, times))
+    budget = Budget(design, imaged_inputs(design), outage_times(design, times))
     budget.compute()  # so that a refusal is raised here
     return budget

@@ -8,7 +8,7 @@ from typing import cast
 from nav_model.aperture.geometry import hidden
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_bound
-from nav_model.budget.inputs import LONGEST_APERTURE
+from nav_model.budget.inputs import LONGEST_APERTURE, Inputs, inputs_of
 from nav_model.design import Design
 from nav_model.design.parts import quantity
 
@@ -38,7 +38,22 @@ def _text(design: Design, key: str) -> str:
     return quantity(key).show(cast("float", design[key]), 3)
 
 
-def refuse_hidden_target(squint: float, grazing: float) -> None:
+def imaged_inputs(design: Design) -> Inputs:
+    """The inputs of a design that an aperture can be flown with; every answer about a design asks for them.
+
+    Raises
+    ------
+    InputError
+        If no line of sight is left, the aperture is too long, or the compensation's data come after it.
+    """
+    x = inputs_of(design)
+    _refuse_hidden_target(float(x.squint), float(x.grazing_angle))
+    _refuse_long_aperture(float(x.aperture))
+    _refuse_late_data(design.motion.delay, float(x.aperture))
+    return x
+
+
+def _refuse_hidden_target(squint: float, grazing: float) -> None:
     if hidden(squint, grazing):
         forward = squint > 0
         most = format_bound(math.copysign(math.pi / 2 - grazing, squint), "°", "angle", low=not forward)
@@ -50,7 +65,7 @@ def refuse_hidden_target(squint: float, grazing: float) -> None:
         )
 
 
-def refuse_long_aperture(aperture: float) -> None:
+def _refuse_long_aperture(aperture: float) -> None:
     if aperture > LONGEST_APERTURE:
         raise InputError(
             "radar.azimuth_resolution",
@@ -59,7 +74,7 @@ def refuse_long_aperture(aperture: float) -> None:
         )
 
 
-def refuse_late_data(delay: float, aperture: float) -> None:
+def _refuse_late_data(delay: float, aperture: float) -> None:
     if delay > aperture:
         raise InputError(
             "motion.delay",

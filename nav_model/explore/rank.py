@@ -19,6 +19,7 @@ from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Contributors
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.refusals import imaged_inputs
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import FIGURES, OF_BUDGET
@@ -65,8 +66,9 @@ def rank(design: Design, figure: str) -> tuple[InputSensitivity, ...]:
     Raises
     ------
     InputError
-        If `figure` is not one of `RANKED`.
+        If `figure` is not one of `RANKED`, or the design is one that `analyse` refuses.
     """
+    imaged_inputs(design)
     if figure not in RANKED:
         raise InputError("result", not_a_choice(figure, RANKED), figure)
     keys = [key for key in stated(design) if design[key] != 0]

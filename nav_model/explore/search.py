@@ -10,6 +10,7 @@ import numpy as np
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.refusals import imaged_inputs
 from nav_model.budget.smoothed import model_of
 from nav_model.budget.verdict import required
 from nav_model.design import Design, Value
@@ -83,9 +84,10 @@ def search(
     Raises
     ------
     InputError
-        If the design gives no requirement, no unit can be judged, there are more than `MOST_PAIRS`, or prices are in
-        several currencies.
+        If the design gives no requirement or is one that `analyse` refuses, no unit can be judged, there are more
+        than `MOST_PAIRS`, or prices are in several currencies.
     """
+    imaged_inputs(design)
     check_pairs(len(imus), len(receivers))
     currency = one_currency((*imus.values(), *receivers.values()))
     names = list(limits(design))
@@ -107,8 +109,9 @@ def search(
 def own_candidate(design: Design) -> Candidate:
     """The design with its own unit and receiver, computed as every candidate is.
 
-    Raises InputError if the design gives no requirement.
+    Raises InputError if the design gives no requirement, or is one that `analyse` refuses.
     """
+    imaged_inputs(design)
     names = list(limits(design))
     if not names:
         raise InputError("requirements", "none is given; give at least one limit to compare sensors with")

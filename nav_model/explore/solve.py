@@ -22,6 +22,7 @@ from nav_model.base.errors import InputError
 from nav_model.base.units import to_si
 from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.refusals import imaged_inputs
 from nav_model.design import Design
 from nav_model.design.parts import quantity
 from nav_model.explore.margins import ALL, least, limits, ratios
@@ -109,10 +110,11 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
     Raises
     ------
     InputError
-        If the design gives no requirement.
+        If the design gives no requirement, or is one that `analyse` refuses.
     ArithmeticError
         If an answer put back does not meet its limit, and no value just below does: a defect.
     """
+    imaged_inputs(design)
     names = list(limits(design))
     if not names:
         raise InputError("requirements", "none is given; give at least one limit to solve for")

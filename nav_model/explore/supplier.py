@@ -23,6 +23,7 @@ from nav_model.allan.result import LogAnalysis
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
 from nav_model.budget.allocation import allocate
+from nav_model.budget.refusals import imaged_inputs
 from nav_model.budget.verdict import Check
 from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
@@ -89,8 +90,10 @@ def required(design: Design, unit: Unit) -> tuple[RequiredInput, ...]:
     ------
     InputError
         If the design gives no requirement, if no unit of this kind meets them, or if every unit does; if its
-        allocation does not close; if a value below what a design may have would be required.
+        allocation does not close; if a value below what a design may have would be required; if the design is one
+        that `analyse` refuses.
     """
+    imaged_inputs(design)
     now = _noises(design, unit)
     if frozen := {key: value for key, value, _ in design.allocation.required} if design.allocation else {}:
         return tuple(RequiredInput(key, frozen[key], value) for key, value in now.items() if key in frozen)

@@ -11,6 +11,7 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.refusals import imaged_inputs
 from nav_model.budget.verdict import decisive
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
@@ -100,8 +101,10 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     Raises
     ------
     InputError
-        For inputs or a result that cannot be mapped, or `ALL` without any requirement.
+        For inputs or a result that cannot be mapped, `ALL` without any requirement, or a design that `analyse`
+        refuses.
     """
+    imaged_inputs(design)
     if x_key == y_key:
         raise InputError(y_key, "is on both axes; choose two different inputs")
     if result not in RESULTS:

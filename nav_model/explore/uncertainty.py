@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import VARIABLES
+from nav_model.budget.refusals import imaged_inputs
 from nav_model.design import Design
 from nav_model.design.parts import quantity
 from nav_model.explore.margins import limits, ratios, worst
@@ -134,8 +135,10 @@ def uncertain_verdict(
     Raises
     ------
     InputError
-        If no input or no requirement is given, or a distribution leaves its input's bounds.
+        If no input or no requirement is given, a distribution leaves its input's bounds, the design is one that
+        `analyse` refuses, or so is every design of the distributions.
     """
+    imaged_inputs(design)
     if not inputs:
         raise InputError("uncertainty", "No input is uncertain. Give at least one range.")
     names = list(limits(design))
@@ -145,6 +148,10 @@ def uncertain_verdict(
     total = SCRAMBLINGS * points
     by_limit = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}
     largest = worst(by_limit)
+    if not np.isfinite(largest).any():
+        raise InputError(
+            next(iter(inputs)), "No value of its range leaves an image. Give a range around the design's."
+        )
     tightest = np.argmax(np.stack([by_limit[name] for name in names]), axis=0)
     margins = 1 - largest[np.isfinite(largest)]
     low, middle, high = (float(q) for q in np.quantile(margins, _QUANTILES))

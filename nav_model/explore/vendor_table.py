@@ -22,7 +22,7 @@ from nav_model.base.units import parse_quantity
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.navigation import smoothed_outage
 from nav_model.budget.real_time import RealTime
-from nav_model.budget.refusals import refused
+from nav_model.budget.refusals import imaged_inputs, refused
 from nav_model.budget.smoothed import Smoothed
 from nav_model.design import Design
 from nav_model.design.parts import quantity
@@ -77,9 +77,9 @@ def vendor_table(design: Design) -> tuple[VendorRow, ...]:
     Raises
     ------
     InputError
-        If double precision cannot hold the design's values together.
+        If the design is one that `analyse` refuses.
     """
-    x = inputs_of(design)
+    x = imaged_inputs(design)
     with refused(design):
         models: tuple[RealTime, ...] = (RealTime(x), Smoothed(x))
         return tuple(
@@ -263,8 +263,9 @@ def invert(design: Design, rows: Iterable[str]) -> Inversion:
     Raises
     ------
     InputError
-        If a row cannot be read, or an entry is there twice.
+        If a row cannot be read, an entry is there twice, or the design is one that `analyse` refuses.
     """
+    imaged_inputs(design)
     texts = tuple(rows)
     entries = tuple(entry for text in texts[: _MOST_ROWS + 1] for entry in read_row(text, design.baseline))
     if not entries or len(texts) > _MOST_ROWS:
