@@ -69,7 +69,8 @@ def drift(
     inputs = [as_numbers(value) for value in (step, accelerometer, gyro, *(slow or ()))]
     step, accelerometer, gyro, *markov = inputs
     size = 3 if slow is None else 4
-    cosine, sine, twice, by_noise = as_numbers(1.0), as_numbers(1.0), as_numbers(1.0), (1 / 3, 1 / 2, 1.0)
+    cosine = sine = twice = as_numbers(1.0)
+    by_noise = as_numbers(1 / 3), as_numbers(1 / 2), as_numbers(1.0)
     if gradient is not None:
         gradient = as_numbers(gradient)
         free = rise(gradient, step)

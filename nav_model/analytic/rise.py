@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.analytic.steady_state import Vertical
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.constants import MEAN_RADIUS
 
@@ -62,3 +63,27 @@ def rise(gradient: ArrayLike, time: ArrayLike) -> Rise:
     beyond = 4 * (np.sinh(y / 3) ** 3 + 3 * np.sinh(y / 9) ** 3 + 9 * np.sinh(last) ** 3) + left
     noise = beyond / (4 * angle**3), sine**2 / 2, (1 + sine * (1 + risen / 2)) / 2
     return Rise(sine, risen, risen / angle**2, noise)
+
+
+def vertical_velocity(start: Vertical, sigma_a: ArrayLike, g: ArrayLike, time: ArrayLike) -> Array:
+    """Variance of the vertical velocity after the last fix, m²/s². [T-17] without the coupling to the horizontal
+
+    Parameters
+    ----------
+    start : Vertical
+        Covariance at the last fix.
+    sigma_a, g : array_like
+        Velocity random walk [m/s/√s], gravity [m/s²].
+    time : array_like
+        Seconds since the last fix.
+    """
+    gradient, time = gravity_gradient(g), as_numbers(time)
+    free = rise(gradient, time)
+    lever = gradient * time * free.sine  # of the height at the last fix
+    variance: Array = (
+        start.v22 * free.cosine**2
+        + 2 * start.v12 * lever * free.cosine
+        + start.v11 * lever**2
+        + as_numbers(sigma_a) ** 2 * time * free.noise[2]
+    )
+    return variance

@@ -18,7 +18,7 @@ from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
 from nav_model.analytic.refined_coast import refined_growth
-from nav_model.analytic.rise import gravity_gradient
+from nav_model.analytic.rise import gravity_gradient, vertical_velocity
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import LEFT_OF_ORDER, Bend, Turn, free_bend, turn_of
 from nav_model.aperture import phase
@@ -207,7 +207,7 @@ class RealTime:
     def coast_vertical_velocity(self, time: Array) -> Array:
         x = self.x
         drift_a, _ = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
-        return np.sqrt(self._polynomials(time)[1].velocity + drift_a**2)
+        return np.sqrt(vertical_velocity(self.cycle.posterior.vertical, x.sigma_a, x.g, time) + drift_a**2)
 
     def coast_tilt(self, time: Array) -> Array:
         x, free = self.x, self._polynomials(time)[0]

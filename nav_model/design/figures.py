@@ -199,7 +199,7 @@ _DECLARED = (
         requirement=_AFTER_OUTAGE,
     ),
     Figure("coast_horizontal_velocity", "Horizontal velocity after the outage", "speed", "outage", "[T-9]"),
-    Figure("coast_vertical_velocity", "Vertical velocity after the outage", "speed", "outage", "[T-10]"),
+    Figure("coast_vertical_velocity", "Vertical velocity after the outage", "speed", "outage", "[T-17]"),
     Figure("coast_tilt", "Tilt after the outage", "angle", "outage", "[T-9]"),
     Figure("coast_heading", "Heading growth in the outage", "angle", "outage", "[T-5]"),
     _limited(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic import coast as growth
 from nav_model.analytic.discrete import Sawtooth
-from nav_model.analytic.rise import gravity_gradient
+from nav_model.analytic.rise import gravity_gradient, vertical_velocity
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.real_time import RealTime
@@ -160,8 +160,9 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
     for start, time_s in ((by_formula, coasted), (posterior, since_fix)):
         level = growth.horizontal_growth(start.horizontal, x.sigma_a, x.sigma_w, x.g, time_s)
         upright = growth.vertical_growth(start.vertical, x.sigma_a, time_s)
+        sink = vertical_velocity(start.vertical, x.sigma_a, x.g, time_s)
         place, speed = level.position + place_a**2 + place_w**2, level.velocity + speed_a**2 + speed_w**2
-        down = [upright.position + place_a**2, upright.velocity + speed_a**2]
+        down = [upright.position + place_a**2, sink + speed_a**2]
         tilt = level.tilt + (d * coasted) ** 2
         flat.append(
             np.stack([*map(np.sqrt, (place, place, down[0], speed, speed, down[1], tilt, tilt)), yaw], axis=1)
@@ -180,17 +181,14 @@ def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
     accelerometer, gyro = (triad.random_walk * imu.vibration_factor for triad in (imu.accelerometer, imu.gyro))
     noises = [*gnss.axis_noise, *gnss.axis_velocity_noise]
     covariance, states = believed_covariance(spec), spec.filter.states
-    rising = float(gravity_gradient(gravity))
     dynamics, force, work = np.zeros((9, 9)), np.array([0.0, 0.0, -gravity]), np.empty((4, states, states))
     seen = np.eye(9, states)  # a fix shows the position with its slow error
     for axis, state in enumerate(range(spec.filter.inertial, states)):
         seen[axis, state] = tuning.slow_sigma[axis]
     dynamics[range(3), range(3, 6)] = 1.0
-    dynamics[3, 7], dynamics[4, 6] = gravity, -gravity
+    dynamics[3, 7], dynamics[4, 6], dynamics[5, 2] = gravity, -gravity, gravity_gradient(gravity)
     sigmas, before, unabsorbed = [], 0, np.zeros((6, 9))
     for sample in np.flatnonzero(events & (FIX | OUTPUT)).tolist():
-        # As the formula: gravity by height counts while fixes come, the polynomials of an outage leave it out [T-10].
-        dynamics[5, 2] = rising if events[sample] & FIX else 0.0
         elapsed = (sample - before) / imu.rate
         propagate(covariance, dynamics, force, elapsed, accelerometer, gyro, tuning.decay_rate, tuning.drive, work)
         if schedule.unaided[sample]:

@@ -117,7 +117,7 @@ def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
     """Position, velocity and attitude on one time axis, as the page shows them together.
 
     In real time each curve has the level that its requirement limits before the last fix, the tile's; after it
-    position is the refined curve [T-17], velocity and attitude the formulas [T-9], [T-10], [T-5]. Post-processed, the
+    position is the refined curve [T-17], velocity and attitude the formulas [T-9], [T-17], [T-5]. Post-processed, the
     smoother bridges the outage from both sides [P-3]; requirements after an outage are those of real time, beside it.
     """
     coast, x, smoothed = budget.coast, _grid(budget), budget.post_processed
@@ -179,7 +179,7 @@ def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
             "m/s",
             both("velocity", "velocity"),
             ("horizontal_velocity", "vertical_velocity"),
-            f"{cited}, [T-9], [T-10]",
+            f"{cited}, [T-9], [T-17]",
         ),
         chart("attitude", "°", attitude, ("tilt",), f"{cited}, [T-9], [T-5]", DEGREES),
     )

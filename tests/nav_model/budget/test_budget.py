@@ -240,12 +240,12 @@ def test_velocity_and_tilt_in_an_outage_start_with_the_slow_error_of_the_fixes(s
         (gnss.vertical_position_noise, gnss.vertical_correlated_noise, 2),
     ):
         axis = [part[:size, :size] for part in riccati.channel(imu.velocity_random_walk, imu.angle_random_walk, g)]
-        rising = axis[0] + np.diag([2 * g / MEAN_RADIUS], -1) if size == 2 else axis[0]  # while fixes come
+        rising = axis[0] + np.diag([2 * g / MEAN_RADIUS], -1) if size == 2 else axis[0]
         phi, q = (np.pad(part, (0, 1)) for part in riccati.van_loan(rising, axis[1], 1.0))
         phi[size, size], q[size, size] = decay, slow**2 * (1 - decay**2)
         row, scale = np.eye(1, size + 1) + np.eye(1, size + 1, size), unit[[*range(size), 3]]
         start = riccati.settled(phi, q, row, fix**2, scale)[1][:size, :size]
-        free, added = riccati.van_loan(*axis, seconds)
+        free, added = riccati.van_loan(rising, axis[1], seconds)
         oracle[size] = np.sqrt(np.diag(free @ start @ free.T + added))
     coast = analyse(design, [seconds]).coast
     assert coast.velocity_horizontal[0] == pytest.approx(oracle[3][1], rel=1e-6)
