@@ -105,7 +105,8 @@ def _none(value: float | None) -> float | None:
 def alike(one: list[Any], other: list[Any]) -> None:
     assert [row[:3] for row in one] == [row[:3] for row in other]
     for row, same in zip(one, other, strict=True):
-        assert row[3:] == pytest.approx(same[3:], rel=1e-9, abs=1e-12), row[0]
+        numbers, others = ([math.nan if value is None else value for value in each[3:]] for each in (row, same))
+        assert numbers == pytest.approx(others, rel=1e-9, abs=1e-12, nan_ok=True), row[0]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from nav_model.aperture.phase import INITIAL_TILT
 from nav_model.budget import Budget, analyse
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.provenance import provenance
-from nav_model.budget.verdict import Check
+from nav_model.budget.verdict import Check, flies
 from nav_model.design.figures import DETRENDED, FIGURES, QUADRATIC, REQUIRED, STEADY, label_of, of_kind
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
@@ -27,6 +27,7 @@ CONTRIBUTORS_ENTER = (
     "is given as a 90 % value."
 )
 """Sentence on how the design's own contributors enter its figures."""
+_OF_LEG = " Values are those of a straight leg; the verdict is that of the flight."
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
 
 
@@ -80,7 +81,7 @@ def processing_table(budget: Budget, key: str = "budget") -> TableBlock:
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
         "aperture [P-3]. CE90, LE90: 90 % values. "
-        f"Requirements are checked for {budget.verdict.processing}.",
+        f"Requirements are checked for {budget.verdict.processing}.{_OF_LEG if flies(budget.design) else ''}",
     )
 
 
