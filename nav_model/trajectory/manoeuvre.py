@@ -193,8 +193,7 @@ def manoeuvres(
     names = tuple(dict.fromkeys(result.name for result in chosen if not result.closes))
     figures = _figures(lines, names or [result.name for result in chosen])
     if not figures:
-        where = lines_in_words(names) if any(result.limits for result in chosen) else "the flight"
-        raise InputError("requirements", f"none limits a figure of {where}; give at least one, such as heading")
+        raise InputError("requirements", "none limits a figure of the flight; give at least one, such as heading")
     if not names:
         return Manoeuvres(chosen[0].name, (), True, figures)
     question = _Question(plan, states, lines, names)
