@@ -12,7 +12,7 @@ from app.document.numbers import NONE, margin_in_sentence, margin_in_short, perc
 from app.document.wording import MOMENTS, printable
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.verdict import STRAIGHT_LEG, WHOLE_FLIGHT, Check, Verdict, flown_names
+from nav_model.budget.verdict import STRAIGHT_LEG, WHOLE_FLIGHT, Check, Verdict
 from nav_model.design import Design
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -177,12 +177,6 @@ def tightest_words(verdict: Verdict) -> str:
 def open_words(verdict: Verdict) -> str:
     """Requirements that are open or refused, by name, after a semicolon; empty without any."""
     return f"; open: {', '.join(map(figure_in_sentence, verdict.open))}" if verdict.open else ""
-
-
-def before_flight(design: Design) -> tuple[str, ...]:
-    """A sentence on the requirements that the flight decides, below a straight leg's answer, if there are any."""
-    names = ", ".join(map(figure_in_sentence, flown_names(design)))
-    return (f"Before the flight, which decides on {names}.",) if names else ()
 
 
 def verdict_along(verdict: Verdict) -> Answer:

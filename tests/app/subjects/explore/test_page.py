@@ -506,7 +506,8 @@ def test_what_only_a_flight_judges_is_named_and_hinders_no_advice() -> None:
     assert explore.question._ways == plain.question._ways != ()
     for name in ("What would close it", "Sensors that pass", "Trade-off map"):
         _ask(explore, name)
-        assert "Before the flight, which decides on heading." in explore._strip._text.object, name
+        assert "<h2>Before the flight: " in explore._strip._text.object, name
+        assert "With the flight: Open. " in explore._strip._text.object, name
 
 
 def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named() -> None:
