@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
+from nav_model.design.figures import FIGURES
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -124,3 +125,10 @@ def test_the_readme_prints_what_the_command_prints(
         main(shlex.split(words))
         lines = capsys.readouterr().out.splitlines()
         assert printed.splitlines() == (lines[-1:] if last or command.endswith("tail -1") else lines)
+
+
+def test_the_contract_names_every_figure() -> None:
+    """Each in full, or as `detrended_phase_1`, `_2`: what follows a name of the same beginning."""
+    text = (DOCS / "contract.md").read_text("utf-8")
+    short = {f"detrended_phase_{order}" for order in (2, 3) if f"`_{order}`" in text}
+    assert [name for name in FIGURES if name not in text and name not in short] == []

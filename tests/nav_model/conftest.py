@@ -10,6 +10,7 @@ import pytest
 from hypothesis import strategies as st
 
 from nav_model.design import Design
+from nav_model.design.figures import FIGURES, REQUIRED
 from nav_model.design.file import parse_design, read_design
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -93,22 +94,7 @@ def _designs():
             "radar.autofocus_order": st.sampled_from([1, 2, 3]),
             "requirements.confidence": st.floats(0.5, 3),
             "requirements.steady_state": st.sampled_from(["prior", "closed", "posterior"]),
-            "requirements.quadratic_phase": _log(0.1, 10),
-            "requirements.cubic_phase": _log(0.1, 10),
-            "requirements.azimuth_shift": _log(0.1, 100),
-            "requirements.range_shift": _log(0.01, 10),
-            "requirements.ce90": _log(0.1, 100),
-            "requirements.le90": _log(0.1, 10),
-            "requirements.paired_echo": _log(1e-3, 0.3),
-            "requirements.islr": _log(1e-3, 0.3),
-            "requirements.detrended_phase": _log(0.02, 3),
-            "requirements.horizontal_position": _log(0.02, 20),
-            "requirements.vertical_position": _log(0.02, 20),
-            "requirements.horizontal_velocity": _log(0.001, 1),
-            "requirements.vertical_velocity": _log(0.001, 1),
-            "requirements.tilt": _log(1e-5, 1e-2),
-            "requirements.coast_horizontal_position": _log(0.1, 1e3),
-            "requirements.coast_vertical_position": _log(0.1, 1e2),
+            **{f"requirements.{name}": _log(*FIGURES[name].requirement.softbounds) for name in REQUIRED},
         }
     )
     # One in four has vibration or an oscillator: they take longer.

@@ -9,13 +9,12 @@ from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import BaseQuantity
-from nav_model.design.figures import LEVELS
+from nav_model.design.figures import FIGURES, REQUIRED
 from nav_model.design.parts import INPUTS
 from nav_model.design.presets import preset_fill
 
 EVERY = [(section, name) for section, names in INPUTS.items() for name in names]
-_NO_GRADE = {"confidence", "steady_state", "heading", *LEVELS}
-REACHED = [key for key in INPUTS["requirements"] if key not in _NO_GRADE and "phase" not in key]
+REACHED = [name for name in REQUIRED if "reached with" in INPUTS["requirements"][name].typical]
 
 
 @pytest.mark.parametrize(("section", "name"), EVERY)
@@ -38,19 +37,10 @@ def fleet():
             values, _ = preset_fill("imu", name)
             changes = {"gnss.position_noise": 1.5, "gnss.interval": 1.0, "coast.duration": 60.0}
             budget = analyse(Design({**values, **changes}))
-            prior = budget.steady_state.prior
+            sigmas = {key: budget[key, "real time"].sigma for key in REACHED}
             figures = {
-                "horizontal_position": prior["horizontal_position"],
-                "vertical_position": prior["vertical_position"],
-                "horizontal_velocity": prior["horizontal_velocity"],
-                "vertical_velocity": prior["vertical_velocity"],
-                "tilt": math.degrees(prior["tilt"]),
-                "azimuth_shift": budget["azimuth_shift", "real time"].sigma,
-                "range_shift": budget["range_shift", "real time"].sigma,
-                "ce90": budget["ce90", "real time"].sigma,
-                "le90": budget["le90", "real time"].sigma,
-                "coast_horizontal_position": budget["coast_horizontal_position", "real time"].sigma,
-                "coast_vertical_position": budget["coast_vertical_position", "real time"].sigma,
+                key: math.degrees(sigma) if FIGURES[key].dimension == "angle" else sigma
+                for key, sigma in sigmas.items()
             }
             grade = next(g for g in ("navigation", "tactical", "MEMS") if g in entry.grade)
             result.append((grade, figures))

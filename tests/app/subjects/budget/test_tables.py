@@ -32,6 +32,7 @@ from app.subjects.budget.vendor import VendorPanel, vendor_block
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
+from nav_model.design.figures import FIGURES, of_kind
 from nav_model.design.other_filters import noise_for
 from nav_model.design.user_entries import read_entries
 
@@ -46,15 +47,9 @@ def si(text: str) -> float:
 
 
 def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
-    steady = mems.steady_state
-    expected = [
-        steady.prior["horizontal_position"],
-        steady.prior["vertical_position"],
-        steady.prior["horizontal_velocity"],
-        steady.prior["tilt"],
-        mems["coast_horizontal_position", "real time"].sigma,
-        *(mems.figure(name).sigma for name in ("quadratic_phase", "detrended_phase")),
-    ]
+    kinds = ("steady", "outage", "phase", "place")
+    names = [name for kind in kinds for name in of_kind(kind) if FIGURES[name].tile]
+    expected = [mems[name, "real time"].sigma for name in names]
     *figures, width = key_figures(mems).items
     assert width.label == "Azimuth width"
     assert [si(figure.value) for figure in figures] == pytest.approx(expected, rel=5e-3)
