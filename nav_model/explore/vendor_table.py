@@ -181,12 +181,12 @@ class Inversion:
     several: bool
 
     def changes(self, design: Design) -> tuple[dict[str, float], dict[str, str], dict[str, str]]:
-        """Values, units and origins that `Design.replace` takes."""
+        """Values, units and origins that `Design.replace` takes, of the inputs that the rows determine."""
         labels = "; ".join(entry.label for entry in self.entries)
         values, origins = {}, {}
-        for item in self.implied:
+        for item in filter(lambda item: item.determined, self.implied):
             values[item.key] = rounded_offer(design, item.key, item.value).value
-            origin = f"implied by the vendor's table{'' if item.determined else ', one of many that fit'}: {labels}"
+            origin = f"implied by the vendor's table: {labels}"
             origins[item.key] = origin if len(origin) <= _ORIGIN else f"{origin[:_ORIGIN]}…"
         return values, {key: design.unit(key) for key in values}, origins
 
@@ -203,6 +203,7 @@ _NAMES = {
     **{f"{axis} position": axis for axis in ("horizontal", "vertical")},
     "horizontal velocity": "velocity",
 }
+_WITHOUT_COLON = re.compile(r"^\s*((?:after\s+)?[\d.]+\s*(?:s|min)|no outage)\s+(?=[a-z])", re.I)
 _ENTRY = re.compile(r"\s*([a-z][a-z /&]*?)\s*[:=]?\s+(?=[±<≤~\d.])(.+?)\s*", re.I)
 
 
@@ -217,9 +218,9 @@ def read_row(text: str, baseline: float | None = None) -> tuple[Given, ...]:
     InputError
         Naming what is not understood.
     """
-    time, colon, rest = text.partition(":")
+    time, colon, rest = _WITHOUT_COLON.sub(r"\1: ", text, count=1).partition(":")
     if not colon or len(text) > _LONGEST:
-        example = 'Write for example "60 s: horizontal 0.10 m, heading 0.010°".'
+        example = 'Name each value: "60 s: horizontal 0.10 m, heading 0.010°".'
         raise InputError("row", f"{text[:80]!r} is not a row of a table. {example}", text)
     settled = time.strip().lower() in {"no outage", "0"}
     try:

@@ -70,8 +70,8 @@ def implied_blocks(design: Design, inversion: Inversion) -> list[Block]:
     rows = (
         (
             str(declaration_of(item.key).label),
-            input_in_words(design, item.key, item.value, given=False),
-            f"a factor of {number(item.factor)}" if item.determined else "not determined: one of many that fit",
+            input_in_words(design, item.key, item.value, given=False) if item.determined else NONE,
+            f"a factor of {number(item.factor)}" if item.determined else "not determined by these rows",
         )
         for item in inversion.implied
     )
@@ -126,7 +126,7 @@ class VendorPanel(View):
             self.answer.object = html_of(Text(f"Not solved. {error}"))
             return
         self.answer.object = html_of(*implied_blocks(design, self._inversion))
-        self.take.visible = self._inversion.agree
+        self.take.visible = self._inversion.agree and any(item.determined for item in self._inversion.implied)
 
     def _take(self, _: Any) -> None:
         assert self._inversion is not None

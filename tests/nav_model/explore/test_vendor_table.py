@@ -124,6 +124,7 @@ def test_bare_bones_of_a_row() -> None:
     assert [(entry.outage, entry.column) for entry in entries] == [(60.0, name) for name in COLUMNS]
     assert [entry.value for entry in entries] == pytest.approx([0.1, 0.07, 0.015, 0.005 * DEGREE, 0.01 * DEGREE])
     assert [entry.rounding for entry in entries] == pytest.approx([0.05, 0.5 / 7, 0.5 / 15, 0.1, 0.05])
+    assert read_row("60 s horizontal 0.10 m, vertical 0.07 m") == entries[:2]
     (cep,) = read_row("no outage: horizontal position 0.1 m CEP")
     assert cep.value == pytest.approx(0.1 / math.sqrt(2 * math.log(2)), rel=1e-6)
     assert cep.outage == 0
@@ -133,6 +134,7 @@ def test_bare_bones_of_a_row() -> None:
     ("rows", "message"),
     [
         (["horizontal 1 m"], "is not a row of a table"),
+        (["60 s 3.0 m 0.6 m 0.08 m/s 0.015 0.08"], "is not a row of a table. Name each value"),
         (["60 s: depth 1 m"], "'depth 1 m' is none of horizontal"),
         (["60 s: horizontal 1 kg"], "length"),
         (["60 m: horizontal 1 m"], "'60 m' is not the time of an outage. Write 60 s or no outage"),
@@ -177,8 +179,9 @@ def test_answer_enters_the_design_with_its_origin() -> None:
     )
     new = design.replace(*inversion.changes(design))
     for item in inversion.implied:
-        start = "implied by the vendor's table" + (":" if item.determined else ", one of many that fit:")
-        assert new.origins[item.key].startswith(start)
+        taken = new.origins.get(item.key, "").startswith("implied by the vendor's table:")
+        assert taken is item.determined
+        assert item.determined or new[item.key] == design[item.key]
     assert new.imu.angle_random_walk == pytest.approx(inversion.implied[0].value, rel=0.01)
 
 

@@ -379,7 +379,11 @@ def test_panel_takes_the_implied_noise_into_the_design() -> None:
     assert re.search(
         r"roll and pitch 0.233° after 60 s is a factor of (9|10)\.\d+ above what the others imply", answer
     )
-    assert "0.0000100 °/√hnot determined: one of many that fit" in answer
+    assert "not determined by these rows" in answer
+    assert "0.0000100" not in answer
+    panel.rows.value = "60 s: horizontal 3.0 m, heading 0.02°"  # two numbers for four unknowns
+    asyncio.run(panel._invert(None))
+    assert not panel.take.visible
     panel.rows.value = "no outage: horizontal 9 m\n60 s: horizontal 0.01 m, velocity 2 m/s"
     asyncio.run(panel._invert(None))
     assert "several at once" in panel.answer.object
