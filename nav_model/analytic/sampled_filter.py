@@ -69,10 +69,15 @@ def horizontal_cycle(
 def vertical_cycle(
     sigma_a: ArrayLike, g: ArrayLike, interval: ArrayLike, sigma_fix: ArrayLike
 ) -> tuple[Vertical, Vertical]:
-    """Covariance of the vertical channel just before a fix and just after it; as `horizontal_cycle`. [T-8]
+    """Covariance of the vertical channel just before a fix and just after it. [T-8]
 
     Gravity decreases with height: the poles at z = 1 part to either side, and u² of the spectrum becomes
     (u + risen)², by `nav_model.analytic.rise` over an interval.
+
+    Parameters
+    ----------
+    sigma_a, g, interval, sigma_fix
+        As `horizontal_cycle`.
     """
     sigma_a, h, r = (as_numbers(x) for x in (sigma_a, interval, sigma_fix))
     gradient = gravity_gradient(g)

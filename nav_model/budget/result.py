@@ -144,7 +144,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return {}
 
     def composed(
-        self, name: str, processing: str, at: float | None = None, moment: str = "", *, limited: bool = False
+        self, name: str, processing: str, at: float | None = None, moment: str = "", *, own_limit: bool = False
     ) -> Composed:
         """A figure with what enters it, or a contributor by itself.
 
@@ -159,7 +159,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         moment : str
             "prior", "posterior" or "closed", of a figure of the settled filter in real time; by default that which
             the design's requirements are checked at.
-        limited : bool
+        own_limit : bool
             Whether a limit of the user's own asks, which tells the time of a value in the outage.
 
         Raises
@@ -167,7 +167,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         InputError
             If double precision cannot hold the design's values together.
         """
-        key = name, processing, at, moment, limited
+        key = name, processing, at, moment, own_limit
         if key not in self._cache:
             with refused(self.design), self._strict(processing):
                 self._cache[key] = self._composed(*key)
@@ -176,13 +176,13 @@ class Budget(Mapping[tuple[str, str], Composed]):
     def _strict(self, processing: str) -> AbstractContextManager[None]:
         return np.errstate(invalid="raise", divide="raise") if processing == POST_PROCESSED else nullcontext()
 
-    def _composed(self, name: str, processing: str, at: float | None, moment: str, limited: bool) -> Composed:
+    def _composed(self, name: str, processing: str, at: float | None, moment: str, own_limit: bool) -> Composed:
         parts = self.x.contributors.entering(name, processing)
         if name not in FIGURES:
             size = float(with_contributors(0.0, parts))
             return Composed(size, FrozenMapping({name: 1.0}), {name: size}, 0.0, "contributor with its allowance")
         sigma, shares = self._of_model(name, processing, at, moment)
-        return composed(sigma, shares, parts, *self.origin(name, processing, at, moment, limited=limited))
+        return composed(sigma, shares, parts, *self.origin(name, processing, at, moment, own_limit=own_limit))
 
     def _of_model(self, name: str, processing: str, at: float | None, moment: str) -> tuple[float, Shares]:
         """A figure without contributors, 1σ, and the share of each source in its variance.
@@ -207,13 +207,13 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return value, shares
 
     def origin(
-        self, name: str, processing: str, at: float | None = None, moment: str = "", *, limited: bool = False
+        self, name: str, processing: str, at: float | None = None, moment: str = "", *, own_limit: bool = False
     ) -> tuple[str, str]:
         """Name of the model's result that a figure is, and the mark of its equation.
 
         Parameters
         ----------
-        name, processing, at, moment, limited
+        name, processing, at, moment, own_limit
             As `composed`.
         """
         figure, smoothed = FIGURES[name], processing == POST_PROCESSED
@@ -222,7 +222,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
             return "lines and spectra", mark
         if figure.kind == "outage":
             when = "at its end" if at is None else f"after {at:g} s"
-            return f"in the outage, {when}" if limited else "refined", mark
+            return f"in the outage, {when}" if own_limit else "refined", mark
         if figure.kind == "response":
             return "impulse response with 1σ quadratic", mark
         if smoothed:
@@ -276,7 +276,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
             self._straight[processing] = judge(
                 self.design,
                 processing,
-                lambda name, at, limited: self.composed(name, processing, at, limited=limited),
+                lambda name, at, own_limit: self.composed(name, processing, at, own_limit=own_limit),
                 self.tilt_shares,
             )
         return self._straight[processing]
