@@ -177,6 +177,8 @@ def _bounds(design: Design, key: str) -> tuple[float, float]:
 
 def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, list[list[Outcome]]]:
     """Root and outcome for every input (rows) and requirement (columns)."""
+    # A figure may meet its limit, break it and meet it again, where it steps: the edge sought is the first one from
+    # below. So every input is sampled over its range; the first sample that breaks a limit has the edge behind it.
     low, high = (np.log(np.array(ends)) for ends in zip(*(_bounds(design, key) for key in keys), strict=True))
     grid = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _SAMPLES)
     rows = np.repeat(np.arange(len(keys)), _SAMPLES)
@@ -189,6 +191,7 @@ def _roots(design: Design, keys: list[str], names: list[str]) -> tuple[Array, li
         ["no value" if none[i, j] else "any value" if every[i, j] else "limited" for j in range(len(names))]
         for i in range(len(keys))
     ]
+    # All edges are then refined together, each between its two samples, and taken on the side that meets the limit.
     i, j = np.nonzero(~none & ~every)
     k = first[i, j]
     roots = np.full(none.shape, np.nan)
