@@ -362,7 +362,7 @@ class RealTime:
     def shift(self) -> Shifts:
         """Variances of the image's shift. [P-7]"""
         x = self.x
-        return with_fast(x, shifts(*self.lines, x.grazing_angle, x.slant_range, x.speed, x.squint))
+        return with_range_errors(x, shifts(*self.lines, x.grazing_angle, x.slant_range, x.speed, x.squint))
 
     @cached_property
     def ground(self) -> tuple[Array, Array, Array]:
@@ -412,14 +412,14 @@ class RealTime:
     peak_loss = property(lambda self: self._response["peak_loss"])
 
 
-def with_fast(x: Inputs, shift: Shifts) -> Shifts:
-    """The image's shift with what vibration, unsensed motion and oscillator add along the line of sight. [P-7]"""
-    if not x.fast:
-        return shift
-    return shift._replace(
-        range=shift.range + sum(effect.mean for effect in x.fast.values()),
-        azimuth=shift.azimuth + azimuth_lever(x) ** 2 * fast_slope(x),
-    )
+def with_range_errors(x: Inputs, shift: Shifts) -> Shifts:
+    """The image's shift with what adds along the line of sight: vibration, unsensed motion, oscillator. [P-7]"""
+    if x.fast:
+        shift = shift._replace(
+            range=shift.range + sum(effect.mean for effect in x.fast.values()),
+            azimuth=shift.azimuth + azimuth_lever(x) ** 2 * fast_slope(x),
+        )
+    return shift
 
 
 def azimuth_lever(x: Inputs) -> Array:

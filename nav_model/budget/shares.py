@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from typing import Any
 
@@ -12,18 +12,19 @@ from nav_model.analytic.discrete import SlowError
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Shares
-from nav_model.budget.inputs import RECTIFICATION, Inputs
+from nav_model.budget.inputs import RECTIFICATION, VARIABLES, Inputs
 from nav_model.design.figures import LEVELS
+from nav_model.design.parts import quantity
 
 GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise", "gyro noise"
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
 
-GNSS_VELOCITY, SCENE_HEIGHT = "GNSS velocity noise", "scene height error"
+GNSS_VELOCITY = "GNSS velocity noise"
 
 _STEP = 1e-20
 _LOST = 0.01
 """Part of a variance by which the shares may miss it, beyond which its digits are lost to rounding."""
-SIZES: Mapping[str, tuple[str, ...]] = {
+_SIZES = {
     ACCELEROMETER_NOISE: ("sigma_a",),
     GYRO_NOISE: ("sigma_w",),
     GNSS_NOISE: ("fix", "fix_vertical"),
@@ -31,9 +32,38 @@ SIZES: Mapping[str, tuple[str, ...]] = {
     SLOW_GNSS: ("slow",),
     ACCELEROMETER_BIAS: ("bias_a",),
     GYRO_BIAS: ("bias_w",),
-    SCENE_HEIGHT: ("scene_height_error",),
     RECTIFICATION: ("rectified",),
 }
+"""Source of error -> the fields of `Inputs` that are its size, where they have other names than its declaration."""
+
+
+def sizes_of(declared: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
+    """Source of error -> the fields of `Inputs` that are its size.
+
+    Parameters
+    ----------
+    declared : mapping
+        Name of an input -> the source that it is the size of.
+
+    Raises
+    ------
+    LookupError
+        For a source without a field.
+    """
+    sizes, known = dict(_SIZES), {field.name for field in fields(Inputs)}
+    for name, source in declared.items():
+        if source in _SIZES:
+            continue
+        if name not in known:
+            raise LookupError(
+                f"the source {source!r} has no size in nav_model.budget.inputs.Inputs: "
+                f"give it the field {name!r}, or name its fields in nav_model.budget.shares"
+            )
+        sizes[source] = (*sizes.get(source, ()), name)
+    return sizes
+
+
+SIZES = sizes_of({key.partition(".")[2]: source for key in VARIABLES if (source := quantity(key).source)})
 """Source of error -> the inputs that are its size."""
 
 SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS)

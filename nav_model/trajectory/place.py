@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.budget.inputs import RECTIFICATION, Inputs
-from nav_model.budget.real_time import RealTime, with_fast
+from nav_model.budget.real_time import RealTime, with_range_errors
 from nav_model.budget.shares import ACCELEROMETER_BIAS, GYRO_BIAS, SEEN, SIZES
 from nav_model.design.figures import IN_FLIGHT, of_kind
 from nav_model.processing.geolocation import Shifts
@@ -67,7 +67,7 @@ def places_of(moved: Shifts, by_source: Shifts, x: Inputs) -> Mapping[str, tuple
 
 def _model(x: Inputs, moved: Shifts) -> RealTime:
     model = RealTime(x)
-    model.shift = with_fast(x, moved)
+    model.shift = with_range_errors(x, moved)
     return model
 
 
