@@ -76,8 +76,13 @@ class Figure:
     @property
     def column(self) -> str:
         """Its name with what it is and its SI unit, in JSON and in the columns of a sweep."""
-        unit = {"length": "m", "speed": "m_s", "angle": "rad", "level": "ratio", "loss": "db"}[self.dimension]
-        return f"{self.name}_sigma_{unit}" if self.scaled else f"{self.name}_{unit}"
+        return column_of(self.name, self.dimension, self.scaled)
+
+
+def column_of(name: str, dimension: str, scaled: bool = True) -> str:
+    """A name with what its value is and its SI unit."""
+    unit = {"length": "m", "speed": "m_s", "angle": "rad", "level": "ratio", "loss": "db"}[dimension]
+    return f"{name}_sigma_{unit}" if scaled else f"{name}_{unit}"
 
 
 _USUAL: dict[str, tuple[str, float, tuple[float, float]]] = {

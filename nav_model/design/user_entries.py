@@ -17,7 +17,7 @@ from nav_model.design.contributors import (
     read_size,
 )
 from nav_model.design.declaration import BaseQuantity, Quantity
-from nav_model.design.figures import FIGURES, label_of
+from nav_model.design.figures import FIGURES, column_of, label_of
 from nav_model.design.parts import INPUTS, Coast, Requirements
 
 ENTRY_KEYS = ("contributors", "limits", "allocation")
@@ -83,6 +83,12 @@ class Limit(OneSigma):
             )
         if self.confidence is not None and figure and not figure.scaled:
             raise InputError(f"{self.where}.confidence", f"does not multiply {label_of(self.on)}. Leave it out.")
+
+    @property
+    def column(self) -> str:
+        """The limit's name with what it is on and the SI unit, as `Figure.column`."""
+        figure = FIGURES.get(self.on)
+        return column_of(self.name, self.dimension, figure is None or figure.scaled)
 
     def record(self) -> dict[str, str]:
         """The limit as a design file has it."""

@@ -228,7 +228,7 @@ def evaluate(plan: SweepPlan, start: int, stop: int) -> dict[str, Column]:
     columns.setdefault("processing.mode", [plan.design.processing.mode] * (stop - start))
     names = list(limits(_varied(plan.design, ())))
     limited = [name for name in REQUIRED if name in names or f"requirements.{name}" in columns]
-    limited += [limit.name for limit in plan.design.limits]
+    limited += [limit.name for limit in plan.design.limits if limit.name in names]
     results = {name: np.empty(stop - start) for name in plan.results}
     margins = {name: np.empty(stop - start) for name in limited}
     slow = [i for i, axis in enumerate(plan.axes) if axis.key not in VARIABLES]
@@ -248,7 +248,8 @@ def evaluate(plan: SweepPlan, start: int, stop: int) -> dict[str, Column]:
             results[name][rows] = sigmas[name]
         for name, limit in limits(design).items():
             margins[name][rows] = 1 - sigmas[name] / limit
-    columns |= {FIGURES[name].column: values for name, values in results.items()}
+    own = {limit.name: limit.column for limit in plan.design.limits}
+    columns |= {own.get(name) or FIGURES[name].column: values for name, values in results.items()}
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
     varied = (name for name in of_kind("flight") if f"requirements.{name}" in columns)

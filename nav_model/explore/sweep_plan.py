@@ -2,7 +2,7 @@
 
     design = "baseline.toml"               # beside this file; or a whole design under [design]
     combine = "grid"                       # grid (default): every combination; together: the lists side by side
-    results = ["tilt"]          # default: every figure that a requirement limits
+    results = ["tilt"]                     # figures, limits of the design's own; default: what requirements limit
     rows_per_part = 2000                   # how much a crash can cost
 
     [vary]
@@ -30,7 +30,7 @@ from nav_model.base.errors import InputError, not_a_choice
 from nav_model.base.text.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
-from nav_model.design.figures import OF_BUDGET, REQUIRED
+from nav_model.design.figures import OF_BUDGET, REQUIRED, of_kind
 from nav_model.design.file import parse_design, read_bytes
 from nav_model.design.parts import PRESET_KEYS, declaration_of, quantity
 from nav_model.design.presets import preset_fill
@@ -60,7 +60,8 @@ class SweepPlan:
     """A sweep, plain data so that it travels to any worker.
 
     Row n of a grid runs through the last axis fastest. ``flight`` says how every design
-    is flown, None when the closed forms are enough. ``files`` are what it was made from, beside the sweep file.
+    is flown, None when the closed forms are enough. ``results`` are figures, and limits of the design's own.
+    ``files`` are what it was made from, beside the sweep file.
     """
 
     design: Design
@@ -143,7 +144,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Swee
     size = _part_size(tables, _FLIGHTS_PER_PART if flight else _ROWS_PER_PART)
     named = (tables["design"], tables.get("simulate", {}).get("trajectory"))
     files = tuple(folder / name for name in named if isinstance(name, str))
-    plan = SweepPlan(design, axes, combine == "together", _results(tables), size, flight, files)
+    plan = SweepPlan(design, axes, combine == "together", _results(tables, design), size, flight, files)
     if plan.rows > MOST_ROWS:
         asked = plan.rows if plan.rows < 10**12 else f"more than 1e{len(str(plan.rows)) - 1}"
         raise InputError("vary", f"asks for {asked} designs; at most {MOST_ROWS} go in one sweep")
@@ -160,14 +161,15 @@ def _design(content: Any, folder: Path) -> Design:
     raise InputError("design", "must name a design file, or hold a design's sections")
 
 
-def _results(tables: Mapping[str, Any]) -> tuple[str, ...]:
+def _results(tables: Mapping[str, Any], design: Design) -> tuple[str, ...]:
     given = tables.get("results", list(REQUIRED))
+    allowed = (*OF_BUDGET, *(limit.name for limit in design.limits if limit.on not in of_kind("flight")))
     if not isinstance(given, list) or not given:
-        raise InputError("results", f"must be a list out of {', '.join(OF_BUDGET)}")
+        raise InputError("results", f"must be a list out of {', '.join(allowed)}")
     for name in given:
-        if name not in OF_BUDGET:
-            raise InputError("results", not_a_choice(name, OF_BUDGET), name)
-    return tuple(name for name in OF_BUDGET if name in given)
+        if name not in allowed:
+            raise InputError("results", not_a_choice(name, allowed), name)
+    return tuple(name for name in allowed if name in given)
 
 
 def _part_size(tables: Mapping[str, Any], usual: int) -> int:

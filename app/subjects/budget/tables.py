@@ -15,7 +15,7 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.provenance import provenance
 from nav_model.budget.verdict import Check, flies
-from nav_model.design.figures import DETRENDED, FIGURES, QUADRATIC, REQUIRED, STEADY, label_of, of_kind
+from nav_model.design.figures import DETRENDED, FIGURES, QUADRATIC, REQUIRED, STEADY, label_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.processing.paired_echo import NOTHING
 
@@ -58,8 +58,8 @@ def requirement_table(budget: Budget, key: str = "d") -> TableBlock | Text:
 
 
 def processing_table(budget: Budget, key: str = "budget") -> TableBlock:
-    """The figures of the image in real time and post-processed, beside each other."""
-    names = [name for name in of_kind("phase", "place") if name in REQUIRED]
+    """Every figure that a requirement may limit and post-processing changes, in both processings."""
+    names = [name for name in REQUIRED if FIGURES[name].smoothed_mark]
 
     def row(name: str) -> Row:
         figure, both = FIGURES[name], (budget[name, processing] for processing in (REAL_TIME, POST_PROCESSED))

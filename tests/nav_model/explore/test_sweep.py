@@ -229,6 +229,41 @@ def test_requirements_that_only_a_flight_judges_are_named_in_each_row():
     assert "before_flight" not in whole_sweep(parse_plan(text % (b"quadratic_phase", b"requirements.tilt")))
 
 
+LIMITED = """
+results = ["%s"]
+[vary]
+gnss.position_noise = ["1 cm", "1 m"]
+[[design.limits]]
+name = "early tilt"
+on = "coast_tilt"
+at = "10 s"
+limit = "1 deg"
+[[design.limits]]
+name = "width"
+on = "response_width"
+limit = "1 m"
+[[design.limits]]
+name = "yaw"
+on = "heading"
+limit = "1 deg"
+"""
+
+
+@pytest.mark.parametrize(("name", "column"), [("early tilt", "early tilt_sigma_rad"), ("width", "width_m")])
+def test_a_limit_of_the_users_own_is_a_result(name, column):
+    """One on what only a flight tells is none, and is left to the flight."""
+    plan = parse_plan((LIMITED % name).encode())
+    columns = whole_sweep(plan)
+    for noise, value in zip(columns["gnss.position_noise"], columns[column], strict=True):
+        checks = {
+            each.name: each for each in analyse(plan.design.replace({"gnss.position_noise": noise})).verdict.checks
+        }
+        assert value == pytest.approx(checks[name].sigma, rel=1e-12)
+    assert columns["before_flight"] == ["yaw"] * 2
+    with pytest.raises(InputError, match="results"):
+        parse_plan((LIMITED % "yaw").encode())
+
+
 def test_side_by_side_and_inline_designs():
     plan = parse_plan(
         b"""

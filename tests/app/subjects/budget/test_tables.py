@@ -26,13 +26,13 @@ from app.subjects.budget.command import check_lines
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage, requirements
 from app.subjects.budget.report import sections
-from app.subjects.budget.tables import image_table, requirement_table, steady_table
+from app.subjects.budget.tables import image_table, processing_table, requirement_table, steady_table
 from app.subjects.budget.timelines import all_timelines, attitude_chart, position_chart, velocity_chart
 from app.subjects.budget.vendor import VendorPanel, vendor_block
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES, of_kind
+from nav_model.design.figures import FIGURES, REQUIRED, of_kind
 from nav_model.design.other_filters import noise_for
 from nav_model.design.user_entries import read_entries
 
@@ -53,6 +53,17 @@ def test_key_figures_are_the_budgets_to_three_digits(mems: Budget) -> None:
     *figures, width = key_figures(mems).items
     assert width.label == "Azimuth width"
     assert [si(figure.value) for figure in figures] == pytest.approx(expected, rel=5e-3)
+
+
+def test_every_limited_figure_that_post_processing_changes_is_in_the_table_of_both(mems: Budget) -> None:
+    _, *rows = processing_table(mems).rows
+    both = {
+        name: [mems[name, processing].sigma for processing in ("real time", "post-processed")] for name in REQUIRED
+    }
+    changed_ones = {FIGURES[name].label: sigmas for name, sigmas in both.items() if sigmas[0] != sigmas[1]}
+    assert [row[0].text for row in rows] == list(changed_ones)
+    for row, sigmas in zip(rows, changed_ones.values(), strict=True):
+        assert [si(cell.text.partition(" [")[0]) for cell in row[1:]] == pytest.approx(sigmas, rel=5e-3)
 
 
 def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -> None:
