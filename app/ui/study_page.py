@@ -46,6 +46,8 @@ class StudyPage(View, Generic[_T]):
     settings: ClassVar[tuple[str, ...]] = ()
     moving: ClassVar[tuple[str, ...]] = ()
     outdated: ClassVar[str] = "The runs are older than {moved}. Run again."
+    of_design: ClassVar[bool] = True
+    """True if a study follows from the design, so that an invalid input of it greys the strip."""
     waiting: ClassVar[Answer]
     refusal: ClassVar[str] = "Not run"
     coming: ClassVar[str] = "Appears with the first result."
@@ -74,6 +76,7 @@ class StudyPage(View, Generic[_T]):
         """Follow the link, and show what the server still has, or begin: when the page has been made."""
         if self.settings:
             self._settings = StudySettings(self._session, self.kind, self, self.settings, self._recall)
+        self._session.param.watch(self.show_verdict, "invalid")
         self._write()
         if not self._recall() and pn.state.curdoc:
             pn.state.onload(self._begin_by_itself)
@@ -87,8 +90,8 @@ class StudyPage(View, Generic[_T]):
         with pn.io.hold():
             self._write()
 
-    def show_verdict(self, _: Budget) -> None:
-        """Follow the verdict alone, which the design's flight has changed."""
+    def show_verdict(self, _: object) -> None:
+        """Follow the verdict alone, which the design's flight or an invalid input has changed."""
         self._strip.show(*self._answer())
 
     # --- what a subclass says -----------------------------------------------------------------------------
@@ -116,6 +119,11 @@ class StudyPage(View, Generic[_T]):
     def _key(self) -> tuple[str, ...] | None:
         """All that a result follows from, for the cache; None where it is of a file, which has no name there."""
         return self._settings.asked
+
+    @property
+    def _invalid(self) -> str:
+        """The inputs of the design that are invalid as they were typed, in words; empty if none is."""
+        return self._session.refused if self.of_design else ""
 
     @property
     def _refused(self) -> str:
@@ -217,7 +225,8 @@ class StudyPage(View, Generic[_T]):
             return Answer(self.refusal, "open", (problem, f"The charts show the previous result: {grey.word}.")), ""
         if outdated:
             return grey, outdated
-        return verdict, "The last run was cancelled. Showing the previous result." if problem else ""
+        cancelled = "The last run was cancelled. Showing the previous result." if problem else ""
+        return verdict, self._invalid or cancelled
 
     # --- parts --------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from playwright.sync_api import Page, expect
 from waiting import until
 
 _MATCH = "The runs match the design."
-_ANSWER = re.compile(r"Detrended phase [\d.]+°")
+_ANSWER = re.compile(r"Detrended phase [\d.]+°, limit")
 
 
 # Pixels by which what is drawn of the map is higher than its place: the texts below it may have grown.

@@ -32,6 +32,7 @@ from app.subjects.sar.tables import (
     answer,
     cautions,
     error_table,
+    reasons,
     recommended,
     run_tables,
     runs_in_words,
@@ -168,10 +169,11 @@ class SarPage(StudyPage[SarResult]):
 
     def _answer(self) -> tuple[Answer, str]:
         """The formulas answer at once; runs only confirm them, so that the strip never waits for any."""
-        return answer(self._session.budget, self._closed, self._current)[0], self._outdated
+        whole = answer(self._session.budget, self._closed, self._current)
+        return whole.more(self._session.flight_words), self._invalid or self._outdated
 
     def _reasons(self, budget: Budget) -> str:
-        return html_of(*answer(budget, self._closed, self._current)[1], cautions(budget, self._runs))
+        return html_of(*reasons(self._closed, self._current), cautions(budget, self._runs))
 
     def _errors(self, budget: Budget) -> str:
         return self._mark + html_of(error_table(budget, self._closed, self._runs, "page"))

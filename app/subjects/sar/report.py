@@ -9,7 +9,7 @@ from app.document.wording import identified
 from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, point_picture, winner_chart
 from app.subjects.sar.command import studied
 from app.subjects.sar.run import SarResult
-from app.subjects.sar.tables import answer, cautions, error_table, run_tables
+from app.subjects.sar.tables import advised, cautions, error_table, reasons, run_tables
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.design import Design
 from nav_model.equations.literature import WORKS
@@ -47,7 +47,6 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     """The answer with its tables, the histories and responses, the pictures, the maps."""
     study = result.study
     budget, closed = study.budget, study.closed
-    word, why = answer(budget, closed, study)
     parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
     images = (point_picture(budget, result.points), result.uploaded)
     phase = degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
@@ -60,8 +59,8 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
             f"{key}-sar",
             "SAR: which strategy to use",
             (
-                word,
-                *why,
+                Text(advised(budget, closed, study)),
+                *reasons(closed, study),
                 error_table(budget, closed, study, key),
                 *drawn(*(draw(budget, closed, study) for draw in STRATEGY_CHARTS)),
                 parts,

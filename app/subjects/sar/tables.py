@@ -12,11 +12,11 @@ import numpy as np
 
 from app.document.blocks import Answer, Block, Bullets, Cell, Row, TableBlock, Text, numbers, table
 from app.document.numbers import NONE, hundredths, number
-from app.document.verdict import check_words, where_judged
+from app.document.verdict import check_words, verdict_strip, where_judged
 from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
 from nav_model.budget.verdict import STRAIGHT_LEG, Check, Verdict, decisive
-from nav_model.design.figures import DETRENDED
+from nav_model.design.figures import DETRENDED, label_of
 from nav_model.sar.advice import LEFT, Recommendation, recommendation
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import MedianBand
@@ -41,18 +41,29 @@ def strategies_of(budget: Budget) -> list[tuple[int, Strategy]]:
     return [(row, strategy) for row, strategy in enumerate(STRATEGIES) if outage or strategy.key != "3"]
 
 
-def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> tuple[Answer, tuple[Block, ...]]:
-    """The verdict on the detrended phase, which is the budget's, and what the strategies can do; then why."""
+def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> Answer:
+    """The design's verdict, the detrended phase where something else decides, and what the strategies can do."""
+    verdict, check = budget.verdict, _check(budget.verdict)
+    phase: tuple[str, ...] = ()
+    if check is None:
+        phase = (f"{label_of(DETRENDED)} has no limit.",) if verdict.checks else ()
+    elif check.known and (check is not verdict.tightest or verdict.state == "open"):
+        words = check_words(budget.design, check)
+        phase = (f"{label_of(DETRENDED)}{where_judged(check)} {words.value}, limit {words.limit}.",)
+    return verdict_strip(budget).more(*phase, advised(budget, closed, study))
+
+
+def advised(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> str:
+    """What the strategies can do, in a sentence; of a straight leg, which is said where a flight judges the phase."""
+    check = _check(budget.verdict)
+    leg = "" if check is None or check.judged == STRAIGHT_LEG else "On a straight leg: "
+    return f"{leg}{recommended(budget, closed, study).sentence}"
+
+
+def reasons(closed: ClosedForms, study: SarStudy | None) -> tuple[Block, ...]:
+    """Why a strategy is advised, by the runs where there are some and by the formulas."""
     runs = () if study is None else (Text(f"By the runs: {study.sentence}"),)
-    advised, check = recommended(budget, closed, study).sentence, _check(budget.verdict)
-    word, tone = "No limit on detrended phase", "open"
-    if check is not None and check.known:
-        value = f"{check_words(budget.design, check).value}{where_judged(check)}"
-        word, tone = f"{'✓' if check.met else '✗'} Detrended phase {value}", "good" if check.met else "bad"
-    elif check is not None:
-        word = f"Detrended phase is {check.state}"
-    before = () if check is None or check.judged == STRAIGHT_LEG else ("On a straight leg:",)
-    return Answer(word, tone, (" ".join((*before, advised)),)), (
+    return (
         *runs,
         Text(closed.advice.sentence),
         Text(f"Why: {closed.advice.because}"),

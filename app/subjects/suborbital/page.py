@@ -44,6 +44,7 @@ class SuborbitalPage(StudyPage[Survey]):
     """
 
     kind = "suborbital"
+    of_design = False
     waiting = WAITING
     renewal = required(Run)
     inputs = required(InputPanel)

@@ -41,7 +41,7 @@ def test_a_report_names_the_class_of_the_receiver_and_its_base() -> None:
         noise, time = table["Position noise"], table["Correlation time"]
         assert "= 19.8 mm, 1σ per axis" in str(noise[1])
         assert "Leica GS25" in str(noise[2])
-        assert ("the preset has 115 s (confirmed)" in str(time[2])) == (each is edited)
+        assert ("the preset has 115 s (assumed)" in str(time[2])) == (each is edited)
 
 
 def test_no_line_ends_between_a_number_and_its_unit_or_within_the_unit() -> None:

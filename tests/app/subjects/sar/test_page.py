@@ -75,7 +75,8 @@ def names(sar: SarPage) -> list[str]:
 
 
 def test_formulas_are_there_before_any_run_and_nothing_folded_is_made(sar: SarPage) -> None:
-    assert "✗ Detrended phase 54.7°" in strip(sar)
+    assert "✗ Does not close" in strip(sar)
+    assert "Detrended phase 54.7°, limit 20° at 1σ" in strip(sar)
     assert "No strategy meets 20° in real time. Closest: INS from filter, in use, 54.7°." in strip(sar)
     assert "Formulas only so far." in sar._bar.state.object
     formulas = ["Whole-leg smoother", "INS from filter", "Quadratic fit, noise-weighted", "Quadratic fit"]
@@ -109,10 +110,11 @@ def test_a_requirement_at_two_sigma_is_at_two_sigma_in_strip_and_rows(session: S
     row = next(dot for dot in chart.dots if dot.label == "INS from filter")
     assert math.radians(row.closed) == pytest.approx(check.value)
     assert math.radians(chart.limit) == pytest.approx(check.limit)
-    block = answer(budget, closed_forms(budget), None)[0]
-    assert block.word == "✗ Detrended phase 109°"
+    block = answer(budget, closed_forms(budget), None)
+    assert (block.word, block.tone) == ("✗ Does not close", "bad")
+    assert block.sentences[0].startswith("Detrended phase 109°, limit 20° at 2σ; ")
     closest = "No strategy meets 20° at 2σ in real time. Closest: INS from filter, in use, 109°."
-    assert block.sentences == (closest,)
+    assert block.sentences[1:] == (closest,)
 
 
 def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session: Session) -> None:
@@ -120,7 +122,8 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     assert not session.running
     assert "The runs match the design. 50 runs of the error model, seed 0." in sar._bar.state.object
     study = sar._result.study
-    assert "✗ Detrended phase 54.7°" in strip(sar)
+    assert "✗ Does not close" in strip(sar)
+    assert "Detrended phase 54.7°, limit 20°" in strip(sar)
     named = re.search(r"No strategy meets 20° in real time. Closest: ([^,]+), ([\d.]+)°\.", strip(sar))
     ranked = sorted((key for key in NAMES if key not in "13"), key=study.residual)
     assert names(sar) == [NAMES[key] for key in ranked]
