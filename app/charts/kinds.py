@@ -339,7 +339,8 @@ class TradeMapChart(_OnAxes):
     """A map: ``ratio`` (len(y), len(x)) of the result to its limit, contours, units of the catalogue, the design.
 
     Axes are in the units shown. ``contours`` holds one curve for each of `LEVELS`, pieces separated by NaN. ``level``
-    is what ``ratio`` is over: the limit, or the design's own value.
+    is what ``ratio`` is over: the limit, or the design's own value. ``decides``: no flight judges
+    after it.
     """
 
     x: Array
@@ -356,6 +357,7 @@ class TradeMapChart(_OnAxes):
     knowledge: str
     trade: TradeMap
     level: float
+    decides: bool
 
     @property
     def limited(self) -> bool:
@@ -363,9 +365,9 @@ class TradeMapChart(_OnAxes):
         return not math.isnan(self.trade.limit)
 
     @property
-    def structure(self) -> tuple[str, str, str]:
+    def structure(self) -> tuple[str, str, str, bool]:
         """The parts that a figure's structure depends on; if they change, a new figure is needed."""
-        return self.x_label, self.y_label, self.trade.result
+        return self.x_label, self.y_label, self.trade.result, self.decides
 
     def rows(self) -> Iterator[DataRow]:
         """Every cell of the map, then the catalogue."""

@@ -12,7 +12,7 @@ from app.document.numbers import NONE, margin_in_sentence, margin_in_short, perc
 from app.document.wording import MOMENTS, printable
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
-from nav_model.budget.verdict import STRAIGHT_LEG, WHOLE_FLIGHT, Check, Verdict
+from nav_model.budget.verdict import STRAIGHT_LEG, WHOLE_FLIGHT, Check, Verdict, flown_names
 from nav_model.design import Design
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -184,6 +184,11 @@ def verdict_along(verdict: Verdict) -> Answer:
     if not verdict.checks:
         return Answer("Not checked", "open", ("The design has no requirement.",))
     return Answer(*_word_and_tone(verdict), (f"{judged(verdict).capitalize()}, {count_words(verdict)}.",))
+
+
+def before_flight(design: Design) -> str:
+    """Words after what a straight leg judges, where the flight decides too; else empty."""
+    return " before the flight" if flown_names(design) else ""
 
 
 def where_judged(check: Check) -> str:

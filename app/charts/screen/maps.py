@@ -18,7 +18,7 @@ from nav_model.explore.trade_map import MapPoint
 _PALETTE = ("#f4f8fb", "#dfebf4", "#c3d9ea", "#93b7d3", "#5d8fb5", "#2f6690")
 _RANGE = (1 / 8, 8.0)
 _CONTOUR = {0.5: ("dotted", 1.5, "half"), 1.0: ("solid", 3.0, "limit"), 2.0: ("dashed", 1.5, "twice")}
-_RED = STYLES["limit"].colour
+_INK = "#3b4650"  # of contours, and of a limit after which a flight decides
 # The map in a window of 1280 x 720 and of 390 pixels: width, height, how far above or below its mark a name may be.
 _ON_A_SCREEN, _ON_A_PHONE = (800.0, 370.0, 42.0), (205.0, 225.0, 14.0)
 _TIMES = Path(__file__).with_name("times_labels.js").read_text("utf-8")
@@ -43,8 +43,9 @@ class MapFigure:
         self._sources = sources = Sources(_columns(chart, self._room), f"{chart.key} ")
         mapper = LogColorMapper(palette=list(_PALETTE), low=_RANGE[0], high=_RANGE[1], nan_color="#ffffff00")
         image = self.plot.image("image", "x", "y", "dw", "dh", source=sources["image"], color_mapper=mapper)
+        red = STYLES["limit"].colour if chart.decides else _INK
         for level, (dash, width, word) in _CONTOUR.items():
-            self.plot.line("x", "y", source=sources[f"contour {word}"], line_color=_RED if level == 1 else "#3b4650",
+            self.plot.line("x", "y", source=sources[f"contour {word}"], line_color=red if level == 1 else _INK,
                            line_dash=dash, line_width=width)  # fmt: skip
         marks = self.plot.scatter(
             "x", "y", marker="marker", size=8, source=sources["catalogue"], fill_color="#ffffff",

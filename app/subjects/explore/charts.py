@@ -6,10 +6,11 @@ import numpy as np
 
 from app.charts.kinds import LEVELS, Array, Band, Chart, Line, RankBar, RankChart, TradeMapChart
 from app.charts.region import contour
+from app.document.verdict import before_flight
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
-from nav_model.budget.verdict import decisive
+from nav_model.budget.verdict import decisive, flown_names
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
@@ -36,7 +37,7 @@ def rank_chart(design: Design, figure: str) -> RankChart:
     )
     return RankChart(
         key="ranking",
-        title=f"What reduces {figure_in_sentence(figure)} most",
+        title=f"What reduces {figure_in_sentence(figure)} most{before_flight(design)}",
         x_label="reduction [%]",
         bars=tuple(sorted(bars, key=lambda bar: -bar.percent)[:_SHOWN]),
         knowledge=(
@@ -75,7 +76,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
     here = place(design, trade)
     return TradeMapChart(
         key="map",
-        title=f"{_WORST if result == ALL else label_of(result)}: multiple of {reference}",
+        title=f"{_WORST if result == ALL else label_of(result)}: multiple of {reference}{before_flight(design)}",
         x_label=x_label,
         y_label=y_label,
         x=x,
@@ -92,21 +93,22 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
         knowledge=knowledge,
         trade=trade,
         level=level,
+        decides=not flown_names(design),
     )
 
 
-def margin_chart(verdict: UncertainVerdict) -> Chart:
-    """Histogram of the tightest margin over uncertain designs."""
+def margin_chart(design: Design, verdict: UncertainVerdict) -> Chart:
+    """Histogram of the tightest margin over uncertain designs around this one."""
     edges, shares = verdict.histogram
     x, y = 100 * np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
-    kinds = (("does not close", x <= 0), ("closes", x >= 0))
+    kinds = (("does not close", x <= 0, "reference"), ("closes", x >= 0, "exact"))
     return Chart(
         key="margins",
-        title="Tightest margin over the designs",
+        title=f"Tightest margin over the designs{before_flight(design)}",
         x_label="tightest margin [%]",
         y_label="designs in a bin [%]",
         lines=(Line("limit", "limit", np.zeros(2), np.array([0.0, np.max(y)]), "limit"),),
-        bands=tuple(Band(name, name, x[part], 0 * x[part], y[part], name) for name, part in kinds),
+        bands=tuple(Band(name, name, x[part], 0 * x[part], y[part], style) for name, part, style in kinds),
         knowledge="Half a per cent of the designs at either end is left out.",
     )
 

@@ -12,6 +12,7 @@ from app.charts.kinds import TradeMapChart, to_csv
 from app.charts.screen.maps import MapFigure
 from app.declared import chosen
 from app.document.blocks import Answer
+from app.document.verdict import before_flight
 from app.session import Session
 from app.subjects.explore.charts import map_chart
 from app.subjects.explore.question import NO_LIMIT, Question
@@ -89,7 +90,7 @@ class MapPanel(Question):
         self._chart = chart
         key = (
             f'<span class="quiet fine">Cross: this design. Solid line: {escape(chart.reference)}; dotted: half; '
-            "dashed: twice. Lighter is better. ● passes, ✕ fails.</span>"
+            f"dashed: twice. Lighter is better. ● passes, ✕ fails{before_flight(self.session.design)}.</span>"
         )
         self._head.object = head_html(chart.title, chart.knowledge, described(chart), key)
 

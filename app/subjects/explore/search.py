@@ -165,7 +165,7 @@ class SearchPanel(Question):
         words = self.words.lower().split()
         rows = [row for row in self._ranking.rows if all(word in self._text(row) for word in words)]
         yours = f"Your IMU ({preset_name(self.session.design, 'imu')})"
-        shown = search_table(rows[:_MOST_ROWS], self.own, self._ranking.own, yours)
+        shown = search_table(self.session.design, rows[:_MOST_ROWS], self.own, self._ranking.own, yours)
         self._table.html = html_of(shown) if self._ranking.rows else ""
         notes = []
         if len(rows) > _MOST_ROWS:

@@ -11,6 +11,7 @@ from app.charts.kinds import TradeMapChart
 from app.document.blocks import Answer, Block, Cell, Column, Row, TableBlock, Text, numbers, table
 from app.document.closing import Way, beyond_one, ways_table
 from app.document.numbers import margin_in_sentence, margin_in_short, number, percent, signed_percent
+from app.document.verdict import before_flight
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.budget.verdict import flown_names
@@ -141,11 +142,14 @@ def search_answer(rows: Sequence[Candidate], yours: bool, unbiased: int) -> Answ
     return Answer(f"{len(good)} of {len(rows)} {what}", "open", (why,))
 
 
-def search_table(rows: Sequence[Candidate], yours: bool, own: Candidate | None = None, name: str = "") -> TableBlock:
+def search_table(
+    design: Design, rows: Sequence[Candidate], yours: bool, own: Candidate | None = None, name: str = ""
+) -> TableBlock:
     """Units, or pairs of unit and receiver, in the order of `search`; each can be taken into the design.
 
     Parameters
     ----------
+    design : Design
     rows : sequence of Candidate
     yours : bool
         Whether all are with the design's own receiver, which is not named then.
@@ -168,7 +172,7 @@ def search_table(rows: Sequence[Candidate], yours: bool, own: Candidate | None =
     first = "cheapest that passes" if offers else "widest margin"
     return table(
         "search",
-        f"{what}, {first} first. Click one to apply it to the design.",
+        f"{what}{before_flight(design)}, {first} first. Click one to apply it to the design.",
         tuple(Column(title, numeric=title in ("Margin", *_OFFERED), sortable=True) for title in titles),
         (
             *((_candidate(own, Cell(name, "● in the design", sort=name), yours, offers),) if own else ()),
@@ -214,11 +218,11 @@ def uncertain_answer(verdict: UncertainVerdict) -> Answer:
     return Answer(head, "open", (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
 
 
-def uncertain_table(verdict: UncertainVerdict) -> TableBlock:
+def uncertain_table(design: Design, verdict: UncertainVerdict) -> TableBlock:
     """Part of each requirement in the probability."""
     return table(
         "uncertain",
-        "Requirements under these ranges",
+        f"Requirements under these ranges{before_flight(design)}",
         ("Requirement", *numbers("Met in", "Tightest in")),
         ((label_of(name), _probability(p), percent(verdict.limiting[name])) for name, p in verdict.each.items()),
     )
@@ -250,7 +254,7 @@ def sweep_answer(plan: SweepPlan, columns: Mapping[str, Swept], stale: bool) -> 
     good = int(np.sum(np.asarray(columns["closes"], bool)))
     first = int(sweep_order(plan, columns)[0])
     margin = margin_in_sentence(float(1 - sweep_ratios(columns)[first]))
-    word = f"{good:,} of {plan.rows:,} designs meet all requirements"
+    word = f"{good:,} of {plan.rows:,} designs meet all requirements{before_flight(plan.design)}"
     front = int(np.sum(least_demanding(plan, columns)))
     which = "Smallest margin that passes" if good else "Nearest"
     sentence = f"{which}: {', '.join(_swept_values(plan, first))}; {margin}."
@@ -264,7 +268,7 @@ def sweep_table(plan: SweepPlan, columns: Mapping[str, Swept]) -> TableBlock:
     rows = sweep_order(plan, columns)[:_SWEPT]
     judged = columns["closes"][0] is not None
     count = f"{len(rows)} rows of {plan.rows:,}" if len(rows) < plan.rows else f"{plan.rows:,} designs"
-    order = ", the least demanding that pass first (●)" if judged else ""
+    order = f", the least demanding that pass{before_flight(plan.design)} first (●)" if judged else ""
     ratios = sweep_ratios(columns) if judged else np.full(plan.rows, np.nan)
     front = least_demanding(plan, columns) if judged else np.zeros(plan.rows, bool)
     names = [_swept_name(axis.key) for axis in plan.axes]

@@ -8,6 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
+from app.charts.kinds import Chart
 from app.declared import required
 from app.document.blocks import Answer
 from app.document.pane import html_of
@@ -103,7 +104,7 @@ class UncertaintyPanel(Question):
         self._settings = StudySettings(session, "uncertainty", self, ("ranges",), lambda: self._set(self._texts()))
         self._recall()
         self._verdict = Follower[UncertainVerdict](lambda: self.run.result)
-        self._table = self._verdict.text(lambda verdict: html_of(uncertain_table(verdict)), (4, 14))
+        self._table = self._verdict.text(lambda verdict: html_of(uncertain_table(session.design, verdict)), (4, 14))
 
     def __panel__(self) -> pn.Column:
         example = pmui.Button(
@@ -115,11 +116,14 @@ class UncertaintyPanel(Question):
         return first_screen(
             left=[pn.Column(pn.FlexBox(example), self.rows, **scrolls)],
             right=[
-                self._verdict.later(lambda: self._verdict.chart(margin_chart), **fills),
+                self._verdict.later(lambda: self._verdict.chart(self._histogram), **fills),
                 pn.Column(self._table, html_pane(_HELP + source_note(_KNOWLEDGE), margin=(4, 14)), **scrolls),
             ],
             height="100%",
         )  # fmt: skip
+
+    def _histogram(self, verdict: UncertainVerdict) -> Chart:
+        return margin_chart(self.session.design, verdict)
 
     def show(self, budget: Budget) -> None:
         """Ask again for the current design, whose values the example follows."""

@@ -29,7 +29,7 @@ TOGETHER = {
     "strategies, INS": ("strategy 1", "strategy 2", "strategy 3", "strategy 5", "strategy 5w"),
     "strategies, filters": ("strategy 1", "strategy 4", "strategy 6", "strategy 7", "strategy 8",
                             "strategy 9"),
-    "margins": ("limit", "closes", "does not close"),
+    "margins": ("limit", "exact", "reference"),
     "suborbital sources": ("accelerometers", "gyros", "initial position and velocity", "initial attitude",
                            "everything"),
     "suborbital channel": ("INS alone", "INS with tracker", "decoupled, holds", "decoupled, fails",

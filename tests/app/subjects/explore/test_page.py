@@ -10,20 +10,24 @@ from typing import Any
 import panel as pn
 import pyarrow.parquet
 import pytest
+from bokeh.models import Line as LineGlyph
 from pages import at_once, when_done
 from waiting import soon
 
 import app.subjects.explore.search as search_panel
+from app.charts.styles import STYLES
 from app.document.numbers import margin_in_short
 from app.document.wording import entered
 from app.library.offers import library_files
 from app.library.store import Library
 from app.serving.server import first_design
 from app.session import Session
+from app.subjects.explore.charts import margin_chart
 from app.subjects.explore.page import ExplorePage
 from app.subjects.explore.ranking import ranked
 from app.subjects.explore.search import EXAMPLE
 from app.subjects.explore.sweep import SweepPanel
+from app.subjects.explore.tables import uncertain_table
 from app.subjects.explore.uncertainty import range_of, row_of
 from nav_model import read_design
 from nav_model.budget import analyse
@@ -508,6 +512,28 @@ def test_what_only_a_flight_judges_is_named_and_hinders_no_advice() -> None:
         _ask(explore, name)
         assert "<h2>Before the flight: " in explore._strip._text.object, name
         assert "With the flight: Open. " in explore._strip._text.object, name
+
+
+def test_what_is_below_a_strip_is_of_the_straight_leg_and_says_so_where_a_flight_decides() -> None:
+    """Ranking, sensors, map, probability: the words, and no limit in red."""
+    design, red = read_design("examples/tactical_x_band.toml"), STYLES["limit"].colour
+    ranges = {"imu.angle_random_walk": read_uncertain("imu.angle_random_walk", "0.05 °/√h .. 0.1 °/√h")}
+    for each, decides in ((design, False), (design.replace({"requirements.heading": 1e-4}), True)):
+        explore, chance = ExplorePage(Session(each)), uncertain_verdict(each, ranges)
+        histogram = margin_chart(each, chance)
+        texts = {
+            "ranking": explore.question._head.object,
+            "sensors": _ask(explore, "Sensors that pass")._table.html,
+            "map": _ask(explore, "Trade-off map")._head.object,
+            "key of the map": explore.question._head.object.partition("✕ fails")[2],
+            "probability": uncertain_table(each, chance).caption,
+            "histogram": histogram.title,
+        }
+        assert {name: " before the flight" in text for name, text in texts.items()} == dict.fromkeys(texts, decides)
+        looks = [each.glyph for each in explore.question._drawn.plot.renderers]
+        lines = {look.line_color for look in looks if isinstance(look, LineGlyph)}
+        assert (red in lines) is not decides
+        assert not {STYLES[band.style].colour for band in histogram.bands} & {red, STYLES["closes"].colour}
 
 
 def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named() -> None:
