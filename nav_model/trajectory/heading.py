@@ -1,4 +1,4 @@
-"""Heading along a flight: when it becomes observable, by what, and which manoeuvre would help, in words."""
+"""Heading along a flight: when it becomes observable, by what, and which manoeuvre would help."""
 
 import math
 
@@ -28,16 +28,13 @@ def heading_of(spec: CovarianceSpec, truth: TruthStates, sigma: FloatArray) -> H
     course = np.unwrap(np.arctan2(truth.velocity[:, 1], truth.velocity[:, 0]))
     turning = np.abs(np.gradient(course, time_s)) > _TURN
     at = float(time_s[seen[0]]) if seen.size else None
-    degrees = [f"{math.degrees(value):.3g}°" for value in (sigma[0], sigma.min(), sigma[-1])]
     two = spec.study.aiding.heading_noise is not None
+    cause = advice = ""
     if at is not None:
         has_turned = np.any(turning & (time_s <= at))
         cause = "two antennas" if two else "a turn" if has_turned else "acceleration against the fixes"
-        text = f"Heading is observed from {at:.0f} s on, by {cause}: {degrees[1]} at best, {degrees[2]} at the end."
-    else:
-        text = f"Heading is not observed: {degrees[0]} at the start, {degrees[2]} at the end."
-        if not two:
-            fixes = ", fixes of velocity," if gnss.velocity_noise is None else ""
-            sharper, turn = f"sharper turns{fixes} or two antennas", "a turn of 90° or more, or a change of speed"
-            text += f" The plan lacks {sharper if turning.any() else f'{turn}, before the first line'}."
-    return Heading(float(sigma[0]), float(sigma.min()), float(sigma[-1]), at, text)
+    elif not two:
+        fixes = ", fixes of velocity," if gnss.velocity_noise is None else ""
+        sharper, turn = f"sharper turns{fixes} or two antennas", "a turn of 90° or more, or a change of speed"
+        advice = f"The plan lacks {sharper if turning.any() else f'{turn}, before the first line'}."
+    return Heading(float(sigma[0]), float(sigma.min()), float(sigma[-1]), at, cause, advice)

@@ -122,14 +122,26 @@ class OnLines:
 
 @dataclass(frozen=True)
 class Heading:
-    """Heading along the flight: sigma at the start, the best and at the end; when it becomes observable, by what, and
-    what would help, in words. `observable_s` is None where it never does."""
+    """Heading along the flight: sigma at the start, the best and at the end; when it becomes observable, and by what.
+
+    `observable_s` is None where it never does; `advice` then says what would help, in a sentence.
+    """
 
     start_sigma_rad: float
     best_sigma_rad: float
     end_sigma_rad: float
     observable_s: float | None
-    text: str
+    cause: str
+    advice: str
+
+    def in_words(self, confidence: float = 1.0) -> str:
+        """The heading in a sentence, its values at a confidence."""
+        values = self.start_sigma_rad, self.best_sigma_rad, self.end_sigma_rad
+        start, best, end = (f"{math.degrees(confidence * value):.3g}°" for value in values)
+        if self.observable_s is None:
+            return f"Heading is not observed: {start} at the start, {end} at the end. {self.advice}".strip()
+        when = f"from {self.observable_s:.0f} s on, by {self.cause}"
+        return f"Heading is observed {when}: {best} at best, {end} at the end."
 
 
 @dataclass(frozen=True)
@@ -248,7 +260,13 @@ def to_json(result: TrajectoryResult, verdict: Verdict) -> dict[str, Any]:
         },
         "moment": result.moment,
         "lines": [_line(line) for line in result.lines],
-        "heading": asdict(result.heading),
+        "heading": {
+            "start_sigma_rad": result.heading.start_sigma_rad,
+            "best_sigma_rad": result.heading.best_sigma_rad,
+            "end_sigma_rad": result.heading.end_sigma_rad,
+            "observable_s": result.heading.observable_s,
+            "text": result.heading.in_words(),
+        },
         "swath": asdict(result.swath) if result.swath else None,
         "verdict": verdict_json(verdict),
         "closes": verdict.closes,

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from pages import at_once
 from waiting import soon
@@ -20,10 +21,14 @@ from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.page import BudgetPage
 from app.subjects.budget.tables import requirement_table
 from app.subjects.explore.page import ExplorePage
+from app.subjects.sar.page import SarPage
+from app.subjects.sar.tables import answer as image_answer
+from app.subjects.trajectory.charts import map_chart
 from app.subjects.trajectory.page import TrajectoryPage
-from app.subjects.trajectory.tables import line_table, verdict
+from app.subjects.trajectory.tables import line_list, line_table, verdict
 from nav_model.budget import analyse
 from nav_model.design import Design
+from nav_model.sar.design_study import closed_forms
 from nav_model.trajectory.verdict import flown
 
 pytestmark = pytest.mark.long
@@ -53,13 +58,14 @@ def flights(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> list[Design]
 
 
 def _tones(session: Session) -> set[str]:
-    """What is said in green or red of the design: by the strip, the tiles, the table, the switch and Close it."""
+    """What is said in green or red of the design: by the strip, the tiles, the table, the switch and two pages."""
     figures = key_figures(session.budget, last=session.last_flown)
     table = requirement_table(session.budget)
     close = ExplorePage(session)
     tones = {
         verdict_strip(session.budget).tone,
         next(iter(close._strip._view.css_classes)),
+        image_answer(session.budget, closed_forms(session.budget), None).tone,
         *(mark for mark in ("✓", "✗") if any(mark in word for word in verdicts_in_short(session.budget))),
         *(f"tile {figure.state}" for figure in figures.items if figure.label == "Heading"),
         *(f"row {row[4].text}" for row in table.rows if row[0].text == "Heading"),
@@ -131,6 +137,22 @@ async def test_verdict_and_page_share_one_flight_and_a_design_that_has_gone_give
     session.close()
 
 
+async def test_the_page_image_has_the_verdict_and_says_whose_phase_its_advice_has(flights: list[Design]) -> None:
+    session = Session(_tactical(requirements__heading=_HEADING))
+    page = SarPage(session)
+    text, tones = page._strip._text, page._strip._view
+    assert tones.css_classes == ["open"]
+    assert "The flight is being computed." in text.object
+    await session.with_flight()
+    page.show_verdict(session.budget)
+    (phase,) = (check for check in session.budget.verdict.checks if check.name == "detrended_phase")
+    assert tones.css_classes == ["bad"]
+    assert "Heading on line 1 " in text.object
+    value = f"{math.degrees(phase.value):.3g}°"
+    assert f"Detrended phase on {phase.judged} {value}, limit 20°." in text.object.replace("\xa0", " ")
+    assert "On a straight leg: " in text.object
+
+
 async def test_a_plan_that_cannot_be_flown_stays_open_and_says_why(flights: list[Design]) -> None:
     session = Session(_tactical(requirements__heading=_HEADING, trajectory__ground=50000.0))
     budget = await session.with_flight()
@@ -162,6 +184,7 @@ async def test_no_page_is_green_beside_a_red_one(flights: list[Design], changes:
     answers = {
         "budget": verdict_strip(budget),
         "flight": verdict(page.run.result),
+        "image": image_answer(budget, closed_forms(budget), None),
         "command": verdict_strip(flown(analyse(session.design))),
     }
     assert len({(answer.word, answer.tone) for answer in answers.values()}) == 1, answers
@@ -180,6 +203,10 @@ async def test_a_flight_is_told_at_the_confidence_of_the_design(flights: list[De
     worst = 2 * math.degrees(followed.result.lines[0].worst["detrended_phase"])
     assert float(row[3].text.removesuffix("°")) == pytest.approx(worst, rel=5e-3)
     assert row[4].text == "20°"  # as it was typed
+    heading = 2 * np.degrees(followed.result.real_time.attitude[:, 2])
+    assert (
+        f"{heading.min():.3g}° at best, {heading[-1]:.3g}° at the end." in line_list(followed, "detrended_phase").note
+    )
 
 
 async def test_a_study_is_not_the_verdict(flights: list[Design]) -> None:
@@ -193,6 +220,12 @@ async def test_a_study_is_not_the_verdict(flights: list[Design]) -> None:
     assert "A filter of 21 states is not the design" in text
     assert page._strip._view.css_classes == ["open"]
     assert session.budget.verdict.state == "fails"
+    study, design = page.run.result, session.flight.run.result
+    for followed, judged in ((study, False), (design, True)):
+        tables = line_list(followed, "heading"), line_table(followed, "heading")
+        tones = {cell.tone for table in tables for row in table.rows for cell in row} & {"good", "bad"}
+        drawn = {line.style for line in map_chart(followed).lines if np.isfinite(line.y).any()}
+        assert (tones == {"good", "bad"}, "does not close" in drawn) == (judged, judged)
 
 
 async def test_a_report_waits_for_the_flight(flights: list[Design], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -229,9 +262,10 @@ def test_a_limit_with_a_time_is_one_on_the_outage_and_a_refused_one_greys_the_st
     assert page._strip._view.css_classes != ["open"]
     page._limits.put([row | {"on": "detrended_phase", "limit": "3°", "at": "30 s"}])
     assert "is not an outage figure" in page._limits.refused
-    budget = BudgetPage(session)
-    budget.show(session.budget)
-    for strip in (page._strip, budget._strip):
+    budget, image = BudgetPage(session), SarPage(session)
+    for each in (budget, image):
+        each.show(session.budget)
+    for strip in (page._strip, budget._strip, image._strip):
         assert strip._view.css_classes == ["open"]
         assert "1 limit is invalid: last valid values used." in strip._text.object
     session.undo()

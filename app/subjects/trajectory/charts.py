@@ -117,15 +117,15 @@ def _line_spans(followed: Followed | None) -> tuple[Span, ...]:
     for number, line in enumerate(followed.result.lines, 1):
         share = (line.stop_s - line.start_s) / whole
         label = line.name if share > _ROOM_FOR_A_NAME * len(line.name) else str(number) if share > 0.015 else ""
-        spans.append(Span(f"line {number}", label, line.start_s, line.stop_s, _verdict_style(line)))
+        spans.append(Span(f"line {number}", label, line.start_s, line.stop_s, _verdict_style(followed, line)))
     return tuple(spans)
 
 
-def _verdict_style(line: LineResult) -> str:
-    """Green or red by the line's verdict; without a limit neither."""
-    if line.closes:
-        return "closes" if line.limits else "path"
-    return "does not close"
+def _verdict_style(followed: Followed, line: LineResult) -> str:
+    """Green or red by the line's verdict; neither without a limit, or on a flight that is not the design's."""
+    if followed.study or (line.closes and not line.limits):
+        return "path"
+    return "closes" if line.closes else "does not close"
 
 
 def map_chart(followed: Followed) -> Chart:
@@ -136,9 +136,9 @@ def map_chart(followed: Followed) -> Chart:
     drawn = {style: off.copy() for style in ("closes", "does not close", "path")}
     for line in result.lines:
         on = (result.time_s >= line.start_s - 1e-9) & (result.time_s <= line.stop_s + 1e-9)
-        drawn[_verdict_style(line)][on] = north[on]
+        drawn[_verdict_style(followed, line)][on] = north[on]
     middles = np.array([(line.start_s + line.stop_s) / 2 for line in result.lines if result.spec.lines])
-    labels = {"closes": "within the limits", "does not close": "beyond a limit", "path": "no limit"}
+    labels = {"closes": "within the limits", "does not close": "beyond a limit", "path": "not judged"}
     on_lines = np.where(np.isnan([*drawn.values()]).all(axis=0), np.nan, 0.0)
     return Chart(
         key="trajectory-map",

@@ -10,7 +10,7 @@ import numpy as np
 from app.document.blocks import Answer, Cell, Row, TableBlock, numbers, table
 from app.document.numbers import NONE, percent
 from app.document.verdict import SAID, verdict_along
-from app.subjects.trajectory.figures import FIGURES, show_value, spread_of
+from app.subjects.trajectory.figures import FIGURES, factor, show_value, spread_of
 from app.work.flight import Followed
 from nav_model.base.units import time_in_words
 from nav_model.design.figures import figure_in_sentence
@@ -103,13 +103,20 @@ def line_list(followed: Followed, name: str) -> TableBlock:
             NONE if worst is None else show_value(followed.design, figure.name, worst, like=limit),
             NONE if limit is None else show_value(followed.design, figure.name, limit, given=True),
         )
-        rows.append((label, Cell(sign, tone=tone), *texts, *([length or NONE] if any(lengths) else [])))
+        rows.append(
+            (
+                label,
+                Cell(sign, tone="" if followed.study else tone),
+                *texts,
+                *([length or NONE] if any(lengths) else []),
+            )
+        )
     return table(
         "trajectory-verdicts",
         f"Verdict by line, {result.spec.processing}, {spread_of(followed.design)}",
         ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit"), *(["Length"] if any(lengths) else [])),
         rows,
-        f"{result.heading.text} {_swath(result)}".strip(),
+        f"{result.heading.in_words(factor(followed.design, 'heading'))} {_swath(result)}".strip(),
     )
 
 
@@ -145,7 +152,7 @@ def line_table(followed: Followed, name: str) -> TableBlock:
             if within is not None:
                 sign, tone = ("✗", "bad") if figure.name in line.failing else ("✓", "good")
                 limit = show_value(followed.design, figure.name, line.limits[figure.name], given=True)
-                limited = limit, Cell(percent(within), sign, tone)
+                limited = limit, Cell(percent(within), sign, "" if followed.study else tone)
             values = (part.get(figure.name) for part in (line.first, line.mean, line.worst))
             like = line.limits.get(figure.name)
             texts = (

@@ -233,7 +233,7 @@ def test_a_heading_that_swings_is_no_turn() -> None:
     for kind in ("wandering", "turns"):
         flown = replace(named_flight(case, kind), attitude_wander=math.radians(3.0))
         study = specification(case, trajectory=flown, runs=1, duration=250.0, outages=[(0.0, 249.0)])
-        texts[kind] = covariance(covariance_specification(case, study)).heading.text
+        texts[kind] = covariance(covariance_specification(case, study)).heading.in_words()
     assert "lacks a turn of 90°" in texts["wandering"]
     assert "lacks sharper turns" in texts["turns"]
 

@@ -106,7 +106,7 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
     for row, line in zip(listed.rows, followed.result.lines, strict=True):
         assert [cell.text for cell in row][:2] == [line.name, "✗\u00a0fails"]
         assert row[2].text.startswith("Detrended phase over 20° all along the line; worst ")
-    assert listed.note == followed.result.heading.text
+    assert listed.note == followed.result.heading.in_words()
 
 
 def test_the_page_solves_how_long_lines_may_be_when_asked_and_forgets_it_with_the_next_design(
