@@ -5,6 +5,7 @@ from app.document.display import AS_REQUIRED, Display
 from app.document.numbers import show
 from app.document.verdict import check_words, displayed_check, where_judged
 from app.document.wording import MOMENTS
+from app.subjects.budget.tables import PARTS, parted
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.budget import Budget
 from nav_model.budget.navigation import steady_marks
@@ -96,7 +97,13 @@ def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> 
         # The quadratic phase is what autofocus has not taken yet.
         before = ", before autofocus" if "quadratic" in figure.name and budget.sar.autofocus_order > 1 else ""
         removed = "rms after a line is removed, " if figure.name == "detrended_phase" else ""
-        return f"{removed}{display.show(sight, 'length')} along the line of sight, {how}{before}"
+        whole = f"{removed}{display.show(sight, 'length')} along the line of sight, {how}{before}"
+        if not parted(figure.name):
+            return whole
+        across, along = (
+            display.show(budget.figure(f"{part}_{figure.name}").sigma, figure.dimension) for part in PARTS
+        )
+        return f"{whole}; along the line of sight {across}, along the track {along}"
     return f"{spread}, {how}"
 
 

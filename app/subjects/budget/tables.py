@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.document.blocks import Row, TableBlock, Text, numbers, table
+from app.document.blocks import Cell, Row, TableBlock, Text, numbers, table
 from app.document.display import ONE_SIGMA, Display
 from app.document.numbers import NONE, decibels, degrees, millimetres, number, percent, show, show_in
 from app.document.verdict import SAID, check_words, closes_cell, met_cell
@@ -29,6 +29,11 @@ CONTRIBUTORS_ENTER = (
 """Sentence on how the design's own contributors enter its figures."""
 _OF_LEG = " Values are those of a straight leg; the verdict is that of the flight."
 _FRACTIONS = (0.0, 0.1, 0.2, 0.5, 1.0)  # of the outage, in its table
+
+
+def parted(name: str) -> bool:
+    """True for a phase of the whole image, which has `PARTS`."""
+    return all(f"{part}_{name}" in FIGURES for part in PARTS)
 
 
 def requirement_table(budget: Budget, key: str = "d") -> TableBlock | Text:
@@ -65,6 +70,15 @@ def processing_table(budget: Budget, key: str = "budget") -> TableBlock:
         figure, both = FIGURES[name], (budget[name, processing] for processing in (REAL_TIME, POST_PROCESSED))
         return figure.label, *(f"{show(sigma.sigma, figure.dimension)} {sigma.mark}" for sigma in both)
 
+    def parts(name: str) -> Row:
+        """The two parts of a phase under the whole, in one quiet line."""
+
+        def value(part: str, processing: str) -> str:
+            return show(budget[f"{part}_{name}", processing].sigma, FIGURES[name].dimension)
+
+        texts = (" · ".join(value(part, mode) for part in PARTS) for mode in (REAL_TIME, POST_PROCESSED))
+        return tuple(Cell(text, tone="quiet") for text in (" · ".join(PARTS.values()), *texts))
+
     closes = {
         verdict.processing: closes_cell(verdict)
         for verdict in (budget.verdict, budget.other_verdict)
@@ -77,10 +91,10 @@ def processing_table(budget: Budget, key: str = "budget") -> TableBlock:
         (("Quantity", 1.5), *numbers("Real time", "Post-processed")),
         (
             *answers,
-            *map(row, names),
+            *(line for name in names for line in (row(name), *([parts(name)] if parted(name) else []))),
         ),
         "Real time: a free INS from the last fix. Post-processed: a smoother with the fixes before, in and after the "
-        "aperture [P-3]. CE90, LE90: 90 % values. "
+        "aperture [P-3]. CE90, LE90: 90 % values. Parts of a phase need not add up to the whole. "
         f"Requirements are checked for {budget.verdict.processing}.{_OF_LEG if flies(budget.design) else ''}",
     )
 

@@ -32,8 +32,9 @@ from app.subjects.budget.vendor import VendorPanel, vendor_block
 from nav_model.budget import Budget, analyse
 from nav_model.budget.provenance import cautions
 from nav_model.design import Design
-from nav_model.design.figures import FIGURES, REQUIRED, of_kind
+from nav_model.design.figures import FIGURES, REQUIRED, label_of, of_kind
 from nav_model.design.other_filters import noise_for
+from nav_model.design.processing import REAL_TIME
 from nav_model.design.user_entries import read_entries
 
 _FACTOR = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "mm/s": 1e-3, "cm/s": 1e-2, "m/s": 1.0,
@@ -61,9 +62,30 @@ def test_every_limited_figure_that_post_processing_changes_is_in_the_table_of_bo
         name: [mems[name, processing].sigma for processing in ("real time", "post-processed")] for name in REQUIRED
     }
     changed_ones = {FIGURES[name].label: sigmas for name, sigmas in both.items() if sigmas[0] != sigmas[1]}
+    rows = [row for row in rows if row[0].tone != "quiet"]  # parts of a phase
     assert [row[0].text for row in rows] == list(changed_ones)
     for row, sigmas in zip(rows, changed_ones.values(), strict=True):
         assert [si(cell.text.partition(" [")[0]) for cell in row[1:]] == pytest.approx(sigmas, rel=5e-3)
+
+
+def test_parts_of_a_phase_are_told_quietly_under_the_whole_and_need_not_add_up() -> None:
+    budget = analyse(example("mems_x_band").replace({"flight.speed": 180.0}))
+    rows = processing_table(budget).rows
+    for name, parts in (("quadratic_phase", (41.4, 41.3)), ("cubic_phase", None), ("detrended_phase", None)):
+        label = label_of(name)
+        place = next(place for place, row in enumerate(rows) if row[0].text == label)
+        under = rows[place + 1]
+        assert under[0].text == "line of sight · along-track"
+        assert {cell.tone for cell in under} == {"quiet"}
+        known = [math.degrees(budget[f"{part}_{name}", REAL_TIME].sigma) for part in ("line_of_sight", "along_track")]
+        assert [float(text.removesuffix("°")) for text in under[1].text.split(" · ")] == pytest.approx(
+            known, rel=6e-3
+        )
+        if parts:
+            assert known == pytest.approx(parts, abs=0.05)
+            (tile,) = (item for item in key_figures(budget).items if item.label == label)
+            assert tile.value == "56.9°"  # less than 58.4°, the sum of squares
+            assert tile.detail.endswith("; along the line of sight 41.4°, along the track 41.3°")
 
 
 def test_key_figures_say_their_limits_and_whether_they_keep_them(mems: Budget) -> None:
