@@ -78,7 +78,9 @@ def compare(design: Design) -> None:
     result = flown(design)
     middle, length, interval = 1, design.radar.aperture_time, design.gnss.interval
     begin = math.floor((result.time_s[middle] - length / 2) / interval + 1e-9) * interval
-    waiting = {"processing.mode": "post-processed", "processing.leg_after": result.time_s[-1] - begin - length}
+    # The flight goes on for the smoother after its last result.
+    end = result.time_s[-1] + result.spec.flown_further
+    waiting = {"processing.mode": "post-processed", "processing.leg_after": end - begin - length}
     smoothed = analyse(design.replace(waiting)).verdict.checks
     # In real time the aperture begins just after a fix; the budget's own figures begin at the average between fixes.
     free = RealTime(inputs_of(design))
