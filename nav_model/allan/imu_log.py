@@ -42,7 +42,8 @@ class ImuLog:
     axis. `rates` has the rate of a sensor that is sampled otherwise, and `breaks` the first sample after each gap in
     it, both by "gyro" or "accelerometer".
 
-    `temperature_c` is (samples,) or None; `reading` says how file, columns, units and rate were understood.
+    `temperature_c` is (samples,) or None; `reading` says how file, columns, units and rate were understood;
+    `rows_of_time` rows share each time stamp.
     """
 
     gyro: Array | None
@@ -56,6 +57,7 @@ class ImuLog:
     accelerometer_axis: int = 0
     rates: Mapping[str, float] = field(default_factory=dict)
     breaks: Mapping[str, Rows] = field(default_factory=dict)
+    rows_of_time: int = 1
 
     @property
     def samples(self) -> int:

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.allan.log_names import COUNTS, SENSORS, Meaning, meaning_of, meanings_of
-from nav_model.base.errors import InputError
+from nav_model.allan.log_names import COUNTS, SENSORS, Meaning, meaning_of, meanings_of, names_sensors
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.text.file_kind import KINDS, kind_of
 from nav_model.base.text.npz_arrays import read_npz_arrays
 from nav_model.base.text.number_table import NumberTable, open_table
@@ -25,6 +25,9 @@ _RATE_WORDS = re.compile(
     r"rate|frequency|freq|fs|at|of|the|is|was|k?hz|sps)(?![a-z])[\s:=_,;()\[\]]*)+([0-9.]+(?:e[-+]?\d+)?)\s*(k?hz|sps)?[\s.,;]*"
 )
 _LONGEST_COMMENT = 200
+_MOST_SENSORS = 16  # in one table; a column with more values counts something else
+_LONGEST_NAME = 60  # of a sensor
+_LEAST_SHARE = 0.02  # of the rows; what is rarer is no sensor's number
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,8 @@ class LogOptions:
 
     `rate_hz`; `gyro_unit`, `accelerometer_unit`: a unit ("deg/s"), a unit per count ("0.05 deg/s") or an
     increment ("rad", "m/s"); `columns`: names of a table's columns in order ("time", "gyro_x", ..., "-" to
-    ignore one); `arrays`: role -> array name of an NPZ archive, for archives with several candidates.
+    ignore one); `arrays`: role -> array name of an NPZ archive, for archives with several candidates; `sensor`: the
+    one of several in a table, as the column that numbers or names them has it.
     """
 
     rate_hz: float | None = None
@@ -50,6 +54,7 @@ class LogOptions:
     accelerometer_unit: str | None = None
     columns: Sequence[str] | None = None
     arrays: Mapping[str, str] | None = None
+    sensor: str | None = None
 
     def unit(self, role: str) -> str | None:
         """The unit that is given for a sensor."""
@@ -66,7 +71,8 @@ class LogColumn(NamedTuple):
 
 class LogContent(NamedTuple):
     """Columns of a file that mean something and the names of the others; what else it states: scales per count, rate;
-    where in the file a row is; whether its last line ends too early; columns without any number."""
+    where in the file a row is; whether its last line ends too early; columns without any number; how the sensor was
+    chosen where the file has several."""
 
     columns: list[LogColumn]
     others: list[str]
@@ -75,6 +81,7 @@ class LogContent(NamedTuple):
     place: Callable[[int], str]
     cut: bool = False
     empty: Sequence[LogColumn] = ()
+    choice: str = ""
 
     def of(self, role: str) -> list[LogColumn]:
         """The columns of a sensor, of times or of temperatures."""
@@ -104,7 +111,8 @@ def read_content(content: bytes, name: str, options: LogOptions, limits: Limits)
     Raises
     ------
     InputError
-        Under `name`, "columns" or "arrays".
+        Under `name`, "columns" or "arrays"; under "sensor", with the choices as its value, where a file has rows of
+        several sensors and none of them is chosen.
     """
     kind = kind_of(content)
     if kind is None and options.arrays:
@@ -127,13 +135,59 @@ def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -
     names, meanings = _named(table, options.columns)
     known = {place: meaning for place, meaning in enumerate(meanings) if meaning is not None}
     times = [place for place, meaning in known.items() if meaning.role == "time"]
-    read = table.columns([*known], limits.rows, limits.unpacked_bytes, times)
+    # Rows of several sensors are never read as one.
+    telling = [place for place, label in enumerate(names) if place not in known and names_sensors(label)]
+    tallies = dict(zip(telling, table.tally(telling, _MOST_SENSORS), strict=True)) if telling else {}
+    place, sensor, choice = _sensor({place: (names[place], tally) for place, tally in tallies.items()}, options)
+    only = None if place is None else (place, sensor)
+    read = table.columns([*known], limits.rows, limits.unpacked_bytes, times, only)
     columns = [
         LogColumn(names[place], known[place], values) for place, values in zip(known, read.values.T, strict=True)
     ]
-    others = [label for place, label in enumerate(names) if place not in known and label.strip(" -")]
-    lines = read.lines
-    return LogContent(columns, others, {}, _rate_of(table.comments), lambda row: f"line {lines[row]}", read.cut)
+    used = {*known, place}
+    others = [label for at, label in enumerate(names) if at not in used and label.strip(" -")]
+    lines, rate_hz = read.lines, _rate_of(table.comments)
+    return LogContent(columns, others, {}, rate_hz, lambda row: f"line {lines[row]}", read.cut, choice=choice)
+
+
+def _sensor(tallies: Mapping[Any, tuple[str, Mapping[str, int]]], options: LogOptions) -> tuple[Any, str, str]:
+    """The column that tells sensors apart, the text that it has in rows of the chosen one, and this in words.
+
+    Parameters
+    ----------
+    tallies : mapping
+        Of each column that may tell them apart: its name, and its texts with the rows that have each.
+    options : LogOptions
+        Statements of the user.
+
+    Returns
+    -------
+    tuple
+        None and empty texts where the file has one sensor.
+
+    Raises
+    ------
+    InputError
+        Under "sensor": there are several and none is chosen, or one that is not there.
+    """
+    for place, (label, tally) in tallies.items():
+        rows = sum(tally.values())
+        sensors = sorted(t for t, count in tally.items() if count >= _LEAST_SHARE * rows and len(t) <= _LONGEST_NAME)
+        if len(sensors) < 2:
+            continue
+        each = f"{', '.join(sensors[:-1])} and {sensors[-1]}"
+        if options.sensor is None:
+            reason = f"The column {quoted(label)} tells {len(sensors)} sensors apart: {each}. Choose one of them."
+            raise InputError("sensor", reason, tuple(sensors))
+        chosen = next((text for text in sensors if _same(text, options.sensor)), None)
+        if chosen is None:
+            reason = f"{options.sensor!r} is not in the column {quoted(label)}, which has {each}."
+            raise InputError("sensor", reason, tuple(sensors))
+        return place, chosen, f"rows with {chosen} under {label}, which has {each}"
+    if options.sensor is not None:
+        reason = f"{options.sensor!r} is given, but no column of the file tells several sensors apart."
+        raise InputError("sensor", reason, options.sensor)
+    return None, "", ""
 
 
 def _named(table: NumberTable, given: Sequence[str] | None) -> tuple[Sequence[str], list[Meaning | None]]:
@@ -145,8 +199,10 @@ def _named(table: NumberTable, given: Sequence[str] | None) -> tuple[Sequence[st
             raise InputError(name, f"{len(given)} column names are given, but the file has {width} columns.")
         meanings = meanings_of(given)
         for label, meaning in zip(given, meanings, strict=True):
-            if meaning is None and label != IGNORED:
-                allowed = f"time, gyro_x .. gyro_z, accelerometer_x .. accelerometer_z, temperature, {IGNORED}"
+            if meaning is None and label != IGNORED and not names_sensors(label):
+                allowed = (
+                    f"time, gyro_x .. gyro_z, accelerometer_x .. accelerometer_z, temperature, sensor, {IGNORED}"
+                )
                 raise InputError(name, f"column name {label!r} is not understood; allowed: {allowed}")
         return given, meanings
     if not table.headers:
@@ -197,8 +253,38 @@ def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) ->
         for label, i in product(sixes[:1], range(6)):
             columns.append(LogColumn(label, Meaning(SENSORS[i // 3], i % 3, unit), arrays[label][:, i]))
     used = {column.label for column in columns}
-    others = [label for label, array in arrays.items() if array.size > 1 and label not in used]
-    return LogContent(columns, others, count_units, rate_hz, lambda row: f"sample {row}")
+    rows = {len(column.values) for column in columns}
+    telling = {
+        label: (label, tally) for label, array in arrays.items()
+        if label not in used and names_sensors(label) and array.ndim == 1 and {array.size} == rows
+        and (tally := _tally(array))
+    }  # fmt: skip
+    at, sensor, choice = _sensor(telling, options)
+    of_sensor = np.arange(0)
+    if choice:
+        of_sensor = np.flatnonzero([f"{value:g}" == sensor for value in arrays[at]])
+        columns = [column._replace(values=column.values[of_sensor]) for column in columns]
+    others = [label for label, array in arrays.items() if array.size > 1 and label not in used | {at}]
+
+    def place(row: int) -> str:
+        return f"sample {of_sensor[row] if choice else row}"
+
+    return LogContent(columns, others, count_units, rate_hz, place, choice=choice)
+
+
+def _same(text: str, other: str) -> bool:
+    """True for equal texts, or equal numbers however they are written."""
+    try:
+        return text == other or float(text) == float(other)
+    except ValueError:
+        return False
+
+
+def _tally(array: NDArray[Any]) -> dict[str, int]:
+    """Values of an array and how often each is there; nothing of one with more than sensors in a file."""
+    values, counts = np.unique(array, return_counts=True)
+    few = len(values) <= _MOST_SENSORS
+    return {f"{value:g}": int(count) for value, count in zip(values, counts, strict=True)} if few else {}
 
 
 def _scalars(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, str], float | None]:

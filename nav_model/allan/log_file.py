@@ -24,6 +24,9 @@ _LIKELY_RATES = (5.0, 2e4)  # Hz, of a log whose stamps have no unit
 _LARGEST = 1e9  # rad/s or m/s²: no sensor measures more, and its square would overflow
 _LEAST_FORCE = 0.5  # of gravity
 _JITTER = 0.02  # of an interval; less is not worth a word
+_SAME_TIME = 0.02  # of an interval
+_MOST_ROWS = 16  # of one time; more are stamps in whole seconds
+_USUAL_SHARE = 0.9
 _EXAMPLES = {
     "rate": "100 Hz",
     "gyro_unit": "deg/s, rad/s, increments in rad, or 0.05 deg/s per count",
@@ -33,7 +36,7 @@ _EXAMPLES = {
 
 class _Clock(NamedTuple):
     """Rate of the rows, their breaks, samples lost and jitter; the stamps [s], NaN where a row has none, None where
-    rows follow each other at a stated rate; the column, and how its unit was read."""
+    rows follow each other at a stated rate; the column, and how its unit was read; rows that share each stamp."""
 
     rate_hz: float
     breaks: Rows = NO_BREAKS
@@ -42,6 +45,7 @@ class _Clock(NamedTuple):
     stamps: Array | None = None
     label: str = ""
     reading: str = ""
+    rows: int = 1
 
 
 class _Signal(NamedTuple):
@@ -79,7 +83,8 @@ def read_log(
     Raises
     ------
     InputError
-        Under the name of the file, with row or array, what was found and what is allowed; under "rate", "gyro_unit"
+        Under the name of the file, with row or array, what was found and what is allowed; under "sensor", with the
+        choices, where it has rows of several sensors and none is chosen; under "rate", "gyro_unit"
         and "accelerometer_unit", or those of them together with commas, where the file does not say them or has no
         such sensor.
     """
@@ -98,6 +103,7 @@ def read_log(
     reader.check_complete()
     signals = reader.signals()
     rate_hz = max(signal.rate_hz for signal in signals.values())
+    notes += [content.choice] if content.choice else []
     if content.others:
         notes.append(f"not used: {listed(content.others)}")
     if content.cut:
@@ -112,18 +118,21 @@ def read_log(
         reading=tuple(dict.fromkeys(notes)),
         rates={role: signal.rate_hz for role, signal in signals.items() if signal.rate_hz != rate_hz},
         breaks={role: signal.breaks for role, signal in signals.items() if len(signal.breaks)},
+        rows_of_time=reader.rows_of_time,
         **{f"{role}_axis": content.of(role)[0].meaning.axis or 0 for role in signals},
     )
 
 
 @dataclass
 class _Reader:
-    """One log: the name of its file, what the user states, what the file holds, and how that is understood."""
+    """One log: the name of its file, what the user states, what the file holds, how that is understood, and how many
+    rows of the sensors share each time."""
 
     name: str
     options: LogOptions
     content: LogContent
     notes: list[str]
+    rows_of_time: int = 1
 
     def refuse(self, reason: str) -> InputError:
         """The error for the file."""
@@ -193,7 +202,10 @@ class _Reader:
             reading = "" if unit == "s" else f", taken as {unit}"
         size = scale_of("time", unit).factor
         rate, jitter = 1.0 / (sampling.interval_s * size), sampling.jitter_s * size
-        return _Clock(rate, sampling.breaks, sampling.lost, jitter, values * size, column.label, reading)
+        rows_of_time = _rows_of_time(stamped)
+        return _Clock(
+            rate, sampling.breaks, sampling.lost, jitter, values * size, column.label, reading, rows_of_time
+        )
 
     def signals(self) -> dict[str, _Signal]:
         """The sensors of the log."""
@@ -205,6 +217,12 @@ class _Reader:
             samples = " and ".join(map(str, sorted(lengths)))
             raise self.refuse(f"The sensors have {samples} samples. Give all alike.")
         signals = {role: self.signal(role, clock) for role in SENSORS if content.of(role)}
+        # Not where the rows of one time hold the same value, or one of the sensors each.
+        if clock.rows > 1 and any(
+            2.0 * signal.rate_hz > (2.0 - RATE_TOLERANCE) * clock.rate_hz for signal in signals.values()
+        ):
+            self.rows_of_time = clock.rows
+            self.notes.append(f"each time is on {clock.rows} rows")
         if (alpha := signals.get("accelerometer")) and content.of("accelerometer")[0].label.startswith("alpha"):
             force = float(np.linalg.norm(alpha.values.mean(axis=0)))
             if force < _LEAST_FORCE * STANDARD_GRAVITY:
@@ -299,6 +317,15 @@ def _joined(columns: list[LogColumn]) -> list[LogColumn]:
         return columns
     seconds = LogColumn(f"{whole.label} and {part.label}", whole.meaning, whole.values + 1e-9 * part.values)
     return [seconds, *(column for column in columns if column is not whole and column is not part)]
+
+
+def _rows_of_time(stamps: Array) -> int:
+    """Rows that share each stamp, or all but share it, where nearly all stamps are on the same number; else 1."""
+    steps = np.diff(stamps)
+    apart = steps > _SAME_TIME * (stamps[-1] - stamps[0]) / len(steps)
+    runs = np.diff(np.flatnonzero(np.concatenate([[True], apart, [True]])))
+    usual = int(np.median(runs))
+    return usual if 1 < usual <= _MOST_ROWS and np.mean(runs == usual) > _USUAL_SHARE else 1
 
 
 def _time_unit(label: str, stamps: Array, interval: float, rate_hz: float | None) -> str:

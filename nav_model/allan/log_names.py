@@ -48,6 +48,7 @@ _OFFERED: Final = {
     "accelerometer": ("m/s2", "g", "mg", "ug", "m/s", "mm/s", "g s", "ug s"),
 }
 _ROLES: Final = vocabulary("log")
+_ONE_OF_SEVERAL: Final = {key: frozenset(words.split()) for key, words in TABLES["one_of_several"].items()}
 _NEUTRAL: Final = TABLES["passed_over"]["log"].split()
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
 _AXIS: Final = re.compile("([xyzpqr])(?:[ _]?(?:rot|rate))?")
@@ -72,6 +73,13 @@ def scale_of(role: str, unit: str) -> ColumnScale:
     allowed = ", ".join(_OFFERED.get(role, ("s", "ms", "us", "ns")))
     reason = f"{unit!r} is not understood; allowed: {allowed}, or a number and one of these per count"
     raise InputError(f"{role}_unit", reason, unit)
+
+
+def names_sensors(name: str) -> bool:
+    """True for the name of a column that numbers or names the sensor that a row is of, such as "imu_id" or "I"."""
+    words = {*_words(name)}
+    allowed = _ONE_OF_SEVERAL["words"]
+    return bool(words & allowed) and words <= allowed | _ONE_OF_SEVERAL["beside"]
 
 
 def meanings_of(names: Sequence[str]) -> list[Meaning | None]:

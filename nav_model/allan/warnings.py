@@ -45,8 +45,13 @@ def saturated_share(signal: Array) -> float:
 
 
 def log_warnings(log: ImuLog) -> tuple[str, ...]:
-    """Warnings that concern the log as a whole: units and standstill, from the means."""
+    """Warnings that concern the log as a whole: units and standstill, from the means, and stamps that repeat."""
     warnings = []
+    if log.rows_of_time > 1:
+        warnings.append(
+            f"each time is on {log.rows_of_time} rows: if they are of {log.rows_of_time} sensors, the values are of "
+            "none of them; give a column that numbers the sensors, or a log of one; or the stamps are coarse"
+        )
     if log.accelerometer is not None and log.accelerometer.shape[1] == 3:
         force = float(np.linalg.norm(log.accelerometer.mean(axis=0)))
         if abs(force / STANDARD_GRAVITY - 1.0) > _GRAVITY_TOLERANCE:

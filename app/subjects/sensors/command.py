@@ -22,6 +22,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--accelerometer-unit", metavar="UNIT", help='"m/s2", "g", "m/s", or "0.00333 g" per count')
     parser.add_argument("--columns", metavar="NAME,...", help="columns of a CSV in order; use - to skip one")
     parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="arrays of an NPZ, e.g. gyro=w,accelerometer=f")
+    parser.add_argument("--sensor", metavar="VALUE", help="the one of several in a table, as the column has it")
     parser.add_argument("--motion", action="store_true", help="log recorded in motion: effective noise, no fit")
     parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')
     parser.add_argument("--bench-vrw", metavar="QUANTITY", help='velocity random walk at rest, "0.03 m/s/√h"')
@@ -51,7 +52,7 @@ def _allan(options: argparse.Namespace) -> int:
     piped = options.log == "-"
     source = sys.stdin.buffer.read(Limits().file_bytes + 1) if piped else options.log
     log_options = read_options(
-        options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays
+        options.rate, options.gyro_unit, options.accelerometer_unit, options.columns, options.arrays, options.sensor
     )
     bench = BenchNoise(
         _bench("--bench-arw", "imu.angle_random_walk", options.bench_arw),

@@ -68,6 +68,7 @@ _BOXES = {
     "accelerometer_unit": ("Accelerometer unit", "only if not in the file", 170),
     "columns": ("Columns of a CSV, in order", "time, gyro_x, …; use - to skip one", 240),
     "arrays": ("Arrays of an NPZ", "gyro=w, accelerometer=f", 220),
+    "sensor": ("Sensor", "one of several in the file", 185),
 }
 
 _OF = {"gyro_unit": "gyro", "accelerometer_unit": "accelerometer"}
@@ -91,6 +92,8 @@ class LogPanel(pn.viewable.Viewer):
         self._log = UploadedFile()
         self._path: Path | None = None
         self.boxes = {key: _unit_box(key) if key in _OF else pmui.TextInput(**_look(*_BOXES[key])) for key in _BOXES}
+        # There once a file has several.
+        self.boxes["sensor"] = pmui.Select(options=[""], value="", visible=False, **_look(*_BOXES["sensor"]))
         self.counts = {
             key: pmui.TextInput(**_look(f"{of.capitalize()} count", "its size, if in counts", 185))
             for key, of in _OF.items()
@@ -134,6 +137,7 @@ class LogPanel(pn.viewable.Viewer):
             self._say(f"Not uploaded: {error.reason}.")
             return
         self.name_of_log = name
+        self.boxes["sensor"].param.update(options=[""], value="", visible=False)
         await self.analyse()
 
     @param.depends("name_of_log", "run.running", watch=True)
@@ -177,6 +181,8 @@ class LogPanel(pn.viewable.Viewer):
         """Mark the boxes to blame, if any; the mark goes when the box is filled in, or with the next try."""
         keys = error.key.split(", ")
         blamed = [key for key in keys if key in self.boxes]
+        if "sensor" in blamed and isinstance(error.value, tuple):
+            self.boxes["sensor"].param.update(options=["", *error.value], visible=True)
         for key in blamed:
             self._mark(key, error.reason if len(keys) == 1 else "Required: the file does not give it")
         return bool(blamed)
@@ -197,7 +203,7 @@ class LogPanel(pn.viewable.Viewer):
                 rate = float(texts["rate"].lower().removesuffix("hz"))
             except ValueError as error:
                 raise InputError("rate", f"{texts['rate']!r} is not a rate. Enter for example 100 Hz.") from error
-        return read_options(rate, texts["gyro_unit"], texts["accelerometer_unit"], texts["columns"], texts["arrays"])
+        return read_options(rate, *(texts[key] for key in _BOXES if key != "rate"))
 
     def close(self) -> None:
         """End all work and delete the log when the user has left."""

@@ -15,9 +15,27 @@ Progress = Callable[[float, str], None]
 
 
 def read_options(
-    rate: float | None, gyro_unit: str | None, accelerometer_unit: str | None, columns: str | None, arrays: str | None
+    rate: float | None,
+    gyro_unit: str | None,
+    accelerometer_unit: str | None,
+    columns: str | None,
+    arrays: str | None,
+    sensor: str | None,
 ) -> LogOptions:
-    """Options as typed; `columns` is ``a,b,c`` and `arrays` ``gyro=w,accelerometer=f``; empty means not said.
+    """Options as typed; empty means not said.
+
+    Parameters
+    ----------
+    rate : float or None
+        Samples per second.
+    gyro_unit, accelerometer_unit : str or None
+        Units of the values, of an increment or of a count.
+    columns : str or None
+        Columns of a table in order, ``a,b,c``.
+    arrays : str or None
+        Arrays of an NPZ archive, ``gyro=w,accelerometer=f``.
+    sensor : str or None
+        The one of several in a table.
 
     Raises
     ------
@@ -32,9 +50,8 @@ def read_options(
         if part.strip():
             chosen[role.strip()] = name.strip()
     names = [name.strip() for name in columns.split(",")] if columns and columns.strip() else None
-    return LogOptions(
-        rate, (gyro_unit or "").strip() or None, (accelerometer_unit or "").strip() or None, names, chosen or None
-    )
+    gyro, accelerometer, one = ((text or "").strip() or None for text in (gyro_unit, accelerometer_unit, sensor))
+    return LogOptions(rate, gyro, accelerometer, names, chosen or None, one)
 
 
 def study_log(

@@ -26,6 +26,7 @@ _PIECE = 1_000_000  # characters
 _MOST_COLUMNS = 1000
 _HEAD_LINES = 200
 _SAMPLE_LINES = 50
+_TALLIED_LINES = 1000
 _LONGEST_LINE = 100_000
 _EMPTY = frozenset(("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "nat"))
 _TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2})[:.](\d\d)[:.](\d\d(?:[.,]\d*)?)")
@@ -70,7 +71,31 @@ class NumberTable:
             yield header
         yield from self.headers[:1]
 
-    def columns(self, places: Sequence[int], most_rows: int, most_bytes: int, times: Collection[int] = ()) -> Columns:
+    def tally(self, places: Sequence[int], most: int) -> list[dict[str, int]]:
+        """Texts of columns and how many rows have each; nothing of a column with more than `most` texts.
+
+        Of every million characters the first thousand lines are looked at.
+        """
+        counts = {place: Counter[str]() for place in places}
+        for piece in self._pieces():
+            lines = piece.removesuffix("\n").split("\n", _TALLIED_LINES)[:_TALLIED_LINES]
+            for place in [*counts]:
+                counts[place].update(self._texts(piece, lines, place))
+                counts[place].pop("", None)
+                if len(counts[place]) > most:
+                    del counts[place]
+            if not counts:
+                break
+        return [dict(counts.get(place, ())) for place in places]
+
+    def columns(
+        self,
+        places: Sequence[int],
+        most_rows: int,
+        most_bytes: int,
+        times: Collection[int] = (),
+        only: tuple[int, str] | None = None,
+    ) -> Columns:
         """Read columns as numbers, (rows,) each.
 
         Parameters
@@ -81,6 +106,8 @@ class NumberTable:
             Bounds of what is read: rows, and bytes of numbers.
         times : collection of int, optional
             Places of columns whose fields may be a date or a time of day, which are read as seconds.
+        only : (int, str), optional
+            A column and the text that it has in the rows that are read; others are passed over.
 
         Raises
         ------
@@ -93,17 +120,24 @@ class NumberTable:
         possible = 1 + max((self.content.count(end) for end in (b"\n", b"\r") if end in self.content), default=0)
         values = np.empty((min(allowed, possible), len(places)))
         line_of = np.empty(len(values), dtype=np.int32)
-        text = _text(self.content, self.encoding)
-        for _ in self.comments:
-            text.readline()
+        pieces = self._pieces()
         row, line, cut = 0, len(self.comments) + 1, False
-        following = self._piece(text)
+        following = next(pieces, "")
         while piece := following:
-            following = self._piece(text)
+            following = next(pieces, "")
             lines = piece.removesuffix("\n").split("\n")
-            offsets = np.arange(len(lines), dtype=np.int32)
-            block = None if piece.isspace() else self._at_once(piece, lines, places)
+            count = len(lines)
+            offsets = np.arange(count, dtype=np.int32)
+            if only:
+                offsets = np.flatnonzero(np.array(self._texts(piece, lines, only[0])) == only[1]).astype(np.int32)
+                passed, lines = lines, [lines[at] for at in offsets]
+                piece = "\n".join(lines)
+            block = None if not piece or piece.isspace() else self._at_once(piece, lines, places)
             if block is None:
+                if only:  # at their lines, between empty ones
+                    lines = [""] * count
+                    for at in offsets:
+                        lines[at] = passed[at]
                 block, offsets, cut = self._by_field(lines, line, places, times, last=not following)
             end = row + len(block)
             if end > allowed:
@@ -111,8 +145,27 @@ class NumberTable:
                 much = f"More than {most_bytes / 1e6:.0f} MB of numbers. Leave out columns."
                 raise InputError(self.file_name, many if allowed == most_rows else much)
             values[row:end], line_of[row:end] = block, line + offsets
-            row, line = end, line + len(lines)
+            row, line = end, line + count
         return Columns(values[:row], line_of[:row], cut)
+
+    def _texts(self, piece: str, lines: Sequence[str], place: int) -> list[str]:
+        """Text of a column in each line of a piece, empty where a line has none."""
+        try:
+            if '"' not in piece:
+                texts = [line.split(self.delimiter, place + 1)[place] for line in lines]
+                return [text.strip() for text in texts] if self.delimiter else texts
+        except IndexError:  # an empty line, or one that ends too early
+            pass
+        rows = (_fields(line, self.delimiter) for line in lines)
+        return [cells[place].strip() if len(cells) > place else "" for cells in rows]
+
+    def _pieces(self) -> Iterator[str]:
+        """What is below the comments, a million characters after the other."""
+        text = _text(self.content, self.encoding)
+        for _ in self.comments:
+            text.readline()
+        while piece := self._piece(text):
+            yield piece
 
     def _piece(self, text: io.TextIOWrapper) -> str:
         """The next million characters, to the end of a line."""

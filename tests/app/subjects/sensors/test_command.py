@@ -88,3 +88,15 @@ def test_columns_may_begin_with_one_that_is_skipped(tmp_path: Path, capsys: pyte
         data = reply(capsys, "allan", str(path), *columns, *units)
         assert len(data["axes"]) == 6
         assert data["provenance"]["reading"][0] == "rate 100 Hz from time"
+
+
+def test_one_of_several_sensors_is_chosen(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    lines = log(4000).decode().splitlines()
+    path = tmp_path / "dump.csv"
+    both = [f"{sensor},{line}" for line in lines[1:] for sensor in (0, 1)]
+    path.write_text("\n".join([f"I,{lines[0]}", *both]))
+    assert main(["allan", str(path), "--rate", "100"]) == 2
+    assert "--sensor: The column 'I' tells 2 sensors apart: 0 and 1. Choose one" in capsys.readouterr().err
+    data = reply(capsys, "allan", str(path), "--rate", "100", "--sensor", "1")
+    assert data["provenance"]["samples"] == 4000
+    assert data["axes"][0]["random_walk"]["value"] == pytest.approx(0.3, rel=0.05)

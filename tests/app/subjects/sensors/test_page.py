@@ -80,6 +80,26 @@ def test_the_unit_of_a_log_is_chosen_and_may_be_of_counts(sensors: SensorsPage):
     assert options.accelerometer_unit == "mg"
 
 
+def test_the_sensor_of_a_log_with_several_is_chosen(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value = "100"
+    assert not panel.boxes["sensor"].visible
+    header, *lines = log(3000).splitlines()
+    both = [name + b"," + line for line in lines for name in (b"left", b"right")]
+    asyncio.run(panel.take("both.csv", b"\n".join([b"device," + header, *both])))
+    assert panel.static.analysis is None
+    assert "tells 2 sensors apart: left and right" in panel.run.message
+    assert panel.boxes["sensor"].visible
+    assert panel.boxes["sensor"].error_state
+    assert panel.boxes["sensor"].options == ["", "left", "right"]
+    panel.boxes["sensor"].value = "right"
+    asyncio.run(panel.analyse())
+    assert panel.static.analysis.provenance.samples == 3000
+    asyncio.run(panel.take("one.csv", log(3000)))  # the next file is asked anew
+    assert not panel.boxes["sensor"].visible
+    assert panel.static.analysis.provenance.file_name == "one.csv"
+
+
 def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
