@@ -8,7 +8,6 @@ from app.document.numbers import number
 from app.document.verdict import check_quantity
 from app.document.wording import input_in_words
 from nav_model.budget import Budget
-from nav_model.budget.contributors import with_contributors
 from nav_model.budget.verdict import flown_names
 from nav_model.design import Design, Value
 from nav_model.design.declaration import in_sentence
@@ -70,11 +69,11 @@ def beyond_one(budget: Budget) -> str:
         return f"Change two inputs together, on “Trade-off map”: {names}."
     sentences = ["No two of these inputs together close it either."]
     for check in budget.straight_leg().checks:
-        parts = budget.x.contributors.entering(check.on, budget.processing)
-        alone = (check.confidence or 1.0) * with_contributors(0.0, parts)
+        figure = budget.figure(check.on)
+        alone = (check.confidence or 1.0) * figure.around(0.0).sigma
         if alone > check.limit:
             value, limit = (check_quantity(check, size) for size in (alone, check.limit))
-            names = " and ".join(part.name for part in parts)
+            names = " and ".join(part.name for part in figure.parts)
             sentences.append(f"{names} alone: {value} of {limit} for {figure_in_sentence(check.name)}.")
     return " ".join(sentences)
 

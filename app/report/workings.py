@@ -18,7 +18,7 @@ from nav_model.analytic.refined_coast import longest_rule
 from nav_model.analytic.turning import Bend, Turn
 from nav_model.aperture import phase
 from nav_model.base.traced import Traced, Workings
-from nav_model.budget.contributors import Contribution, composed, contributors_of, random_and_systematic
+from nav_model.budget.contributors import Composed, Contribution, contributors_of
 from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.real_time import RealTime
@@ -77,7 +77,7 @@ class Traces:
         rule = zip(RULE, longest_rule(), strict=True)  # the one that integrates the outage, in cells
         self.rule: Any = tuple(Traced(name, part, self.workings) for name, part in rule)
         self.x = self._inputs()
-        self.entering = contributors_of(design, self.x.wavelength, self._counted())
+        self.own = contributors_of(design, self.x.wavelength, self._counted())
         self.model = RealTime(self.x, self.rule)
         self._settled()
         self._outage()
@@ -171,15 +171,16 @@ class Traces:
     def _with(self, processing: str, on: str, of: Traced, name: str, key: str, unit: str, mark: str) -> Traced:
         """A figure with its contributors, the size of each in a cell, and the root of what is random."""
         self._of_model[processing, name] = of
-        if not (parts := self.entering.entering(on, processing)):
+        figure = self.own.composed(on, processing, of)
+        if not figure.parts:
             return of
         label, cell, prefix = label_of(name), self.workings.name, "" if processing == REAL_TIME else "smoothed_"
         self.contributors[processing, name] = sized = [
             replace(part, size=cell(f"{prefix}contributor_{n}_{key}", part.size, f"{part.name}, 1σ in {label}", unit))
-            for n, part in enumerate(parts, 1)
+            for n, part in enumerate(figure.parts, 1)
         ]
-        root, systematic = random_and_systematic(of, sized)
-        return cell(f"{prefix}root_{key}", root, f"{label}, random", unit, mark) + systematic
+        figure = replace(figure, parts=tuple(sized))
+        return cell(f"{prefix}root_{key}", figure.random, f"{label}, random", unit, mark) + figure.systematic
 
     def _channels(self, saw: Sawtooth, prefix: str, marks: tuple[str, str], *, taken: bool = False) -> Sawtooth:
         """Both channels' covariances, every element in a cell."""
@@ -373,7 +374,7 @@ class Traces:
             whole = sum(rest.values())
             shares = {source: self._constant(share / whole, taken=True) for source, share in rest.items()}
         with np.errstate(invalid="ignore", divide="ignore"):  # all of it zero
-            mixed = composed(self._of_model[key], shares, tuple(parts)).shares
+            mixed = Composed(self._of_model[key], shares, tuple(parts)).shares
         self.workings.label_steps(f"Shares in {label_of(check.name)}, {processing}")
         return cast("Mapping[str, Traced]", mixed)
 

@@ -16,7 +16,7 @@ from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice, quoted
 from nav_model.budget.contributors import as_phase
 from nav_model.budget.result import Budget
-from nav_model.budget.verdict import Check
+from nav_model.budget.verdict import Check, required
 from nav_model.design.figures import RESPONSE
 from nav_model.design.user_entries import Allotment
 from nav_model.processing.paired_echo import NOTHING
@@ -148,14 +148,9 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
 
 def _sizes(budget: Budget, check: Check) -> tuple[dict[str, float], frozenset[str]]:
     """Size of each source of a figure at the confidence of its limit, and the names of the systematic ones."""
-    parts = budget.x.contributors.entering(check.on, budget.processing)
-    systematic = frozenset(part.name for part in parts if part.systematic)
-    root = check.sigma - sum(float(part.size) for part in parts if part.systematic)
-    factor = check.confidence or 1.0
-    sizes = {
-        source: factor * (share * check.sigma if source in systematic else math.sqrt(share * root * check.sigma))
-        for source, share in check.by_sensor.items()
-    }
+    figure = budget.composed(check.on, budget.processing, required(budget.design)[check.name].at)
+    sizes = {source: (check.confidence or 1.0) * float(size) for source, size in figure.sizes.items()}
+    systematic = frozenset(part.name for part in figure.parts if part.systematic)
     return {source: size for source, size in sizes.items() if size > NOTHING}, systematic
 
 

@@ -8,6 +8,7 @@ ECSS-E-ST-60-10C, for adding the systematic one.
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ _PERSISTS_IN_OUTAGE = {f"{axis}_position": (f"coast_{axis}_position",) for axis 
 
 Shares = Mapping[str, float]
 """Source -> its share of a figure; they add up to one."""
+_NO_SHARES: Shares = FrozenMapping({})
 
 
 @dataclass(frozen=True)
@@ -41,10 +43,26 @@ class Contributors:
     in_figures: Mapping[str, tuple[Contribution, ...]] = field(default_factory=lambda: FrozenMapping({}))
     alone: Mapping[str, tuple[Contribution, ...]] = field(default_factory=lambda: FrozenMapping({}))
 
-    def entering(self, name: str, processing: str) -> tuple[Contribution, ...]:
-        """Contributions to a figure in one processing, or the contributor of that name."""
+    def composed(
+        self,
+        name: str,
+        processing: str,
+        model: Any = 0.0,
+        of_model: Mapping[str, Any] = _NO_SHARES,
+        basis: str = "",
+        mark: str = "",
+    ) -> "Composed":
+        """A figure of the model with what enters it in one processing, or the contributor of that name.
+
+        Parameters
+        ----------
+        name, processing : str
+        model, of_model, basis, mark
+            As `Composed`.
+        """
         parts = (self.in_figures if name in FIGURES else self.alone).get(name, ())
-        return tuple(part for part in parts if part.processing in (BOTH, processing))
+        entering = tuple(part for part in parts if part.processing in (BOTH, processing))
+        return Composed(model, of_model, entering, basis, mark)
 
     def __bool__(self) -> bool:
         return bool(self.in_figures)
@@ -52,19 +70,66 @@ class Contributors:
 
 @dataclass(frozen=True)
 class Composed:
-    """A figure with its contributors: 1σ in SI, the share of each source, and its size; numbers or arrays.
+    """A figure of the model with its contributors; numbers or arrays, SI.
 
-    A share is the figure's logarithmic derivative by the source's size, so that all add up to one: that in the
-    variance where nothing is systematic. ``model`` is the figure without contributors. ``basis`` says which of the
-    model's results it is (prior, refined, formula ...), ``mark`` where that comes from.
+    Attributes
+    ----------
+    model : float or array
+        The model's one sigma.
+    of_model : mapping
+        Source -> its share in the model's variance.
+    parts : tuple of Contribution
+        Contributors that enter it.
+    basis, mark : str
+        Name of the model's result (prior, refined, formula ...), and its equation.
     """
 
-    sigma: Any
-    shares: Mapping[str, Any]
-    sizes: Mapping[str, Any]
     model: Any
+    of_model: Mapping[str, Any] = field(default_factory=lambda: _NO_SHARES)
+    parts: tuple[Contribution, ...] = ()
     basis: str = ""
     mark: str = ""
+
+    @cached_property
+    def random(self) -> Any:
+        """Root of the sum of squares of what is random, the model among it."""
+        squares = [part.size**2 for part in self.parts if not part.systematic]
+        return np.sqrt(self.model**2 + sum(squares)) if squares else self.model
+
+    @cached_property
+    def systematic(self) -> Any:
+        """Sum of what is systematic."""
+        return sum(part.size for part in self.parts if part.systematic)
+
+    @cached_property
+    def sigma(self) -> Any:
+        """One sigma with the contributors."""
+        return self.random + self.systematic if self.parts else self.model
+
+    @cached_property
+    def shares(self) -> Mapping[str, Any]:
+        """Share of each source: the figure's logarithmic derivative by the source's size.
+
+        They add up to one, and are those in the variance where nothing is systematic.
+        """
+        if not self.parts:
+            return self.of_model
+        random, whole, model = self.random, self.sigma, self.model
+        mixed = {source: share * (model * model / (random * whole)) for source, share in self.of_model.items()}
+        for part in self.parts:
+            size = part.size
+            mixed[part.name] = size / whole if part.systematic else size * size / (random * whole)
+        return FrozenMapping(mixed)
+
+    @cached_property
+    def sizes(self) -> Mapping[str, Any]:
+        """One sigma of each source by itself."""
+        sizes = {source: self.model * share**0.5 for source, share in self.of_model.items()}
+        return sizes | {part.name: part.size for part in self.parts}
+
+    def around(self, model: Any, of_model: Mapping[str, Any] = _NO_SHARES) -> "Composed":
+        """Another value of the model, 1σ, with the contributors of this figure."""
+        return replace(self, model=model, of_model=of_model)
 
 
 def contributors_of(design: Design, wavelength: Any, counted: Mapping[str, Any] | None = None) -> Contributors:
@@ -114,47 +179,3 @@ def as_phase(value: Any, dimension: str, into: str, wavelength: Any) -> Any:
         m.
     """
     return 4 * math.pi / wavelength * value if (dimension, into) == ("length", "angle") else value
-
-
-def with_contributors(sigma: Any, parts: Iterable[Contribution]) -> Any:
-    """A figure, 1σ, with what enters it; numbers or arrays that broadcast."""
-    root, systematic = random_and_systematic(sigma, parts)
-    return root + systematic
-
-
-def random_and_systematic(sigma: Any, parts: Iterable[Contribution]) -> tuple[Any, Any]:
-    """Root of the sum of squares of the random, the model's `sigma` among them, and sum of the systematic."""
-    parts = tuple(parts)
-    squares = [part.size**2 for part in parts if not part.systematic]
-    root = np.sqrt(sigma**2 + sum(squares)) if squares else sigma
-    return root, sum(part.size for part in parts if part.systematic)
-
-
-def composed(
-    sigma: Any, shares: Mapping[str, Any], parts: tuple[Contribution, ...], basis: str = "", mark: str = ""
-) -> Composed:
-    """A figure of the model with what enters it; numbers or arrays.
-
-    Parameters
-    ----------
-    sigma : float or array
-        The model's, 1σ.
-    shares : mapping
-        Source -> share in its variance.
-    parts : tuple of Contribution
-        Contributors that enter it.
-    basis, mark : str, optional
-        Name of the model's result, and its equation.
-    """
-    sizes = {source: sigma * share**0.5 for source, share in shares.items()}
-    if not parts:
-        return Composed(sigma, shares, sizes, sigma, basis, mark)
-    root, systematic = random_and_systematic(sigma, parts)
-    whole = root + systematic
-    scale = sigma * sigma / (root * whole)
-    mixed = {source: share * scale for source, share in shares.items()}
-    for part in parts:
-        size = part.size
-        mixed[part.name] = size / whole if part.systematic else size * size / (root * whole)
-        sizes[part.name] = size
-    return Composed(whole, FrozenMapping(mixed), sizes, sigma, basis, mark)

@@ -137,9 +137,7 @@ def _phases(budget: Budget, processing: str) -> dict[str, float]:
 
 def _model_shares(budget: Budget, name: str) -> dict[str, float]:
     """Shares in the variance of a figure of real time without contributors."""
-    figure = budget[name, REAL_TIME]
-    sources = [source for source in figure.shares if source not in budget.x.contributors.alone]
-    return {source: (figure.sizes[source] / figure.model) ** 2 for source in sources}
+    return dict(budget[name, REAL_TIME].of_model)
 
 
 def _post_processed(budget: Budget) -> dict[str, Any]:

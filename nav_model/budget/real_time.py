@@ -23,7 +23,7 @@ from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import LEFT_OF_ORDER, Bend, Turn, free_bend, turn_of
 from nav_model.aperture import phase
 from nav_model.base.arrays import Array
-from nav_model.budget.contributors import with_contributors
+from nav_model.budget.contributors import Composed
 from nav_model.budget.fast import levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.budget.response import measures
@@ -65,8 +65,12 @@ class RealTime:
 
     def sigma(self, name: str, at: ArrayLike | None = None) -> Array:
         """One sigma of a figure with contributors; also of a contributor by itself, for a limit on it."""
+        return np.asarray(self.composed(name, at).sigma)
+
+    def composed(self, name: str, at: ArrayLike | None = None) -> Composed:
+        """A figure with contributors, without shares of the model's sources."""
         value = self.value(name, at) if name in FIGURES else np.asarray(0.0)
-        return np.asarray(with_contributors(value, self.x.contributors.entering(name, self.processing)))
+        return self.x.contributors.composed(name, self.processing, value)
 
     # The filter.
 

@@ -22,7 +22,7 @@ from nav_model.aperture.phase import PhaseVariances
 from nav_model.aperture.polynomial_response import half_power_extent
 from nav_model.base.arrays import Array
 from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.contributors import Composed, Shares, composed, with_contributors
+from nav_model.budget.contributors import Composed, Shares
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.navigation import (
     Outage,
@@ -177,12 +177,13 @@ class Budget(Mapping[tuple[str, str], Composed]):
         return np.errstate(invalid="raise", divide="raise") if processing == POST_PROCESSED else nullcontext()
 
     def _composed(self, name: str, processing: str, at: float | None, moment: str, own_limit: bool) -> Composed:
-        parts = self.x.contributors.entering(name, processing)
         if name not in FIGURES:
-            size = float(with_contributors(0.0, parts))
-            return Composed(size, FrozenMapping({name: 1.0}), {name: size}, 0.0, "contributor with its allowance")
-        sigma, shares = self._of_model(name, processing, at, moment)
-        return composed(sigma, shares, parts, *self.origin(name, processing, at, moment, own_limit=own_limit))
+            alone = self.x.contributors.composed(name, processing, basis="contributor with its allowance")
+            # A contributor of the other processing is zero here; it is named all the same.
+            return alone if alone.parts else alone.around(0.0, FrozenMapping({name: 1.0}))
+        model = self._of_model(name, processing, at, moment)
+        origin = self.origin(name, processing, at, moment, own_limit=own_limit)
+        return self.x.contributors.composed(name, processing, *model, *origin)
 
     def _of_model(self, name: str, processing: str, at: float | None, moment: str) -> tuple[float, Shares]:
         """A figure without contributors, 1σ, and the share of each source in its variance.
@@ -361,9 +362,9 @@ class Budget(Mapping[tuple[str, str], Composed]):
         for name, column in zip(PHASES, PhaseVariances._fields, strict=True):
             variances = {source: getattr(parts, column) for source, parts in by_source.items()}
             whole = sum(variances.values())
-            entering = self.x.contributors.entering(f"line_of_sight_{name}", REAL_TIME)
             shares = {source: float(variance / whole) for source, variance in variances.items()}
-            figures[name] = composed(float(to_phase * np.sqrt(whole)), shares, entering)
+            figure = self[f"line_of_sight_{name}", REAL_TIME]
+            figures[name] = figure.around(float(to_phase * np.sqrt(whole)), shares)
         return self._lines(figures)
 
     def _lines(self, figures: Mapping[str, Composed]) -> tuple[PhaseLine, ...]:

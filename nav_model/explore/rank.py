@@ -2,7 +2,8 @@
 
 The derivative is a complex step through the same closed forms that give the figure (`nav_model.budget.figures`): the
 input is multiplied by 1 + i·10⁻²⁰ and the imaginary part read off. Nothing is subtracted, so the derivative is
-exact to rounding. All inputs are stepped in one broadcast evaluation; contributors of the user's own one by one.
+exact to rounding. All inputs are stepped in one broadcast evaluation. Of a contributor of the user's own the
+derivative is its share (`nav_model.budget.contributors`).
 
 Source: Squire and Trapp, *Using complex variables to estimate derivatives of real functions*, SIAM Review
 40(1), 1998. For noises it must agree with [T-18].
@@ -15,11 +16,10 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
-from nav_model.base.frozen import FrozenMapping
-from nav_model.budget.contributors import Contributors
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, inputs_of
 from nav_model.budget.refusals import imaged_inputs
+from nav_model.budget.smoothed import model_of
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import FIGURES, OF_BUDGET
@@ -85,17 +85,14 @@ def rank(design: Design, figure: str) -> tuple[InputSensitivity, ...]:
 def _of_contributors(design: Design, figure: str) -> Iterator[InputSensitivity]:
     """Sensitivity to each contributor that enters the figure."""
     x = inputs_of(design)
-    parts = x.contributors.entering(figure, x.processing)
-
-    def scaled(name: str, factor: complex) -> complex:
-        changed = tuple(replace(part, size=factor * part.size) if part.name == name else part for part in parts)
-        contributors = Contributors(FrozenMapping({figure: changed}))
-        return complex(figures(replace(x, contributors=contributors), (figure,))[figure].flat[0])
-
-    for part in parts:
-        now = scaled(part.name, 1.0).real
-        halved, doubled = (scaled(part.name, factor).real / now - 1 for factor in (0.5, 2.0))
-        slope = scaled(part.name, 1 + 1j * _STEP).imag / (now * _STEP)
+    now = model_of(x).composed(figure)
+    for part in now.parts:
+        others = tuple(other for other in now.parts if other is not part)
+        halved, doubled = (
+            float(replace(now, parts=(*others, replace(part, size=factor * part.size))).sigma / now.sigma - 1)
+            for factor in (0.5, 2.0)
+        )
+        slope = float(now.shares[part.name])
         yield InputSensitivity(f"contributors.{part.name}", part.name, slope, halved, doubled)
 
 

@@ -260,9 +260,6 @@ def _contributed(design: Design, names: list[str], columns: Mapping[str, Array],
     shares: dict[str, Array] = {}
     for name in names if x.contributors else ():
         on, at = (limited[name].on, limited[name].at) if name in limited else (name, None)
-        parts, whole = x.contributors.entering(on, model.processing), model.sigma(on, at)
-        root = whole - sum(part.size for part in parts if part.systematic)
-        for part in parts:
-            share = part.size / whole if part.systematic else part.size**2 / (root * whole)
-            shares.setdefault(part.name, np.zeros((len(names), count)))[np.array(names) == name] = share
+        for source, share in model.composed(on, at).shares.items():
+            shares.setdefault(source, np.zeros((len(names), count)))[np.array(names) == name] = share
     return shares

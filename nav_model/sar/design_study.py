@@ -18,7 +18,6 @@ from nav_model.aperture.geometry import metres_to_phase
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget, analyse
-from nav_model.budget.contributors import with_contributors
 from nav_model.budget.verdict import decisive
 from nav_model.design import Design
 from nav_model.design.figures import DETRENDED
@@ -109,12 +108,11 @@ class SarStudy:
 
     def composed(self, figure: str, sigmas: Array) -> Array:
         """Errors of a phase, strategies first [m], with the design's contributors to it, but for the ideal."""
-        contributors, to_phase = self.budget.x.contributors, metres_to_phase(1.0, self.budget.sar.wavelength)
+        to_phase = metres_to_phase(1.0, self.budget.sar.wavelength)
         whole = sigmas.copy()
         for row, strategy in enumerate(STRATEGIES[1:], start=1):
             processing = POST_PROCESSED if strategy.timing == POST_PROCESSED else REAL_TIME
-            if parts := contributors.entering(figure, processing):
-                whole[row] = with_contributors(to_phase * sigmas[row], parts) / to_phase
+            whole[row] = self.budget[figure, processing].around(to_phase * sigmas[row]).sigma / to_phase
         return whole
 
     @cached_property

@@ -22,7 +22,7 @@ from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.aperture.phase import phase_budget, total
 from nav_model.base.arrays import Array
 from nav_model.base.constants import STANDARD_GRAVITY
-from nav_model.budget.contributors import Contributors, with_contributors
+from nav_model.budget.contributors import Contributors
 from nav_model.design.figures import DETRENDED, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.fit_noise import SlowFit, slow_fit
@@ -158,9 +158,9 @@ def _composed(c: Conditions, figure: str, variances: Sequence[ArrayLike]) -> Arr
     for the smoother."""
     stacked = np.stack(np.broadcast_arrays(*variances))
     for rows, processing in ((slice(len(IN_APERTURE)), REAL_TIME), (slice(len(IN_APERTURE), None), POST_PROCESSED)):
-        if parts := c.contributors.entering(figure, processing):
-            sigma = with_contributors(np.sqrt(stacked[rows]) * c.to_phase, parts)
-            stacked[rows] = np.square(sigma / c.to_phase)
+        whole = c.contributors.composed(figure, processing, np.sqrt(stacked[rows]) * c.to_phase)
+        if whole.parts:
+            stacked[rows] = np.square(whole.sigma / c.to_phase)
     return stacked
 
 

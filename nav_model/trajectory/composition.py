@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.budget.contributors import composed
 from nav_model.trajectory import aperture
 from nav_model.trajectory.aperture import Apertures, shifts_of
 from nav_model.trajectory.errors import ErrorModel
@@ -61,13 +60,12 @@ def processed(
         groups[name], sigmas[name] = np.full((len(values), count), np.nan), np.full(count, np.nan)
         groups[name][:, apertures.output] = np.maximum(values, 0.0)
         sigmas[name][apertures.output] = sigma
-    entered = {name: spec.contributors.entering(name, processing) for name in spec.contributors.in_figures}
     shares = {}
     for name, values in groups.items():
         total = values.sum(axis=0)
         with np.errstate(invalid="ignore"):
             of_model = dict(zip((*sources, *beside(spec.inputs)), values / total, strict=name in PLACES))
-        whole = composed(sigmas[name], of_model, entered.get(name, ()))
+        whole = spec.contributors.composed(name, processing, sigmas[name], of_model)
         sigmas[name], mixed = whole.sigma, dict(whole.shares)
         shares[name] = np.stack([mixed.get(source, 0.0 * total) for source in all_sources(spec, model)])
     states = np.sqrt(np.maximum(variances, 0.0).sum(axis=0))

@@ -9,7 +9,6 @@ import numpy as np
 from app.charts.kinds import Array, Chart, LimitLine, Line, Span
 from app.document.numbers import number, percent
 from nav_model.budget import Budget
-from nav_model.budget.contributors import with_contributors
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.verdict import lowest_limit
 from nav_model.design.figures import label_of
@@ -129,12 +128,11 @@ def all_timelines(budget: Budget) -> tuple[Chart, Chart, Chart]:
         label: str, style: str, free_style: str, name: str, curve: Array, scale: float = 1.0
     ) -> tuple[tuple[str, str, Array], ...]:
         """A curve of the design's processing; the outage in real time beside a smoothed one."""
-        entering, beside = budget.x.contributors.entering, f"{label}, real time"
-        curve = with_contributors(curve, entering(f"coast_{name}", REAL_TIME))
+        beside, curve = f"{label}, real time", budget[f"coast_{name}", REAL_TIME].around(curve).sigma
         if not smoothed:
             level = budget[name, REAL_TIME].sigma
             return (label, style, scale * _held(level, curve)), (beside, free_style, np.full(len(x), np.nan))
-        bridged = with_contributors(through[name], entering(name, POST_PROCESSED))
+        bridged = budget[name, POST_PROCESSED].around(through[name]).sigma
         return (label, style, scale * bridged), (beside, free_style, scale * _after(curve))
 
     def both(quantity: str, after: str = "refined") -> tuple[tuple[str, str, Array], ...]:

@@ -11,7 +11,6 @@ from nav_model.budget import Budget, analyse
 from nav_model.budget.verdict import decisive
 from nav_model.design import Design
 from nav_model.design.figures import DETRENDED, QUADRATIC
-from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.agreement import LEAST_BESIDE
 from nav_model.sar.design_case import DesignCase, Engine, design_case
 from nav_model.sar.design_study import SarStudy, chunks, gather, run_chunk, typical_history, typical_place
@@ -39,13 +38,9 @@ def subject(design: Design, engine: Engine) -> tuple[object, ...]:
     """
     budget = analyse(design)
     phases = QUADRATIC, DETRENDED
-    entering = (
-        budget.x.contributors.entering(phase, processing)
-        for phase in phases
-        for processing in (REAL_TIME, POST_PROCESSED)
-    )
+    parts = (budget.x.contributors.in_figures.get(phase) for phase in phases)
     limits = (decisive(design, phase) for phase in phases)
-    return design_case(budget, engine), design.processing.mode, *entering, *limits
+    return design_case(budget, engine), design.processing.mode, *parts, *limits
 
 
 async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine: Engine = "fast") -> SarResult:
