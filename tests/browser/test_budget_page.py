@@ -27,7 +27,7 @@ def test_first_screen_gives_the_answer(plain: Page) -> None:
         f"{budget.steady_state.prior['horizontal_position']:.3g} m"
     )
     plain.get_by_label("Source and method: SAR phase error by source").click()
-    expect(plain.get_by_text("Formulas [S-5]").first).to_be_visible()
+    expect(plain.get_by_text("Formulas along the line of sight as it turns [S-8]").first).to_be_visible()
     plain.get_by_label("Source and method: SAR phase error by source").click()
 
 
@@ -41,19 +41,21 @@ _TOLD = """([group, status]) => {
 
 
 def test_both_processings_are_told_and_the_chosen_one_decides(desk: Page) -> None:
-    """The worked example's smoothed figures as processing.md prints them: 70.63° and 21.94° against 90° and 20°."""
-    expect(desk.get_by_role("button", name="Real time ✗ 2.44 ×")).to_have_attribute("aria-pressed", "true")
-    smoothed = desk.get_by_role("button", name="Post-processed ✗ 1.10 ×")
+    """The worked example smoothed, 73.8° and 22.8° against 90° and 20°; its parts as processing.md prints them."""
+    expect(desk.get_by_role("button", name="Real time ✗ 2.73 ×")).to_have_attribute("aria-pressed", "true")
+    smoothed = desk.get_by_role("button", name="Post-processed ✗ 1.14 ×")
     parts = desk.get_by_role("group", name="Processing"), desk.get_by_role("status").first
     desk.evaluate(_TOLD, [part.element_handle() for part in parts])
     smoothed.click()
     expect(smoothed).to_have_attribute("aria-pressed", "true")
     texts = desk.wait_for_function("() => told.length && told").json_value()
-    assert all("21.9°, limit 20°" in text for text in texts), texts
-    expect(card(desk, "Quadratic phase")).to_have_text("70.6°")
-    expect(card(desk, "Detrended phase")).to_have_text("21.9°")
-    expect(desk.locator("table.bars tr.total")).to_contain_text("70.6°")
-    expect(desk.get_by_role("status").first).to_contain_text("21.9°, limit 20°")
+    assert all("22.8°, limit 20°" in text for text in texts), texts
+    expect(card(desk, "Quadratic phase")).to_have_text("73.8°")
+    expect(card(desk, "Detrended phase")).to_have_text("22.8°")
+    bars = desk.locator("table.bars")
+    expect(bars.locator("tr.total")).to_contain_text("73.8°")
+    expect(bars.get_by_role("row", name=re.compile("^line of sight"))).to_contain_text("70.6°")
+    expect(desk.get_by_role("status").first).to_contain_text("22.8°, limit 20°")
     noise = desk.get_by_role("textbox", name="Position noise", exact=True)
     noise.fill("30 cm")
     noise.press("Enter")
@@ -94,7 +96,7 @@ _BOXES = """() => {
     }
   return found
 }"""
-_SEEN = {"verdict": 1, "tile": 5, "other": 1, "chart": 4, "phase": 1}
+_SEEN = {"verdict": 1, "tile": 4, "other": 1, "chart": 4, "phase": 1}
 
 
 def test_the_answer_and_what_moves_it_are_on_one_screen(plain: Page) -> None:
@@ -232,9 +234,9 @@ def test_a_long_read_out_stays_in_its_chart(visit: Visit) -> None:
 def test_what_is_folded_opens_and_follows(desk: Page) -> None:
     desk.get_by_role("button", name="Requirements and cautions").click()
     row = desk.get_by_role("row", name=re.compile("^Quadratic phase")).first
-    expect(row).to_contain_text("163°")
+    expect(row).to_contain_text("182°")
     enter(box(desk, "Angle random walk"), "0.3")
-    expect(row).not_to_contain_text("163°")
+    expect(row).not_to_contain_text("182°")
     desk.get_by_role("button", name="Requirements and cautions").click()
 
 

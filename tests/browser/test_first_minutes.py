@@ -119,7 +119,7 @@ def test_figures_are_told_as_chosen_in_this_browser_and_by_the_link(visit: Visit
     page.get_by_label("Units").select_option("si")
     expect(tiles).to_contain_text(" rad")
     assert answer.split("\n")[0] in strip.inner_text()
-    expect(strip).to_contain_text("1.71 rad, limit 0.698 rad at 2σ")
+    expect(strip).to_contain_text("1.91 rad, limit 0.698 rad at 2σ")
     page.get_by_role("button", name="Share").click()
     link = page.get_by_label("Link to this design and page")
     expect(link).to_have_value(re.compile(r"&show=2s\.si#budget$"))  # it follows when the settings have come to rest

@@ -17,7 +17,7 @@ _PLAN = """<gpx><rte><rtept lat="47" lon="8"><ele>3000</ele><name>first</name></
 
 def _choose(page: Page, flight: str) -> None:
     """Choose a flight in the drawer; the sidebar has the same input."""
-    page.locator("[role=combobox]").filter(has_text=re.compile("straight|lines|aypoints|file")).last.click()
+    page.locator("[role=combobox]").filter(has_text=re.compile("[Ss]traight|lines|aypoints|file")).last.click()
     page.get_by_role("menuitem", name=flight).click()
 
 
