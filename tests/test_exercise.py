@@ -1,4 +1,4 @@
-"""The exercise of CONTRIBUTING.md, step by step on a copy of the tree: what it prints is what happens."""
+"""The exercises of CONTRIBUTING.md, step by step on a copy of the tree: what it prints is what happens."""
 
 import ast
 import os
@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from textwrap import indent
 
 import pytest
 
@@ -15,6 +14,15 @@ pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[1]
 PROGRAMS = {"navbudget": f"{sys.executable} -m app", "python": sys.executable}
+WALKING = (
+    "tests/nav_model/budget/test_figures.py",
+    "tests/nav_model/budget/test_shares.py",
+    "tests/nav_model/design/test_help.py",
+    "tests/nav_model/trajectory/test_every_source.py",
+    "tests/app/subjects/budget/test_tables.py",
+    "tests/test_docs.py::test_the_contract_names_every_figure",
+)
+"""Tests that walk the declarations of figures and inputs."""
 
 
 def _steps(title: str) -> list[str]:
@@ -26,9 +34,9 @@ def _steps(title: str) -> list[str]:
 
 def _copy(tree: Path) -> None:
     away = shutil.ignore_patterns("__pycache__")
-    for folder in ("nav_model", "app", "tests/nav_model", "tests/support", "examples"):
+    for folder in ("nav_model", "app", "tests", "docs", "examples"):
         shutil.copytree(ROOT / folder, tree / folder, symlinks=True, ignore=away)
-    for name in ("pyproject.toml", "tests/conftest.py"):
+    for name in ("pyproject.toml", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"):
         shutil.copy(ROOT / name, tree / name)
 
 
@@ -49,10 +57,18 @@ def _insert(file: Path, text: str, code: str) -> None:
 
 
 def _replace(file: Path, diff: str) -> None:
-    old, new = ("".join(line[1:] for line in diff.splitlines(True) if line[0] == sign) for sign in "-+")
-    source = file.read_text("utf-8")
-    assert source.count(old) == 1
-    file.write_text(source.replace(old, new), "utf-8")
+    """Change a file as the hunks of a diff say."""
+    for hunk in re.split(r"^@@.*\n", diff, flags=re.M):
+        lines = hunk.splitlines(keepends=True)
+        old, new = ("".join(line[1:] for line in lines if line[0] in signs) for signs in (" -", " +"))
+        source = file.read_text("utf-8")
+        assert source.count(old) == 1, old
+        file.write_text(source.replace(old, new), "utf-8")
+
+
+def _call(tree: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(tree)}
+    return subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True, check=False)
 
 
 def _run(tree: Path, block: str) -> None:
@@ -61,10 +77,7 @@ def _run(tree: Path, block: str) -> None:
         if command.startswith("make run"):
             continue
         script = re.sub(r"\.venv/bin/(\w+)", lambda match: PROGRAMS[match[1]], command)
-        done = subprocess.run(
-            ["bash", "-c", script],
-            cwd=tree, env={**os.environ, "PYTHONPATH": str(tree)}, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+        done = _call(tree, "bash", "-c", script)
         output = done.stdout + done.stderr
         if printed:
             assert output == printed, command
@@ -72,23 +85,41 @@ def _run(tree: Path, block: str) -> None:
             assert bool(done.returncode) == command.endswith("# fails"), f"{command}\n{output}"
 
 
-def test_the_exercise_goes_as_printed(tmp_path: Path) -> None:
-    _copy(tmp_path)
-    changed = set()
-    for step in _steps("A first change"):
-        for text, kind, block in re.findall(r"(.*?)^```(\w+)\n(.*?)^```", step, re.M | re.S):
-            if kind == "console":
-                _run(tmp_path, block)
-                continue
-            file = tmp_path / re.findall(r"`([\w/]+\.py)`", text)[0]
-            changed.add(file)
-            if kind == "diff":
-                _replace(file, block)
-            else:
-                _insert(file, text, block)
-    assert len(changed) == 3
-    subprocess.run([sys.executable, "-m", "ruff", "check", *changed], cwd=tmp_path, check=True)
-    subprocess.run([sys.executable, "-m", "ruff", "format", "--check", *changed], cwd=tmp_path, check=True)
+@pytest.fixture(scope="module")
+def exercised(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[set[str]]]:
+    """A copy with the three exercises done, one after another, and the files that each touched."""
+    tree, touched = tmp_path_factory.mktemp("tree"), []
+    _copy(tree)
+    for title in ("A first change", "A second change", "A third change"):
+        files = set()
+        for step in _steps(title):
+            for text, kind, block in re.findall(r"(.*?)^```(\w+)\n(.*?)^```", step, re.M | re.S):
+                if kind == "console":
+                    _run(tree, block)
+                    continue
+                name = re.findall(r"`([\w/]+\.(?:py|md))`", text)[0]
+                files.add(name)
+                if kind == "diff":
+                    _replace(tree / name, block)
+                else:
+                    _insert(tree / name, text, block)
+        touched.append(files)
+    return tree, touched
+
+
+def test_the_exercises_go_as_printed_in_three_files_each(exercised: tuple[Path, list[set[str]]]) -> None:
+    tree, touched = exercised
+    assert [len(files) for files in touched] == [3, 3, 3]
+    code = sorted(name for files in touched for name in files if name.endswith(".py"))
+    for check in (("check",), ("format", "--check")):
+        done = _call(tree, sys.executable, "-m", "ruff", *check, *code)
+        assert done.returncode == 0, done.stdout
+
+
+def test_the_tests_that_walk_declarations_stay_green(exercised: tuple[Path, list[set[str]]]) -> None:
+    tree, _ = exercised
+    done = _call(tree, sys.executable, "-m", "pytest", "-p", "no:benchmark", "-q", *WALKING)
+    assert done.returncode == 0, done.stdout
 
 
 EVERYWHERE = r"""
@@ -161,23 +192,7 @@ print("everywhere")
 """
 
 
-def _put_before(file: Path, place: str, step: str) -> None:
-    (code,) = re.findall(r"^```python\n(.*?)^```", step, re.M | re.S)
-    source = file.read_text("utf-8")
-    assert source.count(place) == 1
-    file.write_text(source.replace(place, f"{code}\n{place}"), "utf-8")
-
-
-def test_a_figure_is_one_declaration_and_one_formula(tmp_path: Path) -> None:
-    """No other file is touched, and the figure is in everything that reads figures."""
-    _copy(tmp_path)
-    declare, formula, check = _steps("A second change")
-    declare = re.sub(r"^(\w*\(.*?^\))", lambda call: f"{indent(call[1], '    ')},", declare, flags=re.M | re.S)
-    _put_before(tmp_path / "nav_model/design/figures.py", '    _limited(\n        "ce90"', declare)
-    _put_before(tmp_path / "nav_model/budget/real_time.py", "    @property\n    def ce90(", formula)
-    _run(tmp_path, re.findall(r"^```console\n(.*?)^```", check, re.M | re.S)[0])
-    done = subprocess.run(
-        [sys.executable, "-c", EVERYWHERE],
-        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+def test_a_figure_is_in_everything_that_reads_figures(exercised: tuple[Path, list[set[str]]]) -> None:
+    tree, _ = exercised
+    done = _call(tree, sys.executable, "-c", EVERYWHERE)
     assert done.stdout == "everywhere\n", done.stderr
