@@ -54,7 +54,7 @@ def check_words(design: Design, check: Check) -> CheckWords:
         if check.straight is not None:
             figure += f"; straight leg {check_quantity(check, check.straight)}"
     margin = signed_percent(check.margin) if check.known else NONE
-    return CheckWords(value, limit, margin, percent(check.sensor_share) if check.shares else NONE, figure)
+    return CheckWords(value, limit, margin, percent(check.dominant_share) if check.shares else NONE, figure)
 
 
 def displayed_check(design: Design, check: Check, display: Display) -> tuple[str, str, str, str]:
@@ -125,7 +125,7 @@ def verdict_of(budget: Budget) -> Answer:
         sentences += [
             f"Tightest: {name}{where_judged(tightest)}, {words.value} against {words.limit}, "
             f"{margin_in_sentence(tightest.margin)}.",
-            f"Main error source: {tightest.sensor}, {words.share} of the variance{_through(tightest)}.",
+            f"Main error source: {tightest.dominant}, {words.share} of the variance.",
         ]
     return Answer(*_word_and_tone(verdict), tuple(sentences))
 
@@ -198,11 +198,6 @@ def where_judged(check: Check) -> str:
     return " along the flight" if check.judged == WHOLE_FLIGHT else f" on {printable(check.judged)}"
 
 
-def _through(check: Check) -> str:
-    """Where the main sensor's error enters, if that is a source with a name of its own, such as the initial tilt."""
-    return "" if check.dominant == check.sensor else f", mostly through {check.dominant}"
-
-
 def _word_and_tone(verdict: Verdict) -> tuple[str, str]:
     return {"closes": ("✓ Closes", "good"), "fails": ("✗ Does not close", "bad"), "open": ("Open", "open")}[
         verdict.state
@@ -219,13 +214,10 @@ def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
         why = f"Quadratic phase: {percent(largest.share)} from {largest.source}. Set a requirement to get a verdict."
         return Answer("Not checked", "open", (why,))
     value, limit, at, _ = displayed_check(budget.design, tightest, display.of(budget.design))
-    share = percent(tightest.sensor_share)
+    share = percent(tightest.dominant_share)
     return Answer(
         *_word_and_tone(budget.verdict),
-        (
-            f"{tightest.label}{where_judged(tightest)} {value}, limit {limit}{at}; {share} from {tightest.sensor}"
-            f"{_through(tightest)}.",
-        ),
+        (f"{tightest.label}{where_judged(tightest)} {value}, limit {limit}{at}; {share} from {tightest.dominant}.",),
         "A design closes when every requirement is met.",
     )
 

@@ -90,7 +90,7 @@ def _verdicts(budgets: Sequence[Budget], labels: Sequence[str]) -> TableBlock:
         tightest_words = (NONE, NONE, NONE)
         if tightest := budget.verdict.tightest:
             words = check_words(budget.design, tightest)
-            tightest_words = (tightest.label, words.margin, f"{tightest.sensor}, {words.share}")
+            tightest_words = (tightest.label, words.margin, f"{tightest.dominant}, {words.share}")
         design, word = budget.design, Cell(answer.word, tone=answer.tone)
         name = labelled(label, title_of(design))
         return name, design.content_hash[:12], word, budget.verdict.processing, *tightest_words

@@ -442,8 +442,8 @@ class _Sheets:
 
 
 def _cause_words(check: Check) -> str:
-    """The sensor with the largest share."""
-    return f"{check.sensor}, {100 * check.sensor_share:.0f} % of the variance"
+    """The source with the largest share."""
+    return f"{check.dominant}, {100 * check.dominant_share:.0f} % of the variance"
 
 
 class _Unit(NamedTuple):

@@ -370,7 +370,7 @@ class Traces:
             shares = self._of_sources(check, at)
         if not shares or any(share.taken for share in shares.values()):
             entering = {part.name for part in parts}
-            rest = {source: share for source, share in check.by_sensor.items() if source not in entering}
+            rest = {source: share for source, share in check.shares.items() if source not in entering}
             whole = sum(rest.values())
             shares = {source: self._constant(share / whole, taken=True) for source, share in rest.items()}
         with np.errstate(invalid="ignore", divide="ignore"):  # all of it zero

@@ -177,8 +177,8 @@ def _placement(budget: Budget, processing: str) -> dict[str, Any]:
 
 
 _CHECK = (
-    *(item.name for item in fields(Check) if item.name not in ("unit", "shares", "tilt_shares")),
-    *("met", "dominant", "dominant_share", "sensor", "sensor_share"),
+    *(item.name for item in fields(Check) if item.name not in ("unit", "shares")),
+    *("met", "dominant", "dominant_share"),
 )
 
 
@@ -186,6 +186,7 @@ def _check(check: Check) -> dict[str, Any]:
     """A check under the contract's names, where its basis is called "figure"; levels in decibels, null what is not
     known."""
     content: dict[str, Any] = {"figure" if name == "basis" else name: getattr(check, name) for name in _CHECK}
+    content |= {"sensor": check.dominant, "sensor_share": check.dominant_share}  # the sources are sensors
     if check.dimension == "level":
         content |= {name: _decibels(content[name]) for name in ("value", "sigma", "limit")}
     return {name: None if value != value else value for name, value in content.items()}

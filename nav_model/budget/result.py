@@ -278,7 +278,6 @@ class Budget(Mapping[tuple[str, str], Composed]):
                 self.design,
                 processing,
                 lambda name, at, own_limit: self.composed(name, processing, at, own_limit=own_limit),
-                self.tilt_shares,
             )
         return self._straight[processing]
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, Literal
 
 from nav_model.base.dimensions import DIMENSIONS
@@ -80,8 +79,6 @@ class Check:
         Its mark.
     shares : mapping
         Of the sources in the variance; empty where nothing was computed.
-    tilt_shares : mapping
-        Of the noises in an initial tilt.
     """
 
     name: str
@@ -101,7 +98,6 @@ class Check:
     basis: str
     equation: str
     shares: Shares
-    tilt_shares: Shares
 
     @property
     def met(self) -> bool:
@@ -122,33 +118,6 @@ class Check:
     def dominant_share(self) -> float:
         """The share of the dominant source."""
         return self.shares.get(self.dominant, 0.0)
-
-    @property
-    def sensor(self) -> str:
-        """The sensor responsible for the largest share; empty without any."""
-        return max(self.by_sensor, key=lambda source: self.by_sensor[source], default="")
-
-    @property
-    def sensor_share(self) -> float:
-        """The share of that sensor."""
-        return self.by_sensor.get(self.sensor, 0.0)
-
-    @cached_property
-    def by_sensor(self) -> Shares:
-        """Shares by sensor: the initial tilt counts for the noises that cause it, tilt growth in a coast for the
-        gyros. [T-18]"""
-        charged: dict[str, float] = {}
-        for source, share in self.shares.items():
-            for sensor, part in self._causes(source).items():
-                charged[sensor] = charged.get(sensor, 0.0) + share * part
-        return FrozenMapping(charged)
-
-    def _causes(self, source: str) -> Shares:
-        """The noises that cause a source, with their shares in it; itself where it is one. [T-18]"""
-        if source == "coast before aperture":
-            return FrozenMapping({"gyro noise": 1.0})
-        known = self.tilt_shares if source == "initial tilt" else None
-        return known or FrozenMapping({source: 1.0})
 
 
 @dataclass(frozen=True)
@@ -275,9 +244,7 @@ def limit_on(name: str) -> BaseQuantity[float | None]:
     return quantity(f"requirements.{name}")
 
 
-def judge(
-    design: Design, processing: str, compose: Callable[[str, float | None, bool], Composed], tilt_shares: Shares
-) -> Verdict:
+def judge(design: Design, processing: str, compose: Callable[[str, float | None, bool], Composed]) -> Verdict:
     """Check every requirement that a straight leg can judge.
 
     In steady state the prior, the worst of the cycle, is checked unless the design chooses otherwise; after
@@ -289,8 +256,6 @@ def judge(
     processing : str
     compose : callable
         Name of a figure or contributor, the time in the outage, and whether a limit of the user's own asks -> it.
-    tilt_shares : mapping
-        Shares of the sources in the tilt at the start of the aperture.
     """
     limits = {limit.name for limit in design.limits}
     checks = []
@@ -304,7 +269,6 @@ def judge(
                 basis=figure.basis,
                 equation=figure.mark,
                 shares=figure.shares,
-                tilt_shares=tilt_shares,
             )
         )
     return Verdict(processing, design.requirements.confidence, tuple(checks))
@@ -324,7 +288,6 @@ def check_of(name: str, requirement: Required, sigma: float, **others: Any) -> C
         "basis": "",
         "equation": "",
         "shares": _NO_SHARES,
-        "tilt_shares": _NO_SHARES,
     }
     return Check(
         name=name,

@@ -142,7 +142,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
             continue
         lines.append(
             f"  {_STATES[check.state]} {check.label} {words.value} (limit {words.limit}, "
-            f"{margin_in_sentence(check.margin)}; main error source {check.sensor}, {words.share}; {words.figure})"
+            f"{margin_in_sentence(check.margin)}; main error source {check.dominant}, {words.share}; {words.figure})"
         )
     other = budget.other_verdict
     lines += [f"  caution: {caution}" for caution in cautions(budget)]

@@ -44,7 +44,7 @@ def requirement_table(budget: Budget, key: str = "d") -> TableBlock | Text:
 
     def row(check: Check) -> Row:
         words = check_words(budget.design, check)
-        main = f"{check.sensor}, {words.share}" if check.shares else NONE
+        main = f"{check.dominant}, {words.share}" if check.shares else NONE
         return check.label, words.value, words.limit, words.margin, met_cell(check, verdict), words.figure, main
 
     return table(

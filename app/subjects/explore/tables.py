@@ -40,7 +40,7 @@ def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way])
     mark, tone = ("✓ ", "good") if leg.closes else ("✗ ", "bad")
     if flown_names(budget.design):
         mark, tone = "", "open"
-    wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.sensor), "")
+    wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.dominant), "")
     lever = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
     if lever is None:
         head = "Every input may take any allowed value" if leg.closes else "No single change closes it"

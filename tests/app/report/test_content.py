@@ -96,7 +96,7 @@ def test_the_verdict_sentence_stands_first_and_names_margin_and_sensor(mems, thr
     assert verdict.word == "✗ Does not close"
     sentence = " ".join(verdict.sentences)
     assert "2 of 4 requirements met; " in sentence
-    assert tightest.sensor in sentence
+    assert tightest.dominant in sentence
     assert f" {tightest.value / tightest.limit:.2f} × the limit." in sentence
     assert [report_of([b], NOW).chapters[0].verdict.tone for b in three] == ["good", "bad", "good"]
 

@@ -152,7 +152,7 @@ def test_every_cell_is_written_with_the_value_of_the_budget(tmp_path: Path, name
 
 
 def cause(check: Check) -> str:
-    return f"{check.sensor}, {100 * check.sensor_share:.0f} % of the variance"
+    return f"{check.dominant}, {100 * check.dominant_share:.0f} % of the variance"
 
 
 def budget_names(book: openpyxl.Workbook) -> Iterator[tuple[str, str]]:

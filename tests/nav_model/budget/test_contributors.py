@@ -224,8 +224,8 @@ def test_a_search_judges_measures_of_the_response_by_the_quadratic_phase() -> No
     assert {"lever arm", "gyro noise"} <= {row.dominant for row in rows}
     for row in rows:
         check = analyse(design.replace(row.changes)).verdict.tightest
-        assert (row.tightest, row.dominant) == (check.name, check.sensor)
-        assert row.share == pytest.approx(check.sensor_share, rel=1e-6)
+        assert (row.tightest, row.dominant) == (check.name, check.dominant)
+        assert row.share == pytest.approx(check.dominant_share, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["random", "systematic"])

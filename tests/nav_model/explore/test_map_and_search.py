@@ -89,9 +89,9 @@ def test_search_rows_are_analysed_designs(open_design):
         assert row.margin == pytest.approx(verdict.tightest.margin, rel=1e-10)
         assert row.tightest == verdict.tightest.name
         assert row.margins[row.tightest] == row.margin
-        if verdict.tightest.sensor_share > 0.6 and "phase" in row.tightest:
-            assert row.dominant == verdict.tightest.sensor
-            assert row.share == pytest.approx(verdict.tightest.sensor_share, abs=0.02)
+        if verdict.tightest.dominant_share > 0.6 and "phase" in row.tightest:
+            assert row.dominant == verdict.tightest.dominant
+            assert row.share == pytest.approx(verdict.tightest.dominant_share, abs=0.02)
 
 
 def test_own_sensors_in_the_same_format(open_design):

@@ -78,7 +78,7 @@ def test_an_input_counts_where_its_declaration_says(key):
 
 def test_sources_are_called_what_a_budget_calls_them():
     budget = analyse(EVERYTHING.replace({f"requirements.{name}": 1.0 for name in REQUIRED if name != "tilt"}))
-    assert set(SENSORS.values()) <= {source for check in budget.verdict.checks for source in check.by_sensor}
+    assert set(SENSORS.values()) <= {source for check in budget.verdict.checks for source in check.shares}
 
 
 @pytest.mark.parametrize("figure", ["quadratic_phase", "horizontal_position", "coast_horizontal_position"])

@@ -222,7 +222,7 @@ def test_requirements_have_value_limit_margin_and_verdict(mems: Budget) -> None:
         else:
             assert float(margin.removesuffix(" %")) == pytest.approx(100 * check.margin, rel=5e-3, abs=0.05)
         assert row[4].text.endswith("not met") != check.met
-        assert row[6].text.startswith(f"{check.sensor}, ")
+        assert row[6].text.startswith(f"{check.dominant}, ")
 
 
 def test_check_prints_what_the_table_says_with_the_minus_of_scripts(mems: Budget) -> None:
