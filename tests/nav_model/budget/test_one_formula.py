@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from app.report.workings import Traces
 from nav_model import analyse, read_design
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
@@ -42,12 +43,16 @@ def readings(design: Design, name: str) -> dict[str, float]:
         f'results = ["{name}"]\ndesign = {{ processing = {{ mode = "{mode}" }} }}\n[vary]\ngnss.interval = ["1 s"]\n'
     )
     swept = whole_sweep(parse_plan(plan.encode())) if FIGURES[name].kind != "level" else {column: [0.0]}
-    return {
+    read = {
         "page": analyse(design).figure(name).sigma,
         "JSON": table[mode.replace(" ", "_").replace("-", "_")][column],
         "map and solve": float(figures(inputs_of(design), [name])[name]),
         "sweep": float(swept[column][0]),
     }
+    # The workbook has no cell of the orders of autofocus, of the response, nor of smoothed parts of phases.
+    smoothed = mode == POST_PROCESSED and FIGURES[name].smoothed_mark
+    cell = Traces(design).workings.named.get(f"{'post_processed' if smoothed else 'real_time'}_{name}")
+    return read if cell is None else read | {"workbook": cell.value}
 
 
 @pytest.mark.parametrize("mode", [REAL_TIME, POST_PROCESSED])
@@ -58,6 +63,7 @@ def test_twice_a_formula_is_twice_the_figure_everywhere(
     design = DESIGN.replace({"processing.mode": mode})
     before = readings(design, name)
     assert before["page"] == pytest.approx(before["JSON"]) == pytest.approx(before["map and solve"])
+    assert before.get("workbook", before["page"]) == pytest.approx(before["page"])
     for model in (RealTime, Smoothed):
         if name in vars(model):
             monkeypatch.setattr(model, name, doubled(vars(model)[name]))
