@@ -188,7 +188,7 @@ def verdict_along(verdict: Verdict) -> Answer:
 
 def before_flight(design: Design) -> str:
     """Words after what a straight leg judges, where the flight decides too; else empty."""
-    return " before the flight" if flown_names(design) else ""
+    return ", before the flight" if flown_names(design) else ""
 
 
 def where_judged(check: Check) -> str:

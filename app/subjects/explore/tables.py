@@ -268,7 +268,7 @@ def sweep_table(plan: SweepPlan, columns: Mapping[str, Swept]) -> TableBlock:
     rows = sweep_order(plan, columns)[:_SWEPT]
     judged = columns["closes"][0] is not None
     count = f"{len(rows)} rows of {plan.rows:,}" if len(rows) < plan.rows else f"{plan.rows:,} designs"
-    order = f", the least demanding that pass{before_flight(plan.design)} first (●)" if judged else ""
+    order = f", the least demanding that pass first (●){before_flight(plan.design)}" if judged else ""
     ratios = sweep_ratios(columns) if judged else np.full(plan.rows, np.nan)
     front = least_demanding(plan, columns) if judged else np.zeros(plan.rows, bool)
     names = [_swept_name(axis.key) for axis in plan.axes]
