@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from nav_model.budget import analyse
 from nav_model.budget.figures import figures
@@ -24,7 +25,8 @@ def height(walk: float, fix: float, interval: float, slow: float, time: float) -
     """
     step = interval / 4  # so that the smoother has moments between fixes
     decay = math.exp(-step / time)
-    phi = np.array([[1, step, 0], [0, 1, 0], [0, 0, decay]])
+    gravity_by_height = 2 * 9.80665 / 6.371e6
+    phi = expm(step * np.array([[0, 1, 0], [gravity_by_height, 0, 0], [0, 0, -1 / time]]))
     noise = np.zeros((3, 3))
     noise[:2, :2] = walk**2 * np.array([[step**3 / 3, step**2 / 2], [step**2 / 2, step]])
     noise[2, 2] = slow**2 * (1 - decay**2)
