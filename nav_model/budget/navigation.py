@@ -125,7 +125,10 @@ def steady_state_of(model: RealTime) -> SteadyState:
 
 def _sigmas(model: RealTime, moment: Sawtooth) -> Mapping[str, float]:
     then = model.at(moment)
-    return FrozenMapping({name: float(then.value(name)) for name in STEADY})
+    sigmas = {name: float(then.value(name)) for name in STEADY}
+    if not all(map(math.isfinite, sigmas.values())):
+        raise FloatingPointError("the settled filter is beyond double precision")
+    return FrozenMapping(sigmas)
 
 
 def outage_of(model: RealTime, time: Array) -> Outage:

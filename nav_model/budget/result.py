@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -130,7 +129,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         InputError
             If double precision cannot hold the design's values together.
         """
-        with refused(self.design):
+        with refused(self.design), self._strict(REAL_TIME):
             _ = self.steady_state, self.coast
         for processing in {REAL_TIME, self.processing}:
             for name in REQUIRED:
@@ -173,8 +172,10 @@ class Budget(Mapping[tuple[str, str], Composed]):
                 self._cache[key] = self._composed(*key)
         return self._cache[key]
 
-    def _strict(self, processing: str) -> AbstractContextManager[None]:
-        return np.errstate(invalid="raise", divide="raise") if processing == POST_PROCESSED else nullcontext()
+    def _strict(self, processing: str) -> np.errstate:
+        # A variance below zero has lost its digits: refused here, not where somebody reads it. Real time divides by
+        # zero where an input is none.
+        return np.errstate(invalid="raise", divide="raise" if processing == POST_PROCESSED else None)
 
     def _composed(self, name: str, processing: str, at: float | None, moment: str, own_limit: bool) -> Composed:
         if name not in FIGURES:
@@ -201,8 +202,8 @@ class Budget(Mapping[tuple[str, str], Composed]):
         # Without a formula of its own after the flight, a figure is that of real time.
         stepped = self._stepped_models[processing if figure.smoothed_mark else REAL_TIME]
         value, shares = self._stepped.sized(name, stepped.value(name, at))
-        if processing == POST_PROCESSED and not math.isfinite(value):
-            raise FloatingPointError("the smoothed figures are beyond double precision")
+        if not math.isfinite(value):
+            raise FloatingPointError(f"{name.replace('_', ' ')} is beyond double precision")
         if figure.kind == "steady" and processing == REAL_TIME:
             value = float((model.at(model.moment(moment)) if moment else model).value(name))
         return value, shares
