@@ -161,7 +161,8 @@ def test_the_vertical_axis_has_its_own_fixes_and_no_gyro():
 
 def test_autofocus_rescores_ensemble_and_forms_alike():
     taken = design_study(design(radar__autofocus_order=2, imu__vibration_factor=10.0), runs=50)
-    assert taken.closed.detrended["2"] == taken.closed.detrended["5"]
+    # A fitted quadratic is taken out by autofocus; what remains of it is what the turn makes of its velocity.
+    assert taken.closed.detrended["2"] == pytest.approx(taken.closed.detrended["5"], rel=0.01)
     spread = taken.rms_error[1]
     assert taken.rms[1] == pytest.approx(taken.closed.detrended["2"], abs=4 * spread)
     assert taken.rms[1] < 0.5 * np.sqrt(np.mean(taken.parts["detrended_rms"].median[1] ** 2))
