@@ -14,9 +14,9 @@ Examples
 ... ''')
 >>> budget = analyse(design)
 >>> f"{budget['detrended_phase', 'real time'].sigma:.3f} rad"  # 1 sigma, over the aperture
-'0.078 rad'
+'0.091 rad'
 >>> [(check.name, round(check.margin, 2)) for check in budget.verdict.checks]
-[('detrended_phase', 0.78)]
+[('detrended_phase', 0.74)]
 >>> budget.verdict.closes
 True
 """
