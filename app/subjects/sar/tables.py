@@ -54,7 +54,7 @@ def answer(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> Answe
 
 
 def advised(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> str:
-    """What the strategies can do, in a sentence; of a straight leg, which is said where a flight judges the phase."""
+    """Sentence on the best strategy; of a straight leg, which is said where a flight judges the phase."""
     check = _check(budget.verdict)
     leg = "" if check is None or check.judged == STRAIGHT_LEG else "On a straight leg: "
     return f"{leg}{recommended(budget, closed, study).sentence}"

@@ -160,7 +160,7 @@ class NumberTable:
         return [cells[place].strip() if len(cells) > place else "" for cells in rows]
 
     def _pieces(self) -> Iterator[str]:
-        """What is below the comments, a million characters after the other."""
+        """Text below the comments, a million characters after the other."""
         text = _text(self.content, self.encoding)
         for _ in self.comments:
             text.readline()
