@@ -92,7 +92,7 @@ def pytest_collection_modifyitems(config, items):
 
 
 def _watched(item):
-    """What a test says that it watches; of one in tests/nav_model that does not import the app, the model."""
+    """The files that a test says it watches; of one in tests/nav_model that does not import the app, the model."""
     if marker := item.get_closest_marker("watches"):
         return marker.args
     model_only = item.path.is_relative_to(MODEL_TESTS) and not _imports_app(item.path)

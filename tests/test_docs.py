@@ -74,7 +74,7 @@ def test_names_that_the_code_cites_are_there() -> None:
 
 
 def _resolves(name: str) -> bool:
-    """Whether a dotted name is a module, or a name that one defines."""
+    """True where a dotted name is a module, or a name that one defines."""
     parts = name.split(".")
     for count in range(len(parts), 0, -1):
         try:

@@ -327,11 +327,11 @@ class _Sheets:
             self._of_flight(sheet, row, of_flight[name])
         letters = f"H{first + 1}:H{row + 1}"
         closes = f'IF(COUNTIF({letters},"met")>0,"Closes","Not checked")'
-        for word, words in (("refused", "Open"), ("open", "Open"), ("not known", "Not known for these inputs"),
+        for word, text in (("refused", "Open"), ("open", "Open"), ("not known", "Not known for these inputs"),
                             ("not met", "Does not close")):  # fmt: skip
-            closes = f'IF(COUNTIF({letters},"{word}")>0,"{words}",{closes})'
-        said = {"fails": "Does not close", "open": "Open", "closes": "Closes" if verdict.checks else "Not checked"}
-        sheet.write_formula(1, 0, f"={closes}", self.bold, said[verdict.state])
+            closes = f'IF(COUNTIF({letters},"{word}")>0,"{text}",{closes})'
+        words = {"fails": "Does not close", "open": "Open", "closes": "Closes" if verdict.checks else "Not checked"}
+        sheet.write_formula(1, 0, f"={closes}", self.bold, words[verdict.state])
         if processing == REAL_TIME:
             self._name("verdict_in_real_time", "Budget", 1, 0)
         self._end(sheet, first, row, (*columns,))
@@ -387,12 +387,12 @@ class _Sheets:
     def _of_flight(self, sheet: Any, row: int, check: Check) -> None:
         """A requirement that the flight judges: NavBudget's value, not known once a cell is changed."""
         at, unit = row + 1, _Unit.of(check.unit, check.dimension)
-        number, own = next(
+        number, own_limit = next(
             ((n, limit) for n, limit in enumerate(self.design.limits, 1) if limit.name == check.name), (0, None)
         )
         key = f"requirements.{check.on}"
-        given = cast("float | None", own.value if own else self.design[key])
-        limit = limit_key(number) if own else symbol_of(key)
+        given = cast("float | None", own_limit.value if own_limit else self.design[key])
+        limit = limit_key(number) if own_limit else symbol_of(key)
         usual = self.design.requirements.confidence
         other = f'{limit}<>""' if given is None else f'IF({limit}="",TRUE,ABS({limit}/{given!r}-1)>1E-9)'
         changed = f"OR({_CHANGED},{_ENTERING_CHANGED},requirements_confidence<>{usual!r},{other})"

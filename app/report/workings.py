@@ -77,7 +77,7 @@ class Traces:
         rule = zip(RULE, longest_rule(), strict=True)  # the one that integrates the outage, in cells
         self.rule: Any = tuple(Traced(name, part, self.workings) for name, part in rule)
         self.x = self._inputs()
-        self.own = contributors_of(design, self.x.wavelength, self._counted())
+        self.counted_contributors = contributors_of(design, self.x.wavelength, self._counted())
         self.model = RealTime(self.x, self.rule)
         self._settled()
         self._outage()
@@ -171,7 +171,7 @@ class Traces:
     def _with(self, processing: str, on: str, of: Traced, name: str, key: str, unit: str, mark: str) -> Traced:
         """A figure with its contributors, the size of each in a cell, and the root of what is random."""
         self._of_model[processing, name] = of
-        figure = self.own.composed(on, processing, of)
+        figure = self.counted_contributors.composed(on, processing, of)
         if not figure.parts:
             return of
         label, cell, prefix = label_of(name), self.workings.name, "" if processing == REAL_TIME else "smoothed_"

@@ -184,17 +184,7 @@ async def followed(
 ) -> Followed:
     """`follow` in a worker: a short flight in the pool, a long one in a process that ends when this is cancelled.
 
-    Parameters
-    ----------
-    design : Design
-    states : int
-        Of the filter; 0 as the design has it.
-    file : File, optional
-        Flown in place of the plan.
-    lengths : bool
-        Solve how long each line of the plan may be, and its near and far range, which takes many flights.
-    progress : callable
-        Called with the share done, 0 where it is not known, and with what is being done.
+    Parameters and errors as `follow`.
     """
     # Imports Numba, which takes a second: in a thread, so that others' sliders move on.
     await asyncio.to_thread(import_module, "nav_model.trajectory.lines")

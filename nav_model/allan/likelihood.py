@@ -223,8 +223,8 @@ def _white_interval(problem: _Problem, best: _Solution, whole: Estimate, unit: f
     if not doubtful:
         return whole
     fewest = alone(doubtful)
-    shown = fewest if hidden == doubtful else alone(hidden) if hidden else whole
-    return Estimate(shown.value, min(whole.low, shown.low), max(whole.high, shown.high, fewest.high))
+    estimate = fewest if hidden == doubtful else alone(hidden) if hidden else whole
+    return Estimate(estimate.value, min(whole.low, estimate.low), max(whole.high, estimate.high, fewest.high))
 
 
 def _absent(problem: _Problem, best: _Solution, rises: tuple[float, ...]) -> Held:

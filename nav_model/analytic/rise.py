@@ -59,8 +59,8 @@ def rise(gradient: ArrayLike, time: ArrayLike) -> Rise:
     y = 2 * angle
     last = y / 27
     square = last**2
-    left = 27 * last**3 / 6 * (1 + square / 20 * (1 + square / 42 * (1 + square / 72)))
-    beyond = 4 * (np.sinh(y / 3) ** 3 + 3 * np.sinh(y / 9) ** 3 + 9 * np.sinh(last) ** 3) + left
+    remainder = 27 * last**3 / 6 * (1 + square / 20 * (1 + square / 42 * (1 + square / 72)))
+    beyond = 4 * (np.sinh(y / 3) ** 3 + 3 * np.sinh(y / 9) ** 3 + 9 * np.sinh(last) ** 3) + remainder
     noise = beyond / (4 * angle**3), sine**2 / 2, (1 + sine * (1 + risen / 2)) / 2
     return Rise(sine, risen, risen / angle**2, noise)
 

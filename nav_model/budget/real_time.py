@@ -313,8 +313,8 @@ class RealTime:
         changes, and the next one with the turn. [S-8]"""
         variance = self.sight_variance(f"left_{order}")
         if order in LEFT_OF_ORDER:
-            kind, left = LEFT_OF_ORDER[order]
-            variance = variance + left * self.turn.bent(*self.bends(kind))
+            kind, factor = LEFT_OF_ORDER[order]
+            variance = variance + factor * self.turn.bent(*self.bends(kind))
         return self.to_phase * np.sqrt(variance)
 
     detrended_phase_1 = property(lambda self: self.detrended(1))
@@ -347,8 +347,8 @@ class RealTime:
 
     @property
     def along_track_detrended_phase(self) -> Array:
-        kind, left = LEFT_OF_ORDER.get(self.x.autofocus_order, ("cubic", 0.0))
-        return self.to_phase * np.sqrt(left * self._along_track(kind))
+        kind, factor = LEFT_OF_ORDER.get(self.x.autofocus_order, ("cubic", 0.0))
+        return self.to_phase * np.sqrt(factor * self._along_track(kind))
 
     # The place of the image.
 

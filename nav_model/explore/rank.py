@@ -162,8 +162,8 @@ def sentence(item: InputSensitivity, figure_label: str) -> str:
     """A sensitivity in words: what halving the input does, or doubling where that is what helps."""
     down = item.slope > 0
     verb, change = ("Halving", item.halved) if down else ("Doubling", item.doubled)
-    own = item.key.startswith("contributors.")
-    name = f'"{item.label}"' if own else in_sentence(item.label)
+    contributor = item.key.startswith("contributors.")
+    name = f'"{item.label}"' if contributor else in_sentence(item.label)
     name += ", which makes the image coarser," if item.coarser else ""
     subject = in_sentence(figure_label)
     if np.isnan(change):

@@ -248,8 +248,8 @@ def evaluate(plan: SweepPlan, start: int, stop: int) -> dict[str, Column]:
             results[name][rows] = sigmas[name]
         for name, limit in limits(design).items():
             margins[name][rows] = 1 - sigmas[name] / limit
-    own = {limit.name: limit.column for limit in plan.design.limits}
-    columns |= {own.get(name) or FIGURES[name].column: values for name, values in results.items()}
+    limit_columns = {limit.name: limit.column for limit in plan.design.limits}
+    columns |= {limit_columns.get(name) or FIGURES[name].column: values for name, values in results.items()}
     columns |= {f"{name}_margin": values for name, values in margins.items()}
     columns["closes"] = list(worst({n: -m for n, m in margins.items()}) <= 0) if margins else [None] * (stop - start)
     varied = (name for name in of_kind("flight") if f"requirements.{name}" in columns)

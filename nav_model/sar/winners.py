@@ -142,9 +142,9 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     residuals = [free.detrended, coasted.detrended, *corrected]
     bent = _bent(c, "quadratic", t, dt, n, turn)
     if c.autofocus_order in LEFT_OF_ORDER:
-        kind, left = LEFT_OF_ORDER[c.autofocus_order]
+        kind, factor = LEFT_OF_ORDER[c.autofocus_order]
         also = bent if kind == "quadratic" else _bent(c, kind, t, dt, n, turn)
-        residuals = [np.add(part, left * more) for part, more in zip(residuals, also, strict=True)]
+        residuals = [np.add(part, factor * more) for part, more in zip(residuals, also, strict=True)]
     ends = [np.add(part + more, c.fast[0]) for part, more in zip(ends, bent, strict=True)]
     residuals = [np.add(part, c.fast[1]) for part in residuals]
     if c.smoothed is not None:

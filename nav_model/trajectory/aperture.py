@@ -224,14 +224,14 @@ def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, 
     sight = {"quadratic": 9 / 4 * variances[..., 2], "cubic": 25 / 4 * variances[..., 3]}
     image, track = ({kind: variances[..., places[n]] for kind, places in _TURN.items()} for n in (0, 1))
     # What autofocus leaves: of the image, the next order with the turn, and those beyond it along the line of sight.
-    kind, left = LEFT_OF_ORDER.get(x.autofocus_order, ("cubic", 0.0))
+    kind, factor = LEFT_OF_ORDER.get(x.autofocus_order, ("cubic", 0.0))
     return {
         **{f"{kind}_phase": phase * variance for kind, variance in image.items()},
-        "detrended_phase": phase * (higher + rest + left * (image[kind] - sight[kind])),
+        "detrended_phase": phase * (higher + rest + factor * (image[kind] - sight[kind])),
         **{f"line_of_sight_{kind}_phase": phase * variance for kind, variance in sight.items()},
         "line_of_sight_detrended_phase": phase * (higher + rest),
         **{f"along_track_{kind}_phase": phase * variance for kind, variance in track.items()},
-        "along_track_detrended_phase": phase * left * track[kind],
+        "along_track_detrended_phase": phase * factor * track[kind],
     }
 
 

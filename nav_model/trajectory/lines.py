@@ -99,17 +99,17 @@ def _judged(
                 there = int(over[0])
                 near = slice(there - 1, there + 1)  # it passes on a straight line between two outputs
                 at = np.interp(most[name], values[near], time_s[outputs][near]) - start if there else 0.0
-                stays = len(over) == len(values) - there
-                beyond.append((float(at), -worst[name] / most[name], name, int(outputs[there]), stays))
+                to_the_end = len(over) == len(values) - there
+                beyond.append((float(at), -worst[name] / most[name], name, int(outputs[there]), to_the_end))
     reason, refused = _refused(start, stop, spec, most, chosen, worst)
     because = fails_by = ""
     beyond = [fails for fails in beyond if fails[2] not in refused]
     fails_at = None
     if beyond:
-        fails_at, _, fails_by, output, stays = min(beyond)
+        fails_at, _, fails_by, output, to_the_end = min(beyond)
         shares = chosen.shares[fails_by][:, output]
         cause = f"{'mostly' if shares.max() > 0.5 else 'largest part'} {sources[int(shares.argmax())]}"
-        because = f"{_passed(fails_by, most[fails_by], fails_at, None if stays else within[fails_by])}; {cause}"
+        because = f"{_passed(fails_by, most[fails_by], fails_at, None if to_the_end else within[fails_by])}; {cause}"
     return LineResult(
         name=line.name,
         start_s=start,

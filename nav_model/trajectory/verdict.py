@@ -84,10 +84,10 @@ def _check(
         The straight leg's value beside it.
     """
     figure, factor = required.on, required.confidence or 1.0
-    own = [dict(line.most).get(figure) for line in along.spec.lines] or [None]
+    of_lines = [dict(line.most).get(figure) for line in along.spec.lines] or [None]
     limited = [
         (line, required if most is None else replace(required, limit=factor * most))
-        for line, most in zip(lines, own, strict=True)
+        for line, most in zip(lines, of_lines, strict=True)
         if everywhere or most is not None
     ]
     usual = {

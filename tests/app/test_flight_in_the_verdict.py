@@ -58,7 +58,7 @@ def flights(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> list[Design]
 
 
 def _tones(session: Session) -> set[str]:
-    """What is said in green or red of the design: by the strip, the tiles, the table, the switch and two pages."""
+    """Texts in green or red about the design: by the strip, the tiles, the table, the switch and two pages."""
     figures = key_figures(session.budget, last=session.last_flown)
     table = requirement_table(session.budget)
     close = ExplorePage(session)

@@ -25,7 +25,7 @@ _SECOND_NAMES = {
     "before a fix, after a fix": r"\((prior|closed|posterior)[;)]|(?i:prior to posterior|fix cycle)",
     "value, quantity": r"^Figures? (to|side|stated|of(?! eight)|as)\b|^Figures?$|Where figures",
 }
-"""What a text must not call each of these."""
+"""Names that a text must not give each of these."""
 
 
 @cache

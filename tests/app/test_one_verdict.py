@@ -94,7 +94,7 @@ def some_design(random: np.random.Generator, *, planned: bool) -> Design:
 
 
 def said(check: Check) -> tuple[str, str, str, float | None, float | None]:
-    """What must be the same everywhere."""
+    """The part of an answer that must be the same everywhere."""
     return (check.name, check.state, check.judged, _none(check.value), _none(check.margin))
 
 

@@ -71,7 +71,7 @@ def decide(page: Page, requirement: str, press: str = "Accept", reason: str = ""
 
 @pytest.fixture
 def second(browser: Browser, server: str) -> Iterator[Page]:
-    """What another person has open."""
+    """The page of another person."""
     page = browser.new_context().new_page()
     page.set_default_timeout(1e3 * PATIENCE)
     page.goto(server + "/#review")

@@ -62,7 +62,7 @@ def test_what_decides_is_on_one_screen_and_runs_go_stale_with_the_design(visit: 
 
 
 def _seen_at_once(page: Page, width: int, height: int) -> bool:
-    """Whether what decides lies inside the window, and the large parts are large."""
+    """True where what decides lies inside the window, and the large parts are large."""
     parts = {
         "answer": page.get_by_role("status").filter(has_text=_ANSWER),
         "ranking": page.get_by_role("table", name="Strategies ranked by detrended phase"),

@@ -50,17 +50,17 @@ def key_figures(
         return KeyFigure(figure.label, value, detail, f"{spread}, no limit" if spread != "1σ" else "", amount=amount)
 
     def limited(check: Check, detail: str) -> KeyFigure:
-        shown = check if check.known else before.get(check.name, check)
-        value, *_ = displayed_check(budget.design, shown, display)
+        displayed = check if check.known else before.get(check.name, check)
+        value, *_ = displayed_check(budget.design, displayed, display)
         *_, beside = displayed_check(budget.design, check, display)
         limit, known = _limit_text(budget, check, display), check.known
         amount, used = (check.sigma, 1 - check.margin) if known else (None, None)
         if check.judged != STRAIGHT_LEG:
             detail = check_words(budget.design, check).figure
         if not known:
-            detail = check.reason + (f"; last flight: {value}" if shown.known else "")
+            detail = check.reason + (f"; last flight: {value}" if displayed.known else "")
         return KeyFigure(
-            check.label, value, detail, limit, check.state, amount, used, beside, last=shown.known and not known
+            check.label, value, detail, limit, check.state, amount, used, beside, last=displayed.known and not known
         )
 
     others = tuple(

@@ -185,8 +185,8 @@ class BudgetPage(View):
         """Update tiles and bars; unchanged text is not sent."""
         self._displayed_budget = budget
         figures, bars = self._was
-        shown = key_figures(budget, self._display, figures, self.session.last_flown)
-        self._tiles.say(tiles_html(shown, figures))
+        tiles = key_figures(budget, self._display, figures, self.session.last_flown)
+        self._tiles.say(tiles_html(tiles, figures))
         self._phase.say(bars_html(self._display.bars(charts.phase_chart(budget)), bars))
 
     def _tell(self) -> None:

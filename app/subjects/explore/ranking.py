@@ -10,11 +10,12 @@ from nav_model.explore.search import Biases, Candidate, left_out, own_candidate,
 
 @dataclass(frozen=True)
 class Ranking:
-    """Units or pairs in their order, and the design with its own; the units that cannot be judged, with what their
-    sheets lack; and of a ranking in which none passes with the design's residual biases, how many would with zero."""
+    """Units or pairs in their order, and the design with the unit in it; the units that cannot be judged, with what
+    their sheets lack; and of a ranking in which none passes with the design's residual biases, how many would with
+    zero."""
 
     rows: tuple[Candidate, ...] = ()
-    own: Candidate | None = None
+    in_design: Candidate | None = None
     left_out: Mapping[str, str] = field(default_factory=dict)
     unbiased: int = 0
 

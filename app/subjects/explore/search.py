@@ -165,8 +165,8 @@ class SearchPanel(Question):
         words = self.words.lower().split()
         rows = [row for row in self._ranking.rows if all(word in self._text(row) for word in words)]
         yours = f"Your IMU ({preset_name(self.session.design, 'imu')})"
-        shown = search_table(self.session.design, rows[:_MOST_ROWS], self.own, self._ranking.own, yours)
-        self._table.html = html_of(shown) if self._ranking.rows else ""
+        block = search_table(self.session.design, rows[:_MOST_ROWS], self.own, self._ranking.in_design, yours)
+        self._table.html = html_of(block) if self._ranking.rows else ""
         notes = []
         if len(rows) > _MOST_ROWS:
             notes.append(f"The first {_MOST_ROWS} of {len(rows)} rows; the filter finds the others, the CSV has all.")

@@ -143,7 +143,7 @@ def search_answer(rows: Sequence[Candidate], yours: bool, unbiased: int) -> Answ
 
 
 def search_table(
-    design: Design, rows: Sequence[Candidate], yours: bool, own: Candidate | None = None, name: str = ""
+    design: Design, rows: Sequence[Candidate], yours: bool, in_design: Candidate | None = None, name: str = ""
 ) -> TableBlock:
     """Units, or pairs of unit and receiver, in the order of `search`; each can be taken into the design.
 
@@ -153,8 +153,8 @@ def search_table(
     rows : sequence of Candidate
     yours : bool
         Whether all are with the design's own receiver, which is not named then.
-    own : Candidate, optional
-        The design with its own unit: the first row.
+    in_design : Candidate, optional
+        The design with the unit in it: the first row.
     name : str
         Of its unit.
     """
@@ -175,7 +175,7 @@ def search_table(
         f"{what}{before_flight(design)}, {first} first. Click one to apply it to the design.",
         tuple(Column(title, numeric=title in ("Margin", *_OFFERED), sortable=True) for title in titles),
         (
-            *((_candidate(own, Cell(name, "● in the design", sort=name), yours, offers),) if own else ()),
+            *((_candidate(in_design, Cell(name, "● in the design", sort=name), yours, offers),) if in_design else ()),
             *(_candidate(row, Cell(row.imu, sort=row.imu, value=row.pair), yours, offers) for row in rows),
         ),
     )

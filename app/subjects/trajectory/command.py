@@ -45,11 +45,11 @@ def _trajectory(options: argparse.Namespace) -> int:
     study, flight = flight_study(design, read_study_inputs(of_study), options)
     lines = flight.lines if flight else ()
     # The design's own flight is that of its verdict; another is a study, which judges all that it knows.
-    own = options.trajectory == PLAN and not (of_study or options.outages or options.states)
-    if own and flight and options.duration is None and options.every is None:
+    of_verdict = options.trajectory == PLAN and not (of_study or options.outages or options.states)
+    if of_verdict and flight and options.duration is None and options.every is None:
         spec = along_flight(design, flight)
     else:
-        spec = covariance_specification(design, study, lines, every=design.trajectory.planned or not own)
+        spec = covariance_specification(design, study, lines, every=design.trajectory.planned or not of_verdict)
     result = covariance(spec)
     if options.trajectory == PLAN and options.duration is None:
         with show_progress() as show:

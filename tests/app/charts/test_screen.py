@@ -46,7 +46,7 @@ def _events(figure: DrawnChart) -> list[Any]:
 
 
 def _drawn(figure: DrawnChart) -> list[Any]:
-    """What each line's glyph finds in its source."""
+    """Columns that each line's glyph reads from its source."""
     return [line.data_source.data.get(line.glyph.y.field) is not None for line in figure._lines]
 
 

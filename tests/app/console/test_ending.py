@@ -35,7 +35,7 @@ def _run(*command: str, **options: Any) -> subprocess.Popen[str]:
 
 
 def _say_until_under_way(process: subprocess.Popen[str]) -> str:
-    """What a command says until it has told of work that is done."""
+    """A command's messages until it has told of work that is done."""
     output = ""
     while not _DONE.search(output):
         more = os.read(process.stderr.fileno(), 4096).decode()
@@ -52,7 +52,7 @@ _LONG = {
     "report": (0, ["report", MEMS, "--with", "simulation", "--runs", "50000", "--workers", "1",
                    "-o", "{folder}/out.pdf"]),
 }  # fmt: skip
-"""What is run -> how many workers it has, and the command."""
+"""Name of a run -> its number of workers, and the command."""
 _QUICK = {("simulate, two workers", signal.SIGINT), ("sar", signal.SIGTERM), ("report", signal.SIGINT)}
 
 

@@ -1,4 +1,4 @@
-"""What the compared design is called."""
+"""The name of the compared design."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What would close a design, held to the budget of the design that takes it at its word."""
+"""Values that would close a design, held to the budget of the design that takes it at its word."""
 
 import re
 

@@ -51,7 +51,7 @@ def test_the_signature_is_ed25519_of_the_seal(signed: Review) -> None:
 
 
 def _resealed(library: Library, review: str, signature: Callable[[str], str | None]) -> Review:
-    """What somebody makes of it who can write the database and knows this program."""
+    """The forgery of somebody who can write the database and knows this program."""
     with library.engine.begin() as connection:
         connection.execute(text("UPDATE reviews SET signed_by = 'Mallory' WHERE id = :id"), {"id": review})
     with library.read() as connection:

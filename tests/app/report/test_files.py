@@ -74,7 +74,7 @@ def squeezed(text: str) -> str:
 
 
 class Page(HTMLParser):
-    """What an HTML file loads, links to and says."""
+    """Everything that an HTML file loads, links to and says."""
 
     def __init__(self, text: str) -> None:
         super().__init__()

@@ -20,7 +20,7 @@ def test_the_date_is_told_in_utc(mems):
 
 
 def refused(target: Path, capsys, *options: str, code: int = 2) -> str:
-    """What the command says of a file it does not write."""
+    """The command's message about a file it does not write."""
     assert cli.main(["report", TACTICAL, "-o", str(target), *options]) == code
     return capsys.readouterr().err
 

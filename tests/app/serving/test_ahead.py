@@ -1,4 +1,4 @@
-"""What a server does before anybody asks for it."""
+"""Work of a server before anybody asks for it."""
 
 import asyncio
 import sys

@@ -1,4 +1,4 @@
-"""What a page may send: by message, and by session for what stays."""
+"""Limits on what a page sends: by message, and by session for what stays."""
 
 import asyncio
 import gc

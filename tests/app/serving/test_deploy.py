@@ -41,7 +41,7 @@ def test_the_bill_of_materials_has_every_package_of_the_lock_file() -> None:
 
 
 def _refusal(capsys: pytest.CaptureFixture[str], command: list[str]) -> str:
-    """What the program says to a command whose files are not there: the options themselves it must take."""
+    """The program's answer to a command whose files are not there: the options themselves it must take."""
     assert main(command) == 2
     return capsys.readouterr().err
 

@@ -1,4 +1,4 @@
-"""How a server stops: work in progress is finished, no new session starts, no process remains."""
+"""The end of a server: work in progress is finished, no new session starts, no process remains."""
 
 import asyncio
 import errno
@@ -26,7 +26,7 @@ def children_of(pid: int) -> set[int]:
 
 
 def refuses(host: str, port: int) -> bool:
-    """Whether nobody listens there."""
+    """True where nobody listens."""
     with socket.socket() as visitor:
         return visitor.connect_ex((host, port)) == errno.ECONNREFUSED
 

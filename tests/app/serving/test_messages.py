@@ -39,7 +39,7 @@ def _change(model: str, attribute: str, value: Any) -> dict[str, Any]:
 
 
 def _row(tab: Tab, **done: Any) -> dict[str, Any]:
-    """What the browser's side of the sheet sends, with whatever is said of a row."""
+    """The message of the browser's side of the sheet, with whatever is said of a row."""
     entries = [["key", _SLIDER], ["number", 1], *map(list, done.items())]
     values = {"model": {"id": tab.row(_SLIDER)[0]}, "data": {"type": "map", "entries": entries}}
     event = {

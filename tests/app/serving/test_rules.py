@@ -1,4 +1,4 @@
-"""What the operator asks for: options, the password file, who may enter."""
+"""The operator's rules: options, the password file, who may enter."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""What pages of studies share: settings in the link, the strip's answer through a run, and how a screen is parted."""
+"""Parts of all pages of studies: settings in the link, the strip's answer through a run, and screen parts."""
 
 import asyncio
 import re

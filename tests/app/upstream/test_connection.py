@@ -49,7 +49,7 @@ _AS_SHIPPED = _Hands(panel_document.schedule_write_events, ServerConnection.send
 
 
 class _Socket:
-    """What is asked of a connection's socket."""
+    """The part of a connection's socket that is asked."""
 
     def __init__(self, sent: list[str]) -> None:
         self.write_lock = Lock()
@@ -211,7 +211,7 @@ def _message() -> Any:
 
 
 def _sent(dispatch: Any) -> tuple[int, list[Any]]:
-    """How many writes a message takes, and what a client of another make receives."""
+    """Number of writes of a message, and the text that a client of another make receives."""
 
     async def run() -> tuple[int, list[Any]]:
         served: asyncio.Future[Any] = asyncio.get_running_loop().create_future()

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
 
 
 class _Connection:
-    """What a handler asks of one."""
+    """The part of one that a handler asks."""
 
     context = None
 

@@ -18,7 +18,7 @@ class _Session(param.Parameterized):
 
 
 def _followers() -> int:
-    """How many follow the flag of the whole server."""
+    """Number of followers of the flag of the whole server."""
     return len(pn.state._param__private.watchers.get("busy", {}).get("value", []))
 
 

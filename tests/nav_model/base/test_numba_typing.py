@@ -12,7 +12,7 @@ ELEMENTS = 40
 
 
 def lookups(monkeypatch, get_call_type) -> int:
-    """How many templates are asked to compile a sum of array elements."""
+    """Number of templates that are asked to compile a sum of array elements."""
     asked = []
 
     def counted(template, *arguments):

@@ -59,7 +59,7 @@ CONDITIONAL = [key for key in VARIABLES if quantity(key).needs or quantity(key).
 
 
 def _moves(design, key):
-    """Whether any figure of either processing follows an input."""
+    """True where any figure of either processing follows an input."""
     modes = (design.replace({"processing.mode": mode}) for mode in (REAL_TIME, POST_PROCESSED))
     slopes = [log_derivatives(each, [key], list(REQUIRED)) for each in modes]
     return any(np.any(np.nan_to_num(slope) != 0) for derivatives in slopes for slope in derivatives.values())

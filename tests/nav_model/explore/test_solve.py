@@ -109,7 +109,7 @@ def test_no_value_and_any_value_mean_it(data, designs):
 
 
 def _bounds(key, now):
-    """What can be bought or flown."""
+    """Inputs that can be bought or flown."""
     low, high = quantity(key).limits
     return max(min(quantity(key).softbounds[0], now), 1e-9 * high) if low else 1e-9 * high, high
 

@@ -1,4 +1,4 @@
-"""What the filter of a study estimates unless told otherwise: constant and varying biases apart."""
+"""States that the filter of a study estimates unless told otherwise: constant and varying biases apart."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What a flight makes of a design's verdict: met, not met, open or refused, on the line that decides."""
+"""A design's verdict with its flight: met, not met, open or refused, on the line that decides."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Which manoeuvre would close a flight: what is offered is flown again, as the page flies it, and in runs."""
+"""Manoeuvres that would close a flight: each offer is flown again, as the page flies it, and in runs."""
 
 import math
 from dataclasses import replace

@@ -29,7 +29,7 @@ def flown(design: Design, *outage: float, every: float = 60.0, duration: float =
 
 
 def of_bias(name: str, at: int, *outage: float, every: float = 60.0) -> float:
-    """What the biases add to a figure [rad or m], in squares."""
+    """Part of the biases in a figure [rad or m], in squares."""
     whole, without = (
         flown(design, *outage, every=every).real_time.figures[name][at] for design in (MEMS.replace(BIASES), MEMS)
     )

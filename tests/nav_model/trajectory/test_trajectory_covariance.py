@@ -21,9 +21,10 @@ from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.aperture import directions
-from nav_model.trajectory.covariance import _filtered, covariance
+from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.errors import error_model
+from nav_model.trajectory.passes import filtered
 from nav_model.trajectory.result import Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec, FlightLine
 
@@ -117,7 +118,7 @@ PLACED = ("azimuth_shift", "range_shift", "ce90")
 
 
 def same_shares(sources: tuple[str, ...], mine: np.ndarray, other: Mapping[str, float]) -> None:
-    """Whether shares along a flight are those of a budget, to 0.01."""
+    """True where shares along a flight are those of a budget, to 0.01."""
     np.testing.assert_allclose(mine, [other.get(source, 0.0) for source in sources], rtol=0, atol=0.01)
 
 
@@ -211,7 +212,7 @@ def test_the_shares_of_all_sources_add_up_at_every_time() -> None:
 def test_the_sources_of_a_filter_that_knows_them_add_up_to_what_it_believes() -> None:
     result = covariance(as_simulated(MEMS, states=21, trajectory="turns", duration=200.0))
     model = error_model(result.spec)
-    believed = _filtered(model).covariance[model.outputs]
+    believed = filtered(model).covariance[model.outputs]
     variance = np.einsum("kii->ki", believed)[:, :6]
     np.testing.assert_allclose(states(result.real_time)[:, :6] ** 2, variance, rtol=1e-6)
 

@@ -17,8 +17,9 @@ from nav_model.simulation.specification import Aids, GnssModel, ImuModel, Initia
 from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
-from nav_model.trajectory.covariance import _filtered, _transitions, covariance
+from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.errors import ErrorModel, error_model
+from nav_model.trajectory.passes import filtered, transitions
 from nav_model.trajectory.plan import fly
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.waypoints import Plan, Waypoint
@@ -74,9 +75,9 @@ def test_through_two_turns_a_climb_and_an_outage_the_filter_is_that_of_another_p
 def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
     """Errors (outputs, 9, runs) of runs drawn from the model, filtered and smoothed back from node to node."""
     generator = np.random.default_rng(7)
-    run, m, n = _filtered(model), model.states.estimated, model.states.size
+    run, m, n = filtered(model), model.states.estimated, model.states.size
     draw = generator.standard_normal
-    whole, estimated = ([*_transitions(model, size)] for size in (n, m))
+    whole, estimated = ([*transitions(model, size)] for size in (n, m))
     now = model.states.initial @ draw((model.states.initial.shape[1], runs))
     before, after = [now], []
     for node in range(len(model.time_s)):

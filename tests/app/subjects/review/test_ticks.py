@@ -33,7 +33,7 @@ class _Scene:
 
     @property
     def names(self) -> dict[str, str]:
-        """What the list shows, by what a tick says."""
+        """Rows of the list, by the text of their tick."""
         return dict(re.findall(r'<input type="checkbox" value="(.*?)"> <span>(.*?)</span>', self.view._table.html))
 
     @property

@@ -57,12 +57,12 @@ def run(sar: SarPage) -> None:
 
 
 def strip(sar: SarPage) -> str:
-    """What the answer strip says."""
+    """Text of the answer strip."""
     return sar._strip._text.object.replace("\xa0", " ")
 
 
 def part(sar: SarPage, title: str) -> Any:
-    """What unfolds under a title."""
+    """The part that unfolds under a title."""
     folded = sar._details
     index = [name for name, _ in folded._parts].index(title)
     folded._view.active = sorted({*folded._view.active, index})

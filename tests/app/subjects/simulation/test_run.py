@@ -254,7 +254,7 @@ def test_the_verdict_and_its_tables_are_the_studys(study: SimulationStudy) -> No
 
 
 def said_by(page: SimulatePage) -> str:
-    """What the answer strip says."""
+    """Text of the answer strip."""
     return page._strip._text.object
 
 

@@ -1,4 +1,4 @@
-"""What would close a flight, on the page and in the report: options with a button, taken and undone."""
+"""Options that would close a flight, on the page and in the report: options with a button, taken and undone."""
 
 import math
 from dataclasses import replace

@@ -76,13 +76,13 @@ def followed() -> Followed:
 
 
 def after(page: TrajectoryPage, do: Any) -> str:
-    """What the strip says once what was done has been followed."""
+    """Text of the strip once the change has been followed."""
     when_done(do, page.run)
     return str(page._strip._text.object)
 
 
 def lines_after(page: TrajectoryPage, do: Any) -> int:
-    """How many lines have a verdict once what was done has been followed; the whole flight is none."""
+    """Number of lines with a verdict once the change has been followed; the whole flight is none."""
     text = after(page, do)
     assert page._result is not None
     assert any(word in text for word in ("Does not close", "Closes", "Study")), text
