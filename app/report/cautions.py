@@ -6,6 +6,7 @@ from app.document.wording import MOMENTS
 from app.report.inputs import doubtful_inputs
 from nav_model.budget import Budget
 from nav_model.budget.provenance import cautions
+from nav_model.budget.verdict import flies
 from nav_model.design.processing import POST_PROCESSED
 
 
@@ -26,7 +27,8 @@ def assumption_list(budget: Budget) -> Bullets:
     held = "post-processed figures" if processing.mode == POST_PROCESSED else "figures in real time"
     return Bullets(
         (
-            "Straight, level flight at constant velocity; steady state before the last fix; small errors [T-1].",
+            "Straight, level flight at constant velocity; steady state before the last fix; small errors [T-1]."
+            + (" Requirements along the flight are checked with its turns [P-13]." if flies(budget.design) else ""),
             "Random walks are white, Gaussian, equal and independent on the three axes; residual biases are constant "
             "over the outage and the aperture.",
             f"GNSS measures {measured}, per axis, {noise}.",
