@@ -215,9 +215,10 @@ def verdict_strip(budget: Budget, display: Display = AS_REQUIRED) -> Answer:
         return Answer("Not checked", "open", (why,))
     value, limit, at, _ = displayed_check(budget.design, tightest, display.of(budget.design))
     share = percent(tightest.dominant_share)
+    where = f"{where_judged(tightest)}:" if tightest.judged != STRAIGHT_LEG else ""
     return Answer(
         *_word_and_tone(budget.verdict),
-        (f"{tightest.label}{where_judged(tightest)} {value}, limit {limit}{at}; {share} from {tightest.dominant}.",),
+        (f"{tightest.label}{where} {value}, limit {limit}{at}; {share} from {tightest.dominant}.",),
         "A design closes when every requirement is met.",
     )
 

@@ -252,7 +252,7 @@ class Gnss(Part):
         "horizontal position noise.",
         datasheet="Absolute vertical accuracy less the noise; usually 1.5 to 2 times the horizontal one.",
         typical="carrier phase 0.025, differential 0.5, stand-alone 1.5 to 3 m",
-        when_empty="in the ratio of the noise",
+        when_empty="by noise ratio",
         slider=True,
         since="0.2.0",
         instead="correlated_noise",

@@ -147,7 +147,7 @@ async def test_the_page_image_has_the_verdict_and_says_whose_phase_its_advice_ha
     page.show_verdict(session.budget)
     (phase,) = (check for check in session.budget.verdict.checks if check.name == "detrended_phase")
     assert tones.css_classes == ["bad"]
-    assert "Heading on line 1 " in text.object
+    assert "Heading on line 1: " in text.object
     value = f"{math.degrees(phase.value):.3g}°"
     assert f"Detrended phase on {phase.judged} {value}, limit 20°." in text.object.replace("\xa0", " ")
     assert "On a straight leg: " in text.object

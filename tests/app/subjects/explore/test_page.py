@@ -334,7 +334,7 @@ def test_the_list_begins_with_the_designs_own_imu_as_the_budget_judges_it(explor
         assert f"Your IMU ({name})" in cells
         assert margin_in_short(tightest.margin) in cells
         assert tightest.label in cells
-        assert search._ranking.own.margin == pytest.approx(tightest.margin, rel=1e-9)
+        assert search._ranking.in_design.margin == pytest.approx(tightest.margin, rel=1e-9)
         assert "button" not in first
         assert not re.search(r"tone (good|bad)", search._table.html)
         assert search.answer.tone == "open"

@@ -394,6 +394,6 @@ def test_a_flight_ends_with_the_page_that_asked_for_it(monkeypatch: pytest.Monke
         await soon(lambda: page.run.progress is not None and page.run.progress.what == "begun", "the flight")
         session.close()
         await asyncio.wait([task])
+        await soon(lambda: set(multiprocessing.active_children()) <= others, "the end of its process")
 
     asyncio.run(leave())
-    assert set(multiprocessing.active_children()) <= others
