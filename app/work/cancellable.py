@@ -11,7 +11,7 @@ import multiprocessing
 import os
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from functools import cache
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -49,6 +49,8 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
     waits = _turns().must_wait(visitor)
     if waits:
         progress(0.0, WAITING)
+        for task in _unasked:
+            task.cancel()
     with workers.counted():
         async with _turns().place(visitor):
             if waits:
@@ -80,6 +82,22 @@ async def run_alone(function: Callable[..., Any], *arguments: Any, progress: Cal
                     await process.end()
 
 
+async def until_asked(work: Coroutine[Any, Any, object]) -> None:
+    """Do work that nobody has asked for, and end it as soon as a visitor's run would wait.
+
+    work: awaits `run_alone`; what it raises is raised here.
+    """
+    task = asyncio.create_task(work)
+    _unasked.add(task)
+    try:
+        await asyncio.wait([task])
+        if not task.cancelled():
+            task.result()
+    finally:
+        _unasked.discard(task)
+        task.cancel()
+
+
 class _Process:
     """A process that does one run after another; `ends` is our end of the pipe to it."""
 
@@ -101,6 +119,7 @@ class _Process:
 
 
 _waiting: list[_Process] = []  # for the next run, one at most
+_unasked: set[asyncio.Task[object]] = set()
 
 
 def _take() -> _Process:

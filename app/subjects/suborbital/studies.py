@@ -4,7 +4,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from app.subjects.suborbital.inputs import Trajectory
-from app.work.cancellable import RunLost, run_alone
+from app.work.cancellable import RunLost, run_alone, until_asked
 from app.work.result_cache import cached, keep
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -34,8 +34,8 @@ async def fly_study(settings: Settings, trajectory: Trajectory, progress: Callab
 
 
 async def fly_ahead(design: Design) -> None:
-    """Have the usual study of a design, and a process that has loaded what the next needs."""
+    """Have the usual study of a design, and a process that has loaded what the next needs; nobody waits for it."""
     settings = from_design(DEFAULTS, design)
     if cached(*asked(settings)) is None:
         with suppress(InputError, RunLost):  # whoever asks runs it again, and is told
-            await fly_study(settings, None, lambda *_: None)
+            await until_asked(fly_study(settings, None, lambda *_: None))

@@ -15,7 +15,8 @@ import pytest
 from waiting import PATIENCE, soon
 
 from app.work import cancellable
-from app.work.cancellable import RunLost, run_alone
+from app.work import pool as workers
+from app.work.cancellable import RunLost, run_alone, until_asked
 
 
 @pytest.fixture(autouse=True)
@@ -66,6 +67,18 @@ async def test_cancelling_a_run_ends_it_at_once() -> None:
     with pytest.raises(asyncio.CancelledError):
         await asyncio.wait_for(task, PATIENCE)
     assert set(multiprocessing.active_children()) <= others
+
+
+async def test_what_nobody_asked_for_gives_way_to_whoever_asks() -> None:
+    """A study flown ahead held the only place of two cores for minutes."""
+    ahead: list[str] = []
+    task = asyncio.create_task(until_asked(run_alone(_for_an_hour, progress=lambda _, what: ahead.append(what))))
+    await soon(lambda: ahead, "the run ahead")
+    answers = [run_alone(_who, progress=lambda *_: None) for _ in range(workers.size())]
+    assert len(await asyncio.wait_for(asyncio.gather(*answers), PATIENCE)) == workers.size()
+    await asyncio.wait_for(task, PATIENCE)
+    with pytest.raises(ValueError, match="not this one"):
+        await until_asked(run_alone(_refuse, progress=lambda *_: None))
 
 
 def test_a_process_that_died_while_it_waited_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
