@@ -16,16 +16,17 @@ from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.verdict import all_required, confidence_of, flight_required
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
-from nav_model.design.figures import FIGURES, IN_FLIGHT, STEADY
+from nav_model.design.figures import FIGURES, IN_FLIGHT, OF_BUDGET, STEADY
 from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
-from nav_model.simulation.design_study import named_flight, settling, specification
+from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import PlannedFlight, fly
 from nav_model.trajectory.specification import CovarianceSpec, FlightLine, Most
 from nav_model.trajectory.waypoints import Plan, Waypoint, lengthened, strip
 
 _SAME = 0.005
-_REMEMBERED = 4.0  # correlation times
+_SAME_AFTER = 0.01
+_WAITS = 24  # to a thousandth of the leg after an aperture
 _MOST_RESULTS = 1200  # along a flight
 PLAN = "plan"
 """Name of a design's own flight among those that the commands fly."""
@@ -133,7 +134,7 @@ def covariance_specification(
         limited[name] = limited.get(name, ()) + _limits(design, dict(zip(LIMITED, most, strict=True)))
     flown = tuple(replace(line, most=limited.get(line.name, ())) for line in lines)
     x = inputs_of(design)
-    waits = _waited(design)
+    waits = _waited(x)
     return CovarianceSpec(
         study,
         x,
@@ -150,11 +151,14 @@ def covariance_specification(
     )
 
 
-def _waited(design: Design) -> float:
-    """Seconds for which the smoother waits for fixes after an aperture; later ones than its filter remembers say
-    nothing."""
-    slow = _REMEMBERED * design.gnss.correlation_time if design.gnss.correlated else 0.0
-    return min(design.processing.leg_after, max(settling(design), slow))
+def _waited(x: Inputs) -> float:
+    """Seconds for which the smoother waits for fixes after an aperture: of the leg after it, as many as the budget's
+    smoothed figures need to be those of the whole one to a percent. [P-3]"""
+    shares = 0.75 ** np.arange(_WAITS)
+    smoothed = Smoothed(replace(x, leg_after=x.leg_after * shares))
+    values = np.array([smoothed.value(name) + np.zeros(_WAITS) for name in IN_FLIGHT if name in OF_BUDGET])
+    same = np.all(np.abs(values - values[:, :1]) <= _SAME_AFTER * values[:, :1], axis=0)
+    return float(x.leg_after * shares[np.argmin([*same, False]) - 1])
 
 
 def at_range(spec: CovarianceSpec, design: Design) -> CovarianceSpec:

@@ -1,6 +1,7 @@
 """Where a flight begins and ends: what is judged there, and flights without a fix."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,6 +42,22 @@ def test_a_straight_flight_has_the_smoothed_figures_of_the_budget_to_its_end() -
         assert result.post_processed.figures[name] == pytest.approx(budget.figure(name).sigma, rel=0.01), name
     (alone,) = lines_along(result.spec)
     assert alone.worst["detrended_phase"] == pytest.approx(result.lines[0].worst["detrended_phase"], rel=1e-12)
+
+
+QUIET = {"imu.angle_random_walk": 1e-5, "imu.velocity_random_walk": 4e-4, "gnss.interval": 0.5}
+SLOW = {"gnss.correlated": True, "gnss.correlated_noise": 1.2, "gnss.correlation_time": 20.0}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("changes", [{}, SLOW, QUIET, {**QUIET, **SLOW}], ids=["mems", "slow", "quiet", "both"])
+@pytest.mark.parametrize("after", [200.0, 3600.0])
+def test_a_straight_flight_goes_on_for_as_long_as_the_smoother_learns(changes: dict[str, Any], after: float) -> None:
+    """Quiet units, and slow errors of the fixes, have the smoother remember minutes: up to 35 % were missing."""
+    design = MEMS.replace({**changes, "processing.leg_after": after, "gnss.position_noise": 0.5})
+    result, budget = flown(design, duration=60.0, every=10.0), analyse(design)
+    for name in ("quadratic_phase", "detrended_phase", "horizontal_position", "vertical_velocity", "tilt"):
+        along, value = result.post_processed.figures[name], budget.figure(name).sigma
+        assert along[np.isfinite(along)][-1] == pytest.approx(value, rel=0.02), name
 
 
 def test_fixes_that_the_smoother_does_not_wait_for_are_not_flown() -> None:

@@ -204,7 +204,7 @@ def test_a_line_between_two_results_is_judged_by_the_nearest_and_one_that_is_not
 @pytest.mark.parametrize(
     ("changes", "duration", "text"),
     [
-        (["gnss.interval=0.1 s"], 20_001.0, "duration: the flight takes 200610 steps, at most 200000"),
+        (["gnss.interval=0.1 s"], 20_001.0, r"duration: the flight takes 200\d{3} steps, at most 200000"),
         (["radar.aperture_time=3000 s"], 6000.0, "every: 3001 apertures of 3001 steps are too many"),
     ],
 )
