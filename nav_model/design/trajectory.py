@@ -27,7 +27,8 @@ LIMITED = tuple(name for name in IN_FLIGHT if FIGURES[name].requirement)
 """Figures that a line may have a limit of its own on."""
 AIDING = (
     "bank_limit", "after_loss", "lever_arm_error", "time_offset", "radar_time_offset", "heading_noise",
-    "barometer_noise",
+    "heading_slow_noise", "heading_correlation_time", "barometer_noise", "barometer_slow_noise",
+    "barometer_correlation_time",
 )  # fmt: skip
 """Inputs of what aids the INS, and of its constant errors."""
 
@@ -64,13 +65,13 @@ def lines_in_words(names: Sequence[str]) -> str:
 def _number(
     default: float | None, unit: str, dimension: str, bounds: tuple[float, float], short: str, label: str, doc: str,
     typical: str, soft: tuple[float, float] | None = None, datasheet: str = "From the flight plan.",
-    since: str = "0.1.0",
+    since: str = "0.1.0", needs: tuple[str, ...] = (),
 ) -> Any:  # fmt: skip
     """A number of the plan; it may be left out if its default is None."""
     given: dict[str, Any] = {} if default is None else {"default": default}
     return (OptionalQuantity if default is None else Quantity)(
         **given, dimension=dimension, unit=unit, bounds=bounds, softbounds=soft, short=short, label=label, doc=doc,
-        typical=typical, datasheet=datasheet, variable=False, since=since,
+        typical=typical, datasheet=datasheet, variable=False, since=since, needs=needs,
     )  # fmt: skip
 
 
@@ -196,14 +197,40 @@ class Trajectory(Part):
     )
     heading_noise = _number(
         None, "°", "angle", (1e-5 * DEGREE, 90 * DEGREE), "thn", "Heading of two antennas",
-        "1σ of the two-antenna heading at each fix: √2 times the carrier-phase noise over the baseline.",
+        "1σ of the white noise of the two-antenna heading at each fix: √2 times the carrier-phase noise over the "
+        "baseline.",
         "0.3° at 1 m, 0.1° at 3 m",
         (0.01 * DEGREE, 1 * DEGREE), 'Receiver table: "heading accuracy".',
     )  # fmt: skip
+    heading_slow_noise = _number(
+        0.0, "°", "angle", (0.0, 90 * DEGREE), "ths", "Slow heading error",
+        "1σ of what the two-antenna heading is off by for a time, beside its white noise: multipath above all. The "
+        "filter takes the root of both variances as white.",
+        "0.2° at 1 m, 0.07° at 3 m", (0.0, 1 * DEGREE),
+        'Most of the "heading accuracy" of a receiver table, which averages away only where it is white.', "0.2.0",
+    )  # fmt: skip
+    heading_correlation_time = _number(
+        60.0, "s", "time", (1.0, 1e6), "tht", "Heading correlation time",
+        "Time constant of the slow heading error, a first-order Gauss-Markov process.",
+        "multipath 30 to 100 s in flight, up to 300 s straight ahead", (10.0, 1000.0),
+        "Not on data sheets: from a log at rest or on a straight line.", "0.2.0", ("heading_slow_noise",),
+    )  # fmt: skip
     barometer_noise = _number(
         None, "m", "length", (1e-3, 1e4), "tbn", "Barometer",
-        "1σ of the barometric height at each fix; it is available in an outage.", "1 to 10 m", (0.1, 100.0),
-        "Noise of the air data, as height.",
+        "1σ of the barometric height's white noise at each fix; it is available in an outage.", "0.1 to 10 m",
+        (0.1, 100.0), "Noise of the air data, as height.",
+    )  # fmt: skip
+    barometer_slow_noise = _number(
+        0.0, "m", "length", (0.0, 1e4), "tbs", "Slow barometer error",
+        "1σ of what the barometric height is off by for a time, beside its white noise: weather, and the pressure "
+        "about the aircraft. The filter takes the root of both variances as white.",
+        "1 to 3 m with a station on the ground, 10 to 100 m without", (0.0, 100.0),
+        '"Accuracy" of the air data, less its noise.', "0.2.0",
+    )  # fmt: skip
+    barometer_correlation_time = _number(
+        3600.0, "min", "time", (1.0, 1e6), "tbt", "Barometer correlation time",
+        "Time constant of the slow barometer error, a first-order Gauss-Markov process.", "30 min to 3 h",
+        (300.0, 20_000.0), "Not on data sheets: weather.", "0.2.0", ("barometer_slow_noise",),
     )  # fmt: skip
     lever_arm_error = _number(
         0.0, "cm", "length", (0.0, 100.0), "tla", "Lever arm error",

@@ -127,7 +127,14 @@ def specification(
             bank_limit=section.bank_limit,
             after_loss=section.after_loss,
         ),
-        aiding=Aids(section.heading_noise, section.barometer_noise),
+        aiding=Aids(
+            heading_noise=section.heading_noise,
+            barometer_noise=section.barometer_noise,
+            heading_slow_noise=section.heading_slow_noise,
+            heading_time=section.heading_correlation_time,
+            barometer_slow_noise=section.barometer_slow_noise,
+            barometer_time=section.barometer_correlation_time,
+        ),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
         filter=more.filter(states or inertial + (SLOW_STATES if slow else 0)),
         initial=InitialSigma(

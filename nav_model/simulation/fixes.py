@@ -65,10 +65,10 @@ def reported(truth: TruthStates, noise: FloatArray, arm: FloatArray) -> FloatArr
 
 @kernel
 def first_order(factors: FloatArray, values: FloatArray) -> None:
-    """A first-order Gauss-Markov process (n, 3), in place of what each step adds, with the `factors` (n) of the
+    """First-order Gauss-Markov processes (n, axes), in place of what each step adds, with the `factors` (n) of the
     value before."""
     for k in range(1, len(values)):
-        for i in range(3):
+        for i in range(values.shape[1]):
             values[k, i] += factors[k] * values[k - 1, i]
 
 

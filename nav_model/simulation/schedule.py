@@ -67,7 +67,7 @@ def in_outage(spec: SimulationSpec, time_s: FloatArray) -> tuple[NDArray[np.bool
 
 def fix_noise(spec: SimulationSpec, truth: TruthStates) -> FloatArray:
     """White noise of what the scheduled fixes measure, at their true states, (n, MEASURED): position [m], velocity
-    [m/s], heading [rad] and height [m]; infinite for what does not come.
+    [m/s], heading [rad] and height [m]; infinite for what does not come. `assumed_noise` is the filter's.
 
     All but the height is lost in an outage and beyond the bank that the antenna allows. After a loss the position
     solutions of `GnssModel.after_loss` follow.
@@ -86,12 +86,20 @@ def fix_noise(spec: SimulationSpec, truth: TruthStates) -> FloatArray:
         until += duration
     if gnss.velocity_noise is not None:
         noise[:, VELOCITY : VELOCITY + 3] = gnss.axis_velocity_noise
-    if spec.aiding.heading_noise is not None:
-        noise[:, HEADING] = spec.aiding.heading_noise
+    if spec.aiding.has_heading:
+        noise[:, HEADING] = spec.aiding.heading_noise or 0.0
     noise[lost] = np.inf
-    if spec.aiding.barometer_noise is not None:
-        noise[:, BAROMETER] = spec.aiding.barometer_noise
+    if spec.aiding.has_height:
+        noise[:, BAROMETER] = spec.aiding.barometer_noise or 0.0
     return noise
+
+
+def assumed_noise(spec: SimulationSpec, white: FloatArray) -> FloatArray:
+    """Sigma (n, MEASURED) that the filter takes for white, of what fixes measure with the noise `white` and the slow
+    errors of the aids."""
+    slow = np.zeros(MEASURED)
+    slow[HEADING], slow[BAROMETER] = spec.aiding.heading_slow_noise, spec.aiding.barometer_slow_noise
+    return spec.filter.gnss_noise_scale * np.hypot(white, slow)
 
 
 @lru_cache(maxsize=2)

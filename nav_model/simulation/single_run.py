@@ -15,8 +15,10 @@ from nav_model.simulation.kalman import error_dynamics, normalised_square, propa
 from nav_model.simulation.layout import (
     ACCELEROMETER,
     ATTITUDE,
+    BAROMETER,
     BIASES,
     GYRO,
+    HEADING,
     HEIGHT,
     LATITUDE,
     LONGITUDE,
@@ -26,7 +28,7 @@ from nav_model.simulation.layout import (
     TRIADS,
     VELOCITY,
 )
-from nav_model.simulation.schedule import FIX, OUTPUT, Schedule, plan
+from nav_model.simulation.schedule import FIX, OUTPUT, Schedule, assumed_noise, plan
 from nav_model.simulation.sensors import Triad, draw_triad, measure
 from nav_model.simulation.specification import ImuModel, SimulationSpec, TriadModel
 from nav_model.simulation.strapdown import advance, initial_state
@@ -366,7 +368,7 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
         imu_noise,
         tuning_of(spec),
         report,
-        (spec.filter.gnss_noise_scale * schedule.fix_noise) ** 2,
+        assumed_noise(spec, schedule.fix_noise) ** 2,
         np.array(spec.gnss.lever_arm),
         _Truth(*map(np.ascontiguousarray, (truth.position, truth.velocity, truth.matrix))),
         schedule.error_map,
@@ -401,16 +403,31 @@ def _reports(
         truth = true_states(plan_trajectory(spec.trajectory, spec.duration), truth.time_s + late)
     comes = np.isfinite(schedule.fix_noise)
     used = np.flatnonzero(comes.any(axis=0))
-    before = generator.standard_normal(3)
+    before = generator.standard_normal((1, 3))
     drawn = generator.standard_normal((len(truth.time_s), 3 + len(used)))
-    correlation = np.exp(-np.diff(schedule.fixes.time_s, prepend=0.0) / gnss.markov_time)
-    slow = np.vstack([before, np.sqrt(1.0 - correlation * correlation)[:, None] * drawn[:, :3]])
-    slow *= gnss.axis_markov_noise
-    first_order(np.concatenate([[0.0], correlation]), slow)
+    time_s = schedule.fixes.time_s
+    slow = _slow_errors(time_s, np.array(gnss.axis_markov_noise), gnss.markov_time, np.vstack([before, drawn[:, :3]]))
     noise = np.zeros((len(drawn), MEASURED))
     noise[:, used] = np.where(comes, schedule.fix_noise, 0.0)[:, used] * drawn[:, 3:]
     noise[:, :3] += slow[1:]
+    aids = spec.aiding
+    for measured, sigma, tau in (
+        (HEADING, aids.heading_slow_noise, aids.heading_time),
+        (BAROMETER, aids.barometer_slow_noise, aids.barometer_time),
+    ):
+        if sigma > 0.0:  # else nothing is drawn, and runs without it stay the same
+            unit = generator.standard_normal((1 + len(time_s), 1))
+            noise[:, measured] += _slow_errors(time_s, np.array([sigma]), tau, unit)[1:, 0]
     return reported(truth, noise, arm), noise[:, :3], slow[0]
+
+
+def _slow_errors(time_s: FloatArray, sigma: FloatArray, tau: float, unit: FloatArray) -> FloatArray:
+    """Gauss-Markov processes of correlation time `tau` [s] at time 0 and at some times (1 + n, axes), of white noise
+    `unit` of as many."""
+    correlation = np.concatenate([[0.0], np.exp(-np.diff(time_s, prepend=0.0) / tau)])
+    slow: FloatArray = np.sqrt(1.0 - correlation * correlation)[:, None] * unit * sigma
+    first_order(correlation, slow)
+    return slow
 
 
 def fly(spec: SimulationSpec, run: int) -> RunRecord:

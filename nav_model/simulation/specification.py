@@ -192,14 +192,34 @@ class Aids:
     """Sensors that aid the INS beyond GNSS, 1 sigma; None where there is no such sensor.
 
     heading_noise: of one heading by two antennas [rad]; barometer_noise: of one height [m]. Both come with the fixes.
-    The heading is lost with them, the height is not.
+    The heading is lost with them, the height is not. Each may have a slow error beside this white noise, or it alone,
+    a Gauss-Markov process of a correlation time [s]; the filter takes the root of both variances as white.
     """
 
     heading_noise: float | None = None
     barometer_noise: float | None = None
+    heading_slow_noise: float = 0.0
+    heading_time: float = 60.0
+    barometer_slow_noise: float = 0.0
+    barometer_time: float = 3600.0
 
     def __post_init__(self) -> None:
-        _check(self, positive=tuple(f.name for f in fields(self) if getattr(self, f.name) is not None))
+        optional = tuple(name for name in ("heading_noise", "barometer_noise") if getattr(self, name) is not None)
+        _check(
+            self,
+            positive=("heading_time", "barometer_time", *optional),
+            non_negative=("heading_slow_noise", "barometer_slow_noise"),
+        )
+
+    @property
+    def has_heading(self) -> bool:
+        """True with two antennas."""
+        return self.heading_noise is not None or self.heading_slow_noise > 0.0
+
+    @property
+    def has_height(self) -> bool:
+        """True with a barometer."""
+        return self.barometer_noise is not None or self.barometer_slow_noise > 0.0
 
 
 @dataclass(frozen=True)

@@ -29,14 +29,14 @@ from nav_model.simulation.layout import (
     TRIADS,
     VELOCITY,
 )
-from nav_model.simulation.schedule import fix_noise, output_samples, samples_at_multiples
+from nav_model.simulation.schedule import assumed_noise, fix_noise, output_samples, samples_at_multiples
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.simulation.trajectory import QuinticPath, plan_trajectory
 from nav_model.simulation.truth import TruthStates, specific_force_and_rate, true_states
 from nav_model.simulation.tuning import tuning_of
 from nav_model.trajectory.residual import HEADING_DRIFT, residual_biases
 from nav_model.trajectory.specification import CovarianceSpec
-from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, States, states_of
+from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, SLOW_AIDS, States, states_of
 
 FloatArray = NDArray[np.float64]
 _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
@@ -77,7 +77,7 @@ class ErrorModel:
         That of each further state, which no other changes.
     factors : array (k - 1, drives, 12, 9)
         Their square is the covariance of what a process noise adds in a step to the first nine states and to the
-        three that it drives, where those are further ones.
+        up to three that it drives, where those are further ones.
     filter_noise : array (k - 1, m, m)
         Process noise, as the filter assumes it.
     rows : array (k, r, n)
@@ -201,15 +201,15 @@ def steps_between(trajectory: QuinticPath, time_s: FloatArray, states: States) -
         for part, weight in zip(0.5 * (1.0 + _POINTS), 0.5 * _WEIGHTS, strict=True)
     ]
 
-    def driven_by(first: int, density: float) -> FloatArray:
-        """Factor (k - 1, 12, 9) of white noise of this density on three states."""
+    def driven_by(first: int, density: float, count: int = 3) -> FloatArray:
+        """Factor (k - 1, 12, 9) of white noise of this density on some states, three at most."""
         matrix = np.zeros((len(steps), BIASES + 3, 9))
         for n, (phi, decay_factor, root) in enumerate(flows):
-            into = slice(3 * n, 3 * n + 3)
-            matrix[:, :BIASES, into] = phi[:, :, first : first + 3] * root[:, None]
+            into = slice(3 * n, 3 * n + count)
+            matrix[:, :BIASES, into] = phi[:, :, first : first + count] * root[:, None]
             if first >= BIASES:
-                decayed = decay_factor[:, first - BIASES : first - BIASES + 3] * root
-                matrix[:, BIASES:, into] = decayed[:, None] * np.eye(3)
+                decayed = decay_factor[:, first - BIASES : first - BIASES + count] * root
+                matrix[:, BIASES : BIASES + count, into] = decayed[:, None] * np.eye(count)
         matrix *= math.sqrt(density)
         return matrix
 
@@ -218,7 +218,7 @@ def steps_between(trajectory: QuinticPath, time_s: FloatArray, states: States) -
         into = np.array([*range(BIASES), *range(max(first, BIASES), max(first + 3, BIASES))])
         factor = driven_by(first, density)[:, : len(into)]
         filter_noise[:, into[:, None], into] += factor @ factor.swapaxes(1, 2)
-    factors = np.stack([driven_by(error.first, error.drive) for error in states.drives], axis=1)
+    factors = np.stack([driven_by(error.first, error.drive, error.states) for error in states.drives], axis=1)
     return _phi(powers, 1.0), np.exp(-decay * steps[:, None]), factors, filter_noise
 
 
@@ -346,6 +346,9 @@ def measurements(
         rows[:, position, place : place + 3] = -sizes
         if states.estimated > states.inertial:
             rows[:, position, states.inertial : states.estimated] = sizes
+    for source, measured in SLOW_AIDS.items():
+        if (place := states.first.get(source)) is not None:
+            rows[:, measured, place] = -1.0
     if (place := states.first.get("lever arm error")) is not None:
         rows[:, position, place : place + 3] = truth.matrix
         rows[:, velocity, place : place + 3] = truth.matrix @ skew(truth.body_rate)
@@ -359,7 +362,7 @@ def measurements(
     if GYRO_NOISE in sources:
         density = study.imu.gyro.random_walk * study.imu.vibration_factor
         noise[:, sources.index(GYRO_NOISE), velocity] = np.where(there[:, velocity], swung, 0.0) * density**2
-    variance = (sigma * study.filter.gnss_noise_scale) ** 2
+    variance = assumed_noise(study, sigma) ** 2
     variance[:, velocity] += swung * tuning_of(study).gyro_density ** 2
     used, measuring = there.any(axis=0), np.flatnonzero(noise.any(axis=(0, 2)))
     return {

@@ -28,7 +28,7 @@ def heading_of(spec: CovarianceSpec, truth: TruthStates, sigma: FloatArray) -> H
     course = np.unwrap(np.arctan2(truth.velocity[:, 1], truth.velocity[:, 0]))
     turning = np.abs(np.gradient(course, time_s)) > _TURN
     at = float(time_s[seen[0]]) if seen.size else None
-    two = spec.study.aiding.heading_noise is not None
+    two = spec.study.aiding.has_heading
     cause = advice = ""
     if at is not None:
         has_turned = np.any(turning & (time_s <= at))

@@ -305,7 +305,8 @@ def within(
                 factor = model.factors[node - 1, place]
                 driven = A[:, :, :_AXES] @ factor[:, :_AXES]
                 if error.first >= _AXES:
-                    driven += A[:, :, error.first : error.first + 3] @ factor[:, _AXES:]
+                    beyond = slice(error.first, error.first + error.states)
+                    driven += A[:, :, beyond] @ factor[:, _AXES : _AXES + error.states]
                 sums.added[error.source, on] += (driven**2).sum(axis=2)
             moved = A[:, :, :_AXES] @ model.phi[node - 1]
             moved[:, :, _AXES:] += A[:, :, _AXES:] * model.decay_factor[node - 1, None]
@@ -401,7 +402,8 @@ def _factors(model: ErrorModel, node: int) -> FloatArray:
     factors[:, :_AXES] = model.factors[node - 1, :, :_AXES]
     for place, error in enumerate(model.states.drives):
         if error.first >= _AXES:
-            factors[place, error.first : error.first + 3] = model.factors[node - 1, place, _AXES:]
+            beyond = slice(error.first, error.first + error.states)
+            factors[place, beyond] = model.factors[node - 1, place, _AXES : _AXES + error.states]
     return factors
 
 

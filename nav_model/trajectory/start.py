@@ -44,7 +44,7 @@ def settled_start(study: SimulationSpec, states: States, start: TruthStates) -> 
     rates = np.hstack([truth.velocity, np.zeros((2, BIASES - 3))])
     fixed = measurements(level, states, trajectory, truth, rates, time_s[1:])
     h, r = fixed["rows"][1], np.diag(fixed["variance"][1])
-    heading_free = study.aiding.heading_noise is None
+    heading_free = not study.aiding.has_heading
     processes = _unknown_processes(states)
     step, noises = _between_fixes(trajectory, interval, states, processes, heading_free=heading_free)
     unsettled = states.believed.copy()
@@ -122,9 +122,10 @@ def _between_fixes(
     noises = np.zeros((1 + len(processes), states.size, states.size))
     noises[0, :m, :m] = believed
     for noise, place in zip(noises[1:], processes, strict=True):
-        first = states.drives[place].first
-        into = np.array([*range(BIASES), *range(first, first + 3)])
-        noise[into[:, None], into] = factors[place] @ factors[place].T
+        error = states.drives[place]
+        into = np.array([*range(BIASES), *range(error.first, error.first + error.states)])
+        factor = factors[place, : len(into)]
+        noise[into[:, None], into] = factor @ factor.T
     if heading_free:
         step[_YAW] = step[:, _YAW] = noises[:, _YAW] = noises[:, :, _YAW] = 0.0
         if (drift := states.first.get(HEADING_DRIFT)) is not None:

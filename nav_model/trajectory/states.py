@@ -1,7 +1,8 @@
 """The states and the sources of a study's errors, which are the same for every flight. [P-13]
 
 First come the states that the filter estimates (errors of position, velocity and attitude, and its bias estimates),
-then what is really there: biases, scale factors, misalignments, the slow GNSS error, lever arm error, time offsets.
+then what is really there: biases, scale factors, misalignments, slow errors of fixes and aids, lever arm error, time
+offsets.
 The filter's gains act on the first part; the second is considered. A source that is zero has no state and no noise.
 """
 
@@ -35,6 +36,8 @@ MEASURED_BY: Mapping[str, slice] = {
 }
 """Sources of noise in what a fix measures, and which measurements have it."""
 RADAR_TIME = "radar time offset"
+SLOW_AIDS: Mapping[str, int] = {"slow heading error": HEADING, "slow barometer error": BAROMETER}
+"""Sources of slow errors of the aids, and which measurement has them."""
 _SHORTEST = 0.01  # s: correlation time of a process with states of its own
 
 
@@ -129,6 +132,9 @@ def states_of(study: SimulationSpec, residual: Mapping[str, float]) -> States:
         add(source, source, 3, model.bias_instability, drive, model.correlation_time)
     if any(gnss.axis_markov_noise):  # its size is in what a fix measures
         add(SLOW_GNSS, SLOW_GNSS, 3, 1.0, 2.0 / gnss.markov_time, gnss.markov_time)
+    slow_aids = (aiding.heading_slow_noise, aiding.heading_time), (aiding.barometer_slow_noise, aiding.barometer_time)
+    for source, (sigma, time) in zip(SLOW_AIDS, slow_aids, strict=True):
+        add(source, source, 1, sigma, 2.0 * sigma**2 / time, time)
     moving, noisy = size, len(sources)
     constant = [("lever arm error", 3, gnss.lever_arm_error), ("time offset", 1, gnss.time_offset)]
     constant += [(RADAR_TIME, 1, study.radar_time_offset)]

@@ -309,8 +309,15 @@ def test_after_a_loss_code_and_float_solutions_come_before_fixed_ones() -> None:
             "trajectory.radar_time_offset": 0.02,
             "trajectory.bank_limit": 0.3,
         },
+        {
+            "trajectory.heading_noise": 2e-4,
+            "trajectory.heading_slow_noise": 3e-3,
+            "trajectory.heading_correlation_time": 30.0,
+            "trajectory.barometer_slow_noise": 3.0,
+            "trajectory.barometer_correlation_time": 100.0,
+        },
     ],
-    ids=["", "receiver", "code and float", "heading and height, and the radar's time"],
+    ids=["", "receiver", "code and float", "heading and height, and the radar's time", "slow heading and height"],
 )
 def test_simulated_runs_with_errors_that_the_filter_ignores_lie_within_their_confidence(
     runs: int, receiver: dict[str, float]
