@@ -6,6 +6,7 @@
     covariance.py     covariance(spec): figures and the share of every source -> TrajectoryResult
     passes.py         its passes along the flight: filter, smoother back, every source forward
     start.py          the covariance of a settled filter, with which a flight begins
+    trust.py          sensors whose errors stay longer than the filter assumes
     aperture.py       the weights of the image figures, of the errors at the nodes of a flight
     place.py          the place of the image, by the budget's model of it
     result.py         TrajectoryResult and its parts; to_json

@@ -17,6 +17,7 @@ from nav_model.design.figures import FIGURES
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.truth import TruthStates
 from nav_model.trajectory.specification import CovarianceSpec
+from nav_model.trajectory.trust import too_much_trust
 
 FloatArray = NDArray[np.float64]
 STATE_AXES: Mapping[str, slice] = {
@@ -271,6 +272,7 @@ def to_json(result: TrajectoryResult, verdict: Verdict) -> dict[str, Any]:
         "verdict": verdict_json(verdict),
         "closes": verdict.closes,
         "beside_budget": list(beside_budget(result.spec)),
+        "cautions": list(too_much_trust(result.spec)),
     }
 
 

@@ -140,6 +140,7 @@ def line_table(followed: Followed, name: str) -> TableBlock:
     having_one = [key for line in result.lines for key in line.limits]
     figures = [FIGURES[key] for key in dict.fromkeys([*having_one, name])]
     from nav_model.trajectory.result import beside_budget
+    from nav_model.trajectory.trust import too_much_trust
 
     rows: list[Row] = []
     for line in result.lines:
@@ -165,5 +166,7 @@ def line_table(followed: Followed, name: str) -> TableBlock:
         f"Figures by line, {result.spec.processing}, {spread_of(followed.design)}",
         ("Quantity", *numbers("At start", "Rms", "Worst", "Limit", "Within")),
         rows,
-        " ".join((f"{_MOMENT} {result.moment}.", *beside_budget(result.spec), _swath(result))).strip(),
+        " ".join(
+            (f"{_MOMENT} {result.moment}.", *beside_budget(result.spec), *too_much_trust(result.spec), _swath(result))
+        ).strip(),
     )

@@ -1,6 +1,7 @@
 """Slow errors of two antennas and of a barometer, which the filter takes for white: by an own filter, and in runs."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -10,9 +11,11 @@ from nav_model.design.file import read_design
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.schedule import assumed_noise
 from nav_model.simulation.single_run import fly
+from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.result import TrajectoryResult
+from nav_model.trajectory.trust import too_much_trust
 
 MEMS = read_design("examples/mems_x_band.toml")
 
@@ -122,3 +125,35 @@ def test_the_filter_takes_the_root_of_both_variances_for_white() -> None:
     sigmas = [fly(study, 0).filter_sigma for study in flights]
     np.testing.assert_allclose(sigmas[0], sigmas[1], rtol=1e-5)
     assert assumed_noise(flights[0], np.full((1, 8), np.inf)).tolist() == [[math.inf] * 8]
+
+
+def sentences(changes: dict[str, float], more: dict[str, str] | None = None, states: int = 0) -> str:
+    design = MEMS.replace(changes)
+    study = specification(
+        design, trajectory="straight", duration=120.0, states=states, more=read_study_inputs(more or {})
+    )
+    return " ".join(too_much_trust(covariance_specification(design, study)))
+
+
+def test_an_aid_that_is_taken_for_white_has_its_slow_figure_beside_it() -> None:
+    assert sentences({}) == ""
+    text = sentences({"trajectory.heading_noise": 0.3 * DEGREE, "trajectory.barometer_noise": 3.0})
+    white, slow = heading(0.3 * DEGREE, 0.0, 60.0), heading(0.03 * DEGREE, 0.3 * DEGREE, 60.0)
+    assert f"leaves {math.degrees(white):.3g}° of heading" in text
+    figure = float(re.findall(r"the heading is off by ([\d.]+)°", text)[0])
+    assert figure == pytest.approx(math.degrees(slow), rel=0.01)
+    assert "(trajectory.barometer_slow_noise)" in text
+    assert "too much" not in text
+
+
+def test_a_filter_that_trusts_a_sensor_too_much_would_be_better_with_more_noise() -> None:
+    """By the own filter of the heading; a slow error far below the white one changes nothing by it."""
+    slow, more = 0.3 * DEGREE, math.sqrt(0.44) * 0.3 * DEGREE
+    gain = 1.0 - heading(more, slow, 60.0) / heading(0.0, slow, 60.0)
+    text = sentences({"trajectory.heading_slow_noise": slow})
+    assert "trusts the two antennas too much" in text
+    assert float(re.findall(r"heading by ([\d.]+) %", text)[0]) == pytest.approx(100.0 * gain, rel=0.05)
+    assert sentences({"trajectory.heading_noise": slow, "trajectory.heading_slow_noise": slow / 30.0}) == ""
+    scaled = {"accelerometer.scale_factor": "400 ppm"}
+    assert "trusts the accelerometers too much" in sentences({}, scaled, states=9)
+    assert "vertical position by" in sentences({}, scaled, states=9)
