@@ -131,17 +131,16 @@ class Given(NamedTuple):
 
 
 class Implied(NamedTuple):
-    """An input that the rows imply, SI, and the factor that the digits leave open to both sides; infinite where the
-    rows do not show it."""
+    """An input that the rows imply, SI, and the factor that the digits leave open to both sides.
+
+    Where that is not less than three, both are None, and at_most is the largest value with which some noise gives
+    every entry to its digits; None where no entry bounds it, or none gives them all.
+    """
 
     key: str
-    value: float
-    factor: float
-
-    @property
-    def determined(self) -> bool:
-        """True if the rows say the value, to a factor of three."""
-        return self.factor < 3
+    value: float | None
+    factor: float | None
+    at_most: float | None = None
 
 
 class Contradiction(NamedTuple):
@@ -180,11 +179,18 @@ class Inversion:
     contradictions: tuple[Contradiction, ...]
     several: bool
 
+    @property
+    def determined(self) -> bool:
+        """True if the rows agree and give every input."""
+        return self.agree and all(item.value is not None for item in self.implied)
+
     def changes(self, design: Design) -> tuple[dict[str, float], dict[str, str], dict[str, str]]:
-        """Values, units and origins that `Design.replace` takes, of the inputs that the rows determine."""
+        """Values, units and origins that `Design.replace` takes, of the inputs that have a value."""
         labels = "; ".join(entry.label for entry in self.entries)
         values, origins = {}, {}
-        for item in filter(lambda item: item.determined, self.implied):
+        for item in self.implied:
+            if item.value is None:
+                continue
             values[item.key] = rounded_offer(design, item.key, item.value).value
             origin = f"implied by the vendor's table: {labels}"
             origins[item.key] = origin if len(origin) <= _ORIGIN else f"{origin[:_ORIGIN]}…"
@@ -197,6 +203,9 @@ _LEAST_ROUNDING, _MOST_ROUNDING = 0.01, 0.1
 _STARTS, _FITS, _EVALUATIONS = 2048, 3, 40
 _EXACT = 1e-4  # sum of squares, of roundings, from which no other start is tried
 _STEP = 1e-20
+_LOOSE = 3.0  # factor from which an input is not determined
+_COARSE = 1e-6  # change of a logarithm at which the search for a largest value ends
+_MISSED = 1e-3  # of a rounding, beyond which a search has left what the digits allow
 _NAMES = {
     **dict.fromkeys(("roll/pitch", "roll / pitch", "roll & pitch", "roll", "pitch", "tilt"), "roll and pitch"),
     **dict.fromkeys(("true heading", "yaw"), "heading"),
@@ -279,10 +288,15 @@ def invert(design: Design, rows: Iterable[str]) -> Inversion:
         point, cost = fit.best(everything)
         # Values that agree to their digits cost at most one each, so more is a proof that none do.
         agree = bool(cost <= len(entries))
-        implied = tuple(map(Implied, _UNKNOWNS, np.exp(point[:4]).tolist(), fit.factors(point)))
+        implied = []
+        for place, (key, factor) in enumerate(zip(_UNKNOWNS, fit.factors(point), strict=True)):
+            if factor < _LOOSE:
+                implied.append(Implied(key, math.exp(point[place]), factor))
+            else:
+                implied.append(Implied(key, None, None, fit.at_most(place, point) if agree else None))
         contradictions = () if agree else fit.contradictions(point)
         several = not agree and not contradictions
-        return Inversion(entries, agree, implied, fit.missed(point) if several else contradictions, several)
+        return Inversion(entries, agree, tuple(implied), fit.missed(point) if several else contradictions, several)
 
 
 class _Fit:
@@ -355,6 +369,37 @@ class _Fit:
         sizes = np.pad(sizes, (0, len(axes) - len(sizes)))
         spread = np.sqrt((axes**2 / np.maximum(sizes, 1e-6)[:, None] ** 2).sum(axis=0) / 3)
         return [math.exp(value) if value < 20 else math.inf for value in 2 * spread[:4]]
+
+    def at_most(self, place: int, point: Array) -> float | None:
+        """The largest value of the unknown at `place` with which some others give every entry to its digits.
+
+        None where that is the largest value tried. `point` is a fit of all entries, which all agree.
+        """
+        from scipy.optimize import Bounds, minimize
+
+        # A fit may miss an entry by more than its rounding while their sum agrees; then all may be missed by that.
+        allowed = max(1.0, float(np.abs(self.residuals(point[:, None])).max()))
+        at = lru_cache(maxsize=2)(lambda point: self.slopes(np.frombuffer(point)))
+
+        def room(unknowns: Array) -> Array:
+            misses, _ = at(unknowns.tobytes())
+            return np.concatenate([allowed - misses, allowed + misses])
+
+        def slopes_of_room(unknowns: Array) -> Array:
+            _, slopes = at(unknowns.tobytes())
+            return np.concatenate([-slopes, slopes])
+
+        upwards = np.where(np.arange(len(point)) == place, -1.0, 0.0)
+        best = float(point[place])
+        for start in (point, *self.starts[np.argsort((self.misses**2).sum(axis=0))[:1]]):
+            end = minimize(
+                lambda unknowns: float(upwards @ unknowns), start, jac=lambda _: upwards, method="SLSQP",
+                constraints={"type": "ineq", "fun": room, "jac": slopes_of_room},
+                bounds=Bounds(self.low, self.high), options={"maxiter": _EVALUATIONS, "ftol": _COARSE},
+            ).x  # fmt: skip
+            if room(end).min() > -_MISSED:
+                best = max(best, float(end[place]))
+        return math.exp(best) if best < self.high[place] - _MISSED else None
 
     def contradictions(self, point: Array) -> tuple[Contradiction, ...]:
         """Each entry without which the others agree."""

@@ -355,7 +355,11 @@ def test_a_vendors_table_is_taken_into_the_design(desk: Page) -> None:
     desk.get_by_role("button", name="Errors as data sheets print them").click()
     expect(desk.get_by_role("cell", name="6.59 m")).to_be_visible()
     rows = desk.get_by_label("A vendor's table in real time, a row a line")
-    rows.fill("60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.0233°")
+    rows.fill(
+        "no outage: horizontal 0.4039 m, vertical 0.2140 m, velocity 0.03694 m/s, roll and pitch 0.05986°\n"
+        "10 s: horizontal 0.9174 m, vertical 0.5641 m, velocity 0.1146 m/s, tilt 0.06141°, heading 0.01392°\n"
+        "60 s: horizontal 20.43 m, vertical 18.01 m, velocity 0.7238 m/s, roll and pitch 0.09316°, heading 0.07143°"
+    )
     desk.get_by_role("button", name="Which noise does it imply?").click()
     desk.get_by_role("button", name="Use in the design").click()
     expect(desk.get_by_text("Implied noise and its source copied to the design.")).to_be_visible()

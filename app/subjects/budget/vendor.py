@@ -21,7 +21,7 @@ from nav_model.design import Design
 from nav_model.design.catalogue import catalogue
 from nav_model.design.figures import FIGURES
 from nav_model.design.parts import declaration_of
-from nav_model.explore.vendor_table import COLUMNS, Inversion, invert, vendor_table, with_unit
+from nav_model.explore.vendor_table import COLUMNS, Implied, Inversion, invert, vendor_table, with_unit
 
 _OWN = "IMU of the design"
 _EXAMPLE = "60 s: horizontal 17 m, vertical 0.56 m, velocity 0.57 m/s, roll and pitch 0.073°, heading 0.065°"
@@ -67,14 +67,15 @@ def implied_blocks(design: Design, inversion: Inversion) -> list[Block]:
         title = "The entries contradict each other in real time with this receiver"
         blocks.append(Bullets(contradictions, f"{title}{', several at once' if inversion.several else ''}"))
         blocks.append(Text(_CAUSES))
-    rows = (
-        (
-            str(declaration_of(item.key).label),
-            input_in_words(design, item.key, item.value, given=False) if item.determined else NONE,
-            f"a factor of {number(item.factor)}" if item.determined else "not determined by these rows",
-        )
-        for item in inversion.implied
-    )
+
+    def words(item: Implied) -> tuple[str, str]:
+        if item.value is not None and item.factor is not None:
+            return input_in_words(design, item.key, item.value, given=False), f"a factor of {number(item.factor)}"
+        if item.at_most is None:
+            return NONE, "not determined by these rows"
+        return f"any up to {input_in_words(design, item.key, item.at_most, given=False)}", NONE
+
+    rows = ((str(declaration_of(item.key).label), *words(item)) for item in inversion.implied)
     closest = "Closest noise" if inversion.contradictions else "Implied noise"
     blocks.append(table("implied", closest, ("Input", *numbers("Value, 1σ"), "To within"), rows))
     return blocks
@@ -126,7 +127,7 @@ class VendorPanel(View):
             self.answer.object = html_of(Text(f"Not solved. {error}"))
             return
         self.answer.object = html_of(*implied_blocks(design, self._inversion))
-        self.take.visible = self._inversion.agree and any(item.determined for item in self._inversion.implied)
+        self.take.visible = self._inversion.determined
 
     def _take(self, _: Any) -> None:
         assert self._inversion is not None

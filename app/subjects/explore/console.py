@@ -169,9 +169,10 @@ def inverted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     except InputError as error:
         raise (error.under("--row") if error.key == "row" else error) from error
     rows = [
-        {"input": item.key, "value": item.value, "factor": _finite(item.factor), "determined": item.determined}
+        {"input": item.key, "value": item.value, "factor": item.factor, "at_most": item.at_most,
+         "determined": item.value is not None}
         for item in inversion.implied
-    ]
+    ]  # fmt: skip
     contradictions = [
         {"outage_s": item.entry.outage, "entry": item.entry.column, "given": item.entry.value,
          "implied": item.implied, "factor": item.factor}

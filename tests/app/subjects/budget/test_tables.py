@@ -399,13 +399,22 @@ def test_vendor_table_on_page_report_and_console_is_one(capsys):
 def test_panel_takes_the_implied_noise_into_the_design() -> None:
     session = Session(example("mems_x_band"))
     panel = VendorPanel(session)
-    panel.rows.value = "60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.0233°"
+    # A unit of 4.1 °/h and 1 mg.
+    panel.rows.value = (
+        "no outage: horizontal 0.4039 m, vertical 0.2140 m, velocity 0.03694 m/s, roll and pitch 0.05986°\n"
+        "10 s: horizontal 0.9174 m, vertical 0.5641 m, velocity 0.1146 m/s, tilt 0.06141°, heading 0.01392°\n"
+        "60 s: horizontal 20.43 m, vertical 18.01 m, velocity 0.7238 m/s, roll and pitch 0.09316°, heading 0.07143°"
+    )
     asyncio.run(panel._invert(None))
     assert panel.take.visible, panel.answer.object
     panel._take(None)
     assert session.design.origins["imu.angle_random_walk"].startswith(
-        "implied by the vendor's table: horizontal 6.59 m"
+        "implied by the vendor's table: horizontal 0.4039 m"
     )
+    panel.rows.value = "60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.0233°"
+    asyncio.run(panel._invert(None))
+    assert "any up to" in panel.answer.object
+    assert not panel.take.visible
     panel.rows.value = "60 s: horizontal 6.59 m, vertical 0.63 m, velocity 0.2 m/s, roll and pitch 0.233°"
     asyncio.run(panel._invert(None))
     answer = re.sub("<.*?>", "", panel.answer.object).replace("\N{NO-BREAK SPACE}", " ")
